@@ -1,0 +1,115 @@
+//! What can be wrong with the input, and what can stop a solve.
+
+use std::fmt::Display;
+
+/// A value that the problem cannot be built from: where it stands, what it is, what is allowed.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{path}: {given} is not allowed here; {allowed}")]
+pub struct InputError {
+    /// Place of the value, as a path into the scene: `gap.radii[0]`.
+    pub path: String,
+    /// The value as it was given.
+    pub given: String,
+    /// What is allowed in its place.
+    pub allowed: String,
+}
+
+impl InputError {
+    /// An error at `path` about the value `given`.
+    pub fn new(path: impl Into<String>, given: impl Display, allowed: impl Into<String>) -> Self {
+        Self { path: path.into(), given: given.to_string(), allowed: allowed.into() }
+    }
+
+    /// The same error seen from outside: `radii[0]` within `gap` is `gap.radii[0]`.
+    #[must_use]
+    pub fn within(mut self, outer: &str) -> Self {
+        self.path = match self.path.chars().next() {
+            None => outer.to_owned(),
+            Some('[') => format!("{outer}{}", self.path),
+            Some(_) => format!("{outer}.{}", self.path),
+        };
+        self
+    }
+}
+
+/// A finite number, or an error at `path`.
+pub(crate) fn finite(path: &str, value: f64) -> Result<f64, InputError> {
+    if value.is_finite() { Ok(value) } else { Err(InputError::new(path, value, "a finite number")) }
+}
+
+/// A finite number greater than zero, or an error at `path`.
+pub(crate) fn positive(path: &str, value: f64) -> Result<f64, InputError> {
+    if value.is_finite() && value > 0.0 {
+        Ok(value)
+    } else {
+        Err(InputError::new(path, value, "a finite number greater than 0"))
+    }
+}
+
+/// Why a method gave no solution. It is an answer, not a fault: the method looked and says so.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{verdict}: {reason}")]
+pub struct Unsolved {
+    /// What is wrong, in one word.
+    pub verdict: Verdict,
+    /// The same in a sentence, with the figures that show it.
+    pub reason: String,
+}
+
+impl Unsolved {
+    /// A verdict with its reason.
+    pub fn new(verdict: Verdict, reason: impl Into<String>) -> Self {
+        Self { verdict, reason: reason.into() }
+    }
+}
+
+/// What is wrong, in one word.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Verdict {
+    /// The contact reaches as far as one looks: a cylinder on its side, a plane without an edge.
+    Unbounded,
+    /// The plan-form cannot be written as r = a(theta) about its centroid.
+    NotStarShaped,
+    /// Equation (15) has no boundary on the concave branch.
+    NoStationaryBoundary,
+    /// The force has no maximum within the family: the optimiser left the branch.
+    NoMaximum,
+    /// No closed form is known for this gap and loading.
+    NoClosedForm,
+    /// The load acts where no part of the punch can balance it.
+    NoEquilibrium,
+    /// The iteration limit came before the tolerance.
+    IterationLimit,
+    /// The tolerance was not reached with the cells allowed.
+    ToleranceNotReached,
+    /// More cells than this method can hold.
+    TooLarge,
+    /// The method does not answer this kind of question.
+    NotApplicable,
+}
+
+impl Verdict {
+    /// The word that stands in a result.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Unbounded => "unbounded",
+            Self::NotStarShaped => "not_star_shaped",
+            Self::NoStationaryBoundary => "no_stationary_boundary",
+            Self::NoMaximum => "no_maximum",
+            Self::NoClosedForm => "no_closed_form",
+            Self::NoEquilibrium => "no_equilibrium",
+            Self::IterationLimit => "iteration_limit",
+            Self::ToleranceNotReached => "tolerance_not_reached",
+            Self::TooLarge => "too_large",
+            Self::NotApplicable => "not_applicable",
+        }
+    }
+}
+
+impl Display for Verdict {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.word())
+    }
+}

@@ -1,0 +1,122 @@
+//! The initial gap g(x, y) of the undeformed bodies at zero depth: what every method starts from.
+//!
+//! [`Gap`] is the open set (any closure is a gap); the types of this module are the kinds that have a name.
+//! With depth d the undeformed bodies overlap by f = d - g, the paper's f.
+
+mod analytic;
+mod mean;
+mod placed;
+mod polyhedron;
+
+pub use analytic::{Cone, Paraboloid, Power, Sphere};
+pub use placed::{Placed, Scaled};
+pub use polyhedron::Polyhedron;
+
+use std::sync::Arc;
+
+use crate::geometry::Rect;
+
+/// Where a gap can be less than a given depth.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Reach {
+    /// Only inside this rectangle.
+    Within(Rect),
+    /// Nowhere.
+    Nowhere,
+    /// Without limit in some direction.
+    Unbounded,
+    /// The gap cannot tell; it has to be searched.
+    Unknown,
+}
+
+/// An initial gap. Only [`Gap::gap`] has to be given; the rest is what a method can use when it is known.
+///
+/// A closure `|x, y| ...` is a gap. Where one body has no material the gap is `f64::INFINITY`; NaN is not allowed.
+/// The gap may be negative (its zero is the user's choice of reference).
+pub trait Gap: Send + Sync {
+    /// The gap at (x, y), in units of length.
+    fn gap(&self, x: f64, y: f64) -> f64;
+
+    /// (dg/dx, dg/dy) where it is known; at a kink, that of one of the sides.
+    fn gradient(&self, _x: f64, _y: f64) -> Option<[f64; 2]> {
+        None
+    }
+
+    /// Where the gap is less than `depth`. The rectangle may be larger than need be, never smaller.
+    fn reach(&self, _depth: f64) -> Reach {
+        Reach::Unknown
+    }
+
+    /// Mean of the gap over a rectangle. Infinite where any part has no material.
+    fn mean(&self, cell: &Rect) -> f64 {
+        mean::by_quadrature(|x, y| self.gap(x, y), cell)
+    }
+
+    /// Appends the distances r > 0 at which the gap along the ray `from + r direction` has a kink
+    /// (a jump of its slope). `direction` is a unit vector. Order does not matter.
+    fn ray_kinks(&self, _from: [f64; 2], _direction: [f64; 2], _kinks: &mut Vec<f64>) {}
+
+    /// Appends the angles theta at which the gap, seen from `from`, is not smooth as a function of theta
+    /// for fixed small r: the ridges and valleys that meet there, and the corners further out.
+    fn kink_directions(&self, _from: [f64; 2], _angles: &mut Vec<f64>) {}
+
+    /// A point to start looking from; the apex, where there is one.
+    fn centre(&self) -> [f64; 2] {
+        [0.0, 0.0]
+    }
+}
+
+/// A gap behind a shared pointer, so that gaps of different kinds can stand side by side.
+#[derive(Clone)]
+pub struct AnyGap(Arc<dyn Gap>);
+
+impl AnyGap {
+    /// Any gap, its kind forgotten.
+    pub fn new(gap: impl Gap + 'static) -> Self {
+        Self(Arc::new(gap))
+    }
+}
+
+impl std::ops::Deref for AnyGap {
+    type Target = dyn Gap;
+
+    fn deref(&self) -> &Self::Target {
+        &*self.0
+    }
+}
+
+impl Gap for AnyGap {
+    fn gap(&self, x: f64, y: f64) -> f64 {
+        self.0.gap(x, y)
+    }
+
+    fn gradient(&self, x: f64, y: f64) -> Option<[f64; 2]> {
+        self.0.gradient(x, y)
+    }
+
+    fn reach(&self, depth: f64) -> Reach {
+        self.0.reach(depth)
+    }
+
+    fn mean(&self, cell: &Rect) -> f64 {
+        self.0.mean(cell)
+    }
+
+    fn ray_kinks(&self, from: [f64; 2], direction: [f64; 2], kinks: &mut Vec<f64>) {
+        self.0.ray_kinks(from, direction, kinks);
+    }
+
+    fn kink_directions(&self, from: [f64; 2], angles: &mut Vec<f64>) {
+        self.0.kink_directions(from, angles);
+    }
+
+    fn centre(&self) -> [f64; 2] {
+        self.0.centre()
+    }
+}
+
+impl<F: Fn(f64, f64) -> f64 + Send + Sync> Gap for F {
+    fn gap(&self, x: f64, y: f64) -> f64 {
+        self(x, y)
+    }
+}

@@ -1,0 +1,155 @@
+//! A gap moved, turned, or seen in other units.
+
+use nalgebra::{Rotation2, Vector2};
+
+use super::{Gap, Reach};
+use crate::error::{InputError, finite};
+use crate::geometry::Rect;
+
+/// A gap put at a point and turned about it: its value at x is the kind's own gap at R(-rotation)(x - at).
+#[derive(Debug, Clone)]
+pub struct Placed<G> {
+    inner: G,
+    at: Vector2<f64>,
+    turn: Rotation2<f64>,
+}
+
+impl<G: Gap> Placed<G> {
+    /// `inner` with its origin at `at`, turned counter-clockwise by `rotation` (radians).
+    ///
+    /// # Errors
+    /// Names `at` or `rotate` when not finite.
+    pub fn new(inner: G, at: [f64; 2], rotation: f64) -> Result<Self, InputError> {
+        finite("at[0]", at[0])?;
+        finite("at[1]", at[1])?;
+        Ok(Self { inner, at: at.into(), turn: quarter_exact(finite("rotate", rotation)?) })
+    }
+
+    fn inward(&self, p: [f64; 2]) -> [f64; 2] {
+        (self.turn.inverse() * (Vector2::from(p) - self.at)).into()
+    }
+
+    fn outward(&self, p: [f64; 2]) -> [f64; 2] {
+        (self.turn * Vector2::from(p) + self.at).into()
+    }
+}
+
+/// A rotation whose sine and cosine are exact at multiples of 90 degrees, so that symmetry survives.
+fn quarter_exact(angle: f64) -> Rotation2<f64> {
+    let quarters = angle / std::f64::consts::FRAC_PI_2;
+    if (quarters - quarters.round()).abs() > 1e-14 * quarters.abs().max(1.0) {
+        return Rotation2::new(angle);
+    }
+    let (sin, cos) = [(0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0)][quarters.round().rem_euclid(4.0) as usize % 4];
+    Rotation2::from_matrix_unchecked(nalgebra::Matrix2::new(cos, -sin, sin, cos))
+}
+
+impl<G: Gap> Gap for Placed<G> {
+    fn gap(&self, x: f64, y: f64) -> f64 {
+        let [x, y] = self.inward([x, y]);
+        self.inner.gap(x, y)
+    }
+
+    fn gradient(&self, x: f64, y: f64) -> Option<[f64; 2]> {
+        let [x, y] = self.inward([x, y]);
+        self.inner.gradient(x, y).map(|g| (self.turn * Vector2::from(g)).into())
+    }
+
+    fn reach(&self, depth: f64) -> Reach {
+        match self.inner.reach(depth) {
+            Reach::Within(rect) => {
+                Rect::holding(rect.corners().map(|c| self.outward(c))).map_or(Reach::Nowhere, Reach::Within)
+            }
+            other => other,
+        }
+    }
+
+    fn mean(&self, cell: &Rect) -> f64 {
+        if self.turn.matrix()[(0, 0)] == 1.0 {
+            let shift = |p: [f64; 2]| [p[0] - self.at[0], p[1] - self.at[1]];
+            return self.inner.mean(&Rect { min: shift(cell.min), max: shift(cell.max) });
+        }
+        super::mean::by_quadrature(|x, y| self.gap(x, y), cell)
+    }
+
+    fn ray_kinks(&self, from: [f64; 2], direction: [f64; 2], kinks: &mut Vec<f64>) {
+        let direction = self.turn.inverse() * Vector2::from(direction);
+        self.inner.ray_kinks(self.inward(from), direction.into(), kinks);
+    }
+
+    fn kink_directions(&self, from: [f64; 2], angles: &mut Vec<f64>) {
+        let known = angles.len();
+        self.inner.kink_directions(self.inward(from), angles);
+        angles[known..].iter_mut().for_each(|a| *a += self.turn.angle());
+    }
+
+    fn centre(&self) -> [f64; 2] {
+        self.outward(self.inner.centre())
+    }
+}
+
+/// A gap in the units of the solvers: its value at xi is g(origin + length xi)/depth.
+///
+/// Everything behind the door (E* = 1, depth = 1, a length of the contact = 1) sees the gap through this.
+#[derive(Clone, Copy)]
+pub struct Scaled<'a> {
+    /// The gap in the user's units.
+    pub gap: &'a dyn Gap,
+    /// Where xi = 0 lies.
+    pub origin: [f64; 2],
+    /// The unit of length along the surface.
+    pub length: f64,
+    /// The unit of length along the normal.
+    pub depth: f64,
+}
+
+impl Scaled<'_> {
+    /// The point xi in the user's units.
+    #[must_use]
+    pub fn outward(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        [self.origin[0] + self.length * x, self.origin[1] + self.length * y]
+    }
+
+    /// A point of the user's in units of length from the origin.
+    #[must_use]
+    pub fn inward(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        [(x - self.origin[0]) / self.length, (y - self.origin[1]) / self.length]
+    }
+}
+
+impl Gap for Scaled<'_> {
+    fn gap(&self, x: f64, y: f64) -> f64 {
+        let [x, y] = self.outward([x, y]);
+        self.gap.gap(x, y) / self.depth
+    }
+
+    fn gradient(&self, x: f64, y: f64) -> Option<[f64; 2]> {
+        let [x, y] = self.outward([x, y]);
+        self.gap.gradient(x, y).map(|g| g.map(|g| g / self.depth * self.length))
+    }
+
+    fn reach(&self, depth: f64) -> Reach {
+        match self.gap.reach(depth * self.depth) {
+            Reach::Within(r) => Reach::Within(Rect { min: self.inward(r.min), max: self.inward(r.max) }),
+            other => other,
+        }
+    }
+
+    fn mean(&self, cell: &Rect) -> f64 {
+        self.gap.mean(&Rect { min: self.outward(cell.min), max: self.outward(cell.max) }) / self.depth
+    }
+
+    fn ray_kinks(&self, from: [f64; 2], direction: [f64; 2], kinks: &mut Vec<f64>) {
+        let known = kinks.len();
+        self.gap.ray_kinks(self.outward(from), direction, kinks);
+        kinks[known..].iter_mut().for_each(|r| *r /= self.length);
+    }
+
+    fn kink_directions(&self, from: [f64; 2], angles: &mut Vec<f64>) {
+        self.gap.kink_directions(self.outward(from), angles);
+    }
+
+    fn centre(&self) -> [f64; 2] {
+        self.inward(self.gap.centre())
+    }
+}

@@ -1,0 +1,353 @@
+//! Polyhedral punches: the gap is the highest of several planes.
+
+use std::f64::consts::TAU;
+
+use super::analytic::slope_of;
+use super::{Gap, Reach};
+use crate::error::{InputError, finite, positive};
+use crate::geometry::{Rect, area, centroid, clip};
+
+/// g = max over k of (slope_x x + slope_y y + offset): a convex polyhedron, blunt or pointed, regular or not.
+///
+/// The paper's punches (equations 16 and 25) are [`Polyhedron::pyramid`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Polyhedron {
+    planes: Vec<[f64; 3]>,
+    apex: [f64; 2],
+    regular: Option<(usize, f64)>,
+}
+
+impl Polyhedron {
+    /// Planes as `[slope_x, slope_y, offset]`, at least one.
+    ///
+    /// # Errors
+    /// Names the plane with a number that is not finite, or the empty list.
+    pub fn new(planes: Vec<[f64; 3]>) -> Result<Self, InputError> {
+        if planes.is_empty() {
+            return Err(InputError::new("planes", "an empty list", "at least one plane [slope_x, slope_y, offset]"));
+        }
+        for (k, plane) in planes.iter().enumerate() {
+            for (m, &value) in plane.iter().enumerate() {
+                finite(&format!("planes[{k}][{m}]"), value)?;
+            }
+        }
+        let apex = lowest_point(&planes);
+        Ok(Self { planes, apex, regular: None })
+    }
+
+    /// A regular pyramid of `faces` >= 2 faces, each inclined by `inclination` (radians, in (0, pi/2)); the first face
+    /// looks along +x: g = tan(inclination) max over k of (x cos(2 pi k/faces) + y sin(2 pi k/faces)).
+    /// Two faces make a wedge.
+    ///
+    /// # Errors
+    /// When there are fewer than two faces or more than 100 000, or the inclination is out of range.
+    pub fn pyramid(faces: usize, inclination: f64) -> Result<Self, InputError> {
+        if !(2..=100_000).contains(&faces) {
+            return Err(InputError::new("faces", faces, "a whole number from 2 to 100000"));
+        }
+        let slope = slope_of(inclination)?;
+        let planes = (0..faces)
+            .map(|k| {
+                let (sin, cos) = unit(k, faces);
+                [slope * cos, slope * sin, 0.0]
+            })
+            .collect();
+        Ok(Self { planes, apex: [0.0; 2], regular: Some((faces, slope)) })
+    }
+
+    /// A pyramid whose tip is cut off so that a flat polygon of this inradius is left; the gap is zero on the flat.
+    ///
+    /// # Errors
+    /// As [`Polyhedron::pyramid`]; names `flat` when it is not a finite number greater than zero.
+    pub fn truncated_pyramid(faces: usize, inclination: f64, flat: f64) -> Result<Self, InputError> {
+        let pointed = Self::pyramid(faces, inclination)?;
+        let flat = positive("flat", flat)?;
+        let slope = slope_of(inclination)?;
+        let mut planes = pointed.planes;
+        for plane in &mut planes {
+            plane[2] = -slope * flat;
+        }
+        planes.push([0.0; 3]);
+        Ok(Self { planes, apex: [0.0; 2], regular: None })
+    }
+
+    /// The planes, `[slope_x, slope_y, offset]`.
+    #[must_use]
+    pub fn planes(&self) -> &[[f64; 3]] {
+        &self.planes
+    }
+
+    /// Number of faces and their slope, when this is a regular pointed pyramid.
+    #[must_use]
+    pub fn regular(&self) -> Option<(usize, f64)> {
+        self.regular
+    }
+
+    fn highest(&self, x: f64, y: f64) -> &[f64; 3] {
+        let height = |p: &[f64; 3]| p[0] * x + p[1] * y + p[2];
+        if let Some((faces, _)) = self.regular {
+            // The face whose sector holds the point; neighbours guard against rounding.
+            let k = (y.atan2(x) / TAU * faces as f64).round() as i64;
+            let face = |k: i64| &self.planes[k.rem_euclid(faces as i64) as usize];
+            return [face(k - 1), face(k + 1)]
+                .into_iter()
+                .fold(face(k), |a, b| if height(b) > height(a) { b } else { a });
+        }
+        self.planes.iter().reduce(|a, b| if height(b) > height(a) { b } else { a }).expect("at least one plane")
+    }
+}
+
+/// sin and cos of 2 pi k/n, exact on the axes and exactly mirrored.
+fn unit(k: usize, n: usize) -> (f64, f64) {
+    // Reduce to the first octant in whole numbers: 8k/n in [0, 8).
+    let octant = 8 * k / n;
+    let angle = |numerator: i64| TAU * numerator as f64 / (8 * n as i64) as f64;
+    let (k8, n8) = (8 * k as i64, n as i64);
+    match octant {
+        0 => angle(k8).sin_cos(),
+        1 => swap(angle(2 * n8 - k8).sin_cos()),
+        2 => {
+            let (s, c) = swap(angle(k8 - 2 * n8).sin_cos());
+            (s, -c)
+        }
+        3 => {
+            let (s, c) = angle(4 * n8 - k8).sin_cos();
+            (s, -c)
+        }
+        4 => {
+            let (s, c) = angle(k8 - 4 * n8).sin_cos();
+            (-s, -c)
+        }
+        5 => {
+            let (s, c) = swap(angle(6 * n8 - k8).sin_cos());
+            (-s, -c)
+        }
+        6 => {
+            let (s, c) = swap(angle(k8 - 6 * n8).sin_cos());
+            (-s, c)
+        }
+        _ => {
+            let (s, c) = angle(8 * n8 - k8).sin_cos();
+            (-s, c)
+        }
+    }
+}
+
+fn swap((a, b): (f64, f64)) -> (f64, f64) {
+    (b, a)
+}
+
+/// Corners of the region where plane `k` is the highest, cut to `window`.
+fn face_polygon(planes: &[[f64; 3]], k: usize, window: &Rect) -> Vec<[f64; 2]> {
+    let own = planes[k];
+    let mut polygon = window.corners().to_vec();
+    for (m, other) in planes.iter().enumerate() {
+        if polygon.is_empty() {
+            break;
+        }
+        if m == k || other == &own {
+            continue;
+        }
+        let [a, b, c] = [other[0] - own[0], other[1] - own[1], other[2] - own[2]];
+        polygon = clip(&polygon, a, b, c);
+    }
+    polygon
+}
+
+/// A window that holds every corner of the surface with room to spare, from the planes alone.
+fn corner_window(planes: &[[f64; 3]]) -> Rect {
+    let steepest = planes.iter().map(|p| p[0].hypot(p[1])).fold(0.0, f64::max);
+    let spread = planes.iter().map(|p| p[2].abs()).fold(0.0, f64::max);
+    let scale = if spread > 0.0 && steepest > 0.0 { spread / steepest } else { 1.0 };
+    let wide = Rect::around([0.0; 2], [1e6 * scale; 2]);
+    // Second pass: the corners found in the wide window set the size of a snug one, where nothing cancels.
+    match Rect::holding(corners_within(planes, &wide)) {
+        Some(found) => {
+            let half = 2.0 * found.size()[0].max(found.size()[1]).max(scale);
+            Rect::around(found.centre(), [half; 2])
+        }
+        None => Rect::around([0.0; 2], [4.0 * scale; 2]),
+    }
+}
+
+/// Corners of the surface strictly inside the window.
+fn corners_within(planes: &[[f64; 3]], window: &Rect) -> Vec<[f64; 2]> {
+    let inner = window.scaled(1.0 - 1e-9);
+    (0..planes.len()).flat_map(|k| face_polygon(planes, k, window)).filter(|&p| inner.contains(p)).collect()
+}
+
+/// Where the surface is lowest; the middle of the flat if it is lowest on one.
+fn lowest_point(planes: &[[f64; 3]]) -> [f64; 2] {
+    let window = corner_window(planes);
+    if let Some(k) = planes.iter().position(|p| p[0] == 0.0 && p[1] == 0.0) {
+        let flat = face_polygon(planes, k, &window);
+        if flat.len() >= 3 {
+            return centroid(&flat);
+        }
+    }
+    let height = |p: &[f64; 2]| planes.iter().map(|q| q[0] * p[0] + q[1] * p[1] + q[2]).fold(f64::MIN, f64::max);
+    corners_within(planes, &window).into_iter().min_by(|a, b| height(a).total_cmp(&height(b))).unwrap_or([0.0; 2])
+}
+
+impl Gap for Polyhedron {
+    fn gap(&self, x: f64, y: f64) -> f64 {
+        let p = self.highest(x, y);
+        p[0] * x + p[1] * y + p[2]
+    }
+
+    fn gradient(&self, x: f64, y: f64) -> Option<[f64; 2]> {
+        let p = self.highest(x, y);
+        Some([p[0], p[1]])
+    }
+
+    fn reach(&self, depth: f64) -> Reach {
+        if let Some((faces, slope)) = self.regular {
+            if depth <= 0.0 {
+                return Reach::Nowhere;
+            }
+            if faces == 2 {
+                return Reach::Unbounded;
+            }
+            let ridge = depth / slope / (0.5 * TAU / faces as f64).cos();
+            return Reach::Within(Rect::around([0.0; 2], [ridge; 2]));
+        }
+        let steepest = self.planes.iter().map(|p| p[0].hypot(p[1])).fold(0.0, f64::max);
+        let window = corner_window(&self.planes);
+        let margin =
+            if steepest > 0.0 { 1e6 * (depth - self.gap(self.apex[0], self.apex[1])).abs() / steepest } else { 0.0 };
+        let window = Rect::around(window.centre(), [0.5 * window.size()[0] + margin, 0.5 * window.size()[1] + margin]);
+        let mut region = window.corners().to_vec();
+        for [a, b, c] in &self.planes {
+            if !region.is_empty() {
+                region = clip(&region, *a, *b, c - depth);
+            }
+        }
+        let inner = window.scaled(1.0 - 1e-9);
+        if region.iter().any(|&p| !inner.contains(p)) {
+            return Reach::Unbounded;
+        }
+        match Rect::holding(region) {
+            Some(rect) => Reach::Within(rect.scaled(1.0 + 1e-9)),
+            None => Reach::Nowhere,
+        }
+    }
+
+    fn mean(&self, cell: &Rect) -> f64 {
+        // The region of one plane is convex: highest at the corners, highest throughout.
+        let corners = cell.corners();
+        let [x, y] = cell.centre();
+        let top = self.highest(x, y);
+        if corners.iter().all(|c| self.gap(c[0], c[1]) <= top[0] * c[0] + top[1] * c[1] + top[2]) {
+            return top[0] * x + top[1] * y + top[2];
+        }
+        if self.planes.len() > 24 {
+            return super::mean::by_quadrature(|x, y| self.gap(x, y), cell);
+        }
+        let [w, h] = cell.size();
+        let volume = |k: usize| {
+            let piece = face_polygon(&self.planes, k, cell);
+            if piece.len() < 3 {
+                return 0.0;
+            }
+            let [cx, cy] = centroid(&piece);
+            let p = self.planes[k];
+            area(&piece) * (p[0] * cx + p[1] * cy + p[2])
+        };
+        // Equal planes share a region: count the first of them only.
+        (0..self.planes.len()).filter(|&k| !self.planes[..k].contains(&self.planes[k])).map(volume).sum::<f64>()
+            / (w * h)
+    }
+
+    fn ray_kinks(&self, from: [f64; 2], direction: [f64; 2], kinks: &mut Vec<f64>) {
+        // Along the ray each plane is a line h + s r; walk their upper envelope outwards.
+        let line = |p: &[f64; 3]| (p[0] * from[0] + p[1] * from[1] + p[2], p[0] * direction[0] + p[1] * direction[1]);
+        if self.regular.is_some() && from == [0.0; 2] {
+            return;
+        }
+        let highest_first = |a: &(f64, f64), b: &(f64, f64)| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1));
+        let Some(mut top) = self.planes.iter().map(line).max_by(highest_first) else { return };
+        let mut r = 0.0;
+        loop {
+            // The next line to overtake the present one.
+            let overtaking =
+                self.planes.iter().map(line).filter(|l| l.1 > top.1).map(|l| ((top.0 - l.0) / (l.1 - top.1), l));
+            let Some((at, next)) = overtaking.min_by(|a, b| a.0.total_cmp(&b.0).then(b.1.1.total_cmp(&a.1.1))) else {
+                return;
+            };
+            if at > r {
+                kinks.push(at);
+                r = at;
+            }
+            top = next;
+        }
+    }
+
+    fn kink_directions(&self, from: [f64; 2], angles: &mut Vec<f64>) {
+        if let Some((faces, _)) = self.regular {
+            if from != [0.0; 2] {
+                angles.push((-from[1]).atan2(-from[0]));
+            }
+            angles.extend((0..faces).map(|k| TAU * (k as f64 + 0.5) / faces as f64));
+            return;
+        }
+        let window = corner_window(&self.planes);
+        let near = 1e-12 * window.size()[0];
+        for k in 0..self.planes.len() {
+            for [x, y] in face_polygon(&self.planes, k, &window) {
+                let (dx, dy) = (x - from[0], y - from[1]);
+                if dx.hypot(dy) > near {
+                    angles.push(dy.atan2(dx));
+                }
+            }
+        }
+    }
+
+    fn centre(&self) -> [f64; 2] {
+        self.apex
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pyramid_is_the_maximum_over_its_faces() {
+        for faces in [2, 3, 4, 5, 7, 12, 1000] {
+            let punch = Polyhedron::pyramid(faces, 0.3).unwrap();
+            for k in 0..50 {
+                let (x, y) = ((1.7 * k as f64).sin(), (0.9 * k as f64).cos());
+                let brute = (0..faces)
+                    .map(|m| TAU * m as f64 / faces as f64)
+                    .map(|a| 0.3f64.tan() * (x * a.cos() + y * a.sin()))
+                    .fold(f64::MIN, f64::max);
+                assert!((punch.gap(x, y) - brute).abs() < 1e-14, "{faces} faces at {x}, {y}");
+            }
+        }
+    }
+
+    #[test]
+    fn mean_over_a_ridge_is_the_exact_volume() {
+        let wedge = Polyhedron::new(vec![[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0]]).unwrap();
+        let cell = Rect { min: [-0.25, 3.0], max: [0.75, 5.0] };
+        assert!((wedge.mean(&cell) - (0.25 * 0.125 + 0.75 * 0.375)).abs() < 1e-15);
+    }
+
+    #[test]
+    fn reach_of_a_wedge_is_unbounded_and_of_a_truncated_pyramid_its_rim() {
+        assert_eq!(Polyhedron::pyramid(2, 0.5).unwrap().reach(1.0), Reach::Unbounded);
+        let blunt = Polyhedron::truncated_pyramid(4, 0.25 * std::f64::consts::PI, 2.0).unwrap();
+        let Reach::Within(rect) = blunt.reach(1.0) else { panic!("bounded") };
+        assert!((rect.max[0] - 3.0).abs() < 1e-6 && (rect.min[1] + 3.0).abs() < 1e-6);
+        assert_eq!(blunt.reach(-1.0), Reach::Nowhere);
+    }
+
+    #[test]
+    fn kinks_along_a_ray_are_where_the_slope_jumps() {
+        let blunt = Polyhedron::truncated_pyramid(4, 0.25 * std::f64::consts::PI, 2.0).unwrap();
+        let mut kinks = Vec::new();
+        blunt.ray_kinks([0.0, 0.0], [1.0, 0.0], &mut kinks);
+        assert_eq!(kinks.len(), 1);
+        assert!((kinks[0] - 2.0).abs() < 1e-15);
+    }
+}

@@ -1,0 +1,120 @@
+//! Plane vocabulary: rectangles and polygons.
+
+/// A rectangle with sides along the axes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rect {
+    /// Lower left corner.
+    pub min: [f64; 2],
+    /// Upper right corner.
+    pub max: [f64; 2],
+}
+
+impl Rect {
+    /// The rectangle with this centre and these half sides.
+    #[must_use]
+    pub fn around(centre: [f64; 2], half: [f64; 2]) -> Self {
+        Self { min: [centre[0] - half[0], centre[1] - half[1]], max: [centre[0] + half[0], centre[1] + half[1]] }
+    }
+
+    /// Centre.
+    #[must_use]
+    pub fn centre(&self) -> [f64; 2] {
+        [0.5 * (self.min[0] + self.max[0]), 0.5 * (self.min[1] + self.max[1])]
+    }
+
+    /// Lengths of the two sides.
+    #[must_use]
+    pub fn size(&self) -> [f64; 2] {
+        [self.max[0] - self.min[0], self.max[1] - self.min[1]]
+    }
+
+    /// The four corners, counter-clockwise.
+    #[must_use]
+    pub fn corners(&self) -> [[f64; 2]; 4] {
+        [self.min, [self.max[0], self.min[1]], self.max, [self.min[0], self.max[1]]]
+    }
+
+    /// The smallest rectangle that holds both.
+    #[must_use]
+    pub fn union(&self, other: &Self) -> Self {
+        Self {
+            min: [self.min[0].min(other.min[0]), self.min[1].min(other.min[1])],
+            max: [self.max[0].max(other.max[0]), self.max[1].max(other.max[1])],
+        }
+    }
+
+    /// What both have in common, if anything.
+    #[must_use]
+    pub fn intersection(&self, other: &Self) -> Option<Self> {
+        let min = [self.min[0].max(other.min[0]), self.min[1].max(other.min[1])];
+        let max = [self.max[0].min(other.max[0]), self.max[1].min(other.max[1])];
+        (min[0] <= max[0] && min[1] <= max[1]).then_some(Self { min, max })
+    }
+
+    /// The smallest rectangle that holds all points; `None` without points.
+    pub fn holding(points: impl IntoIterator<Item = [f64; 2]>) -> Option<Self> {
+        points.into_iter().map(|p| Self { min: p, max: p }).reduce(|a, b| a.union(&b))
+    }
+
+    /// The same centre, sides times `factor`.
+    #[must_use]
+    pub fn scaled(&self, factor: f64) -> Self {
+        let [w, h] = self.size();
+        Self::around(self.centre(), [0.5 * factor * w, 0.5 * factor * h])
+    }
+
+    /// Whether the point lies inside or on the border.
+    #[must_use]
+    pub fn contains(&self, [x, y]: [f64; 2]) -> bool {
+        (self.min[0]..=self.max[0]).contains(&x) && (self.min[1]..=self.max[1]).contains(&y)
+    }
+}
+
+/// What is left of a convex polygon where a x + b y + c <= 0; empty when nothing is.
+pub(crate) fn clip(polygon: &[[f64; 2]], a: f64, b: f64, c: f64) -> Vec<[f64; 2]> {
+    let side = |p: &[f64; 2]| a * p[0] + b * p[1] + c;
+    let mut kept = Vec::with_capacity(polygon.len() + 1);
+    for (k, p) in polygon.iter().enumerate() {
+        let q = &polygon[(k + 1) % polygon.len()];
+        let (sp, sq) = (side(p), side(q));
+        if sp <= 0.0 {
+            kept.push(*p);
+        }
+        if (sp < 0.0 && sq > 0.0) || (sp > 0.0 && sq < 0.0) {
+            let t = sp / (sp - sq);
+            kept.push([p[0] + t * (q[0] - p[0]), p[1] + t * (q[1] - p[1])]);
+        }
+    }
+    kept
+}
+
+/// Signed area of a polygon, positive when counter-clockwise.
+#[must_use]
+pub fn area(polygon: &[[f64; 2]]) -> f64 {
+    edges_about_first(polygon).map(|(p, q)| 0.5 * (p[0] * q[1] - p[1] * q[0])).sum()
+}
+
+/// Centroid of the area of a polygon; of its corners when it has no area.
+#[must_use]
+pub fn centroid(polygon: &[[f64; 2]]) -> [f64; 2] {
+    let twice = 2.0 * area(polygon);
+    let base = polygon[0];
+    if twice == 0.0 {
+        let n = polygon.len() as f64;
+        return [0, 1].map(|m| polygon.iter().map(|p| p[m] / n).sum::<f64>());
+    }
+    let mut moment = [0.0; 2];
+    for (p, q) in edges_about_first(polygon) {
+        let cross = p[0] * q[1] - p[1] * q[0];
+        moment[0] += cross * (p[0] + q[0]);
+        moment[1] += cross * (p[1] + q[1]);
+    }
+    [base[0] + moment[0] / (3.0 * twice), base[1] + moment[1] / (3.0 * twice)]
+}
+
+/// Edges relative to the first corner, so that a polygon far from the origin loses no digits.
+fn edges_about_first(polygon: &[[f64; 2]]) -> impl Iterator<Item = ([f64; 2], [f64; 2])> + '_ {
+    let base = polygon.first().copied().unwrap_or_default();
+    let from_base = move |p: &[f64; 2]| [p[0] - base[0], p[1] - base[1]];
+    polygon.iter().zip(polygon.iter().cycle().skip(1)).map(move |(p, q)| (from_base(p), from_base(q)))
+}
