@@ -1,0 +1,98 @@
+//! What the caller asks for: method, resolution, and which outputs are worth computing.
+
+use crate::grid::Kernel;
+
+/// The methods.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
+pub enum Method {
+    /// The cheapest method that reaches the tolerance.
+    #[default]
+    Auto,
+    /// A formula, where one is known.
+    ClosedForm,
+    /// The best ellipse (paper, section 2.2): a rigorous lower bound of the force.
+    Ritz,
+    /// Fabrikant's flat punch and the boundary of largest force (paper, sections 2.3 and 3).
+    Fabrikant,
+    /// The quadratic programme on a grid, solved by Clarabel and polished.
+    Qp,
+    /// The same programme by conjugate gradients and fast Fourier transforms.
+    Fft,
+}
+
+impl Method {
+    /// The name in scenes and results.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::ClosedForm => "closed_form",
+            Self::Ritz => "ritz",
+            Self::Fabrikant => "fabrikant",
+            Self::Qp => "qp",
+            Self::Fft => "fft",
+        }
+    }
+}
+
+/// Families of boundaries for [`Method::Fabrikant`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum BoundaryFamily {
+    /// Equation (15): stationary among all boundaries.
+    #[default]
+    Stationary,
+    /// Ellipses.
+    Ellipse,
+    /// Circles.
+    Circle,
+    /// Fourier series of this order for a(theta).
+    Fourier(usize),
+}
+
+/// What to compute besides force, stiffness and patch size.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Outputs {
+    /// The boundary of the patch as polylines.
+    pub patch: bool,
+    /// The pressure field.
+    pub pressure: bool,
+    /// The gap after loading, on the same grid.
+    pub gap: bool,
+    /// A bracket around the force.
+    pub bracket: bool,
+    /// Force against depth up to the given load.
+    pub curve: bool,
+}
+
+/// How to solve.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settings {
+    /// Which method.
+    pub method: Method,
+    /// Cells along the longer side; `None`: as many as the tolerance asks for.
+    pub cells: Option<usize>,
+    /// Means over cells or values at their centres.
+    pub kernel: Kernel,
+    /// Relative error of the force that is good enough, in (0, 1).
+    pub tolerance: f64,
+    /// Boundaries that [`Method::Fabrikant`] may choose from.
+    pub boundary: BoundaryFamily,
+    /// What to compute besides.
+    pub outputs: Outputs,
+    /// Threads that the fft method may use.
+    pub threads: usize,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            method: Method::Auto,
+            cells: None,
+            kernel: Kernel::Galerkin,
+            tolerance: 1e-3,
+            boundary: BoundaryFamily::Stationary,
+            outputs: Outputs::default(),
+            threads: 1,
+        }
+    }
+}

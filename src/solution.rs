@@ -1,0 +1,83 @@
+//! The answer: force, stiffness, patch and pressure of one state of loading, in the user's units.
+
+use crate::discrete::Residuals;
+use crate::grid::Pressure;
+use crate::settings::Method;
+
+/// A solved state of contact. What could not be solved is an [`crate::Unsolved`], never one of these.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Solution {
+    /// What ran (never [`Method::Auto`]).
+    pub method: Method,
+    /// Approach of the bodies at the origin.
+    pub depth: f64,
+    /// Tilts (ax, ay), radians; zero unless the loading says otherwise.
+    pub tilt: [f64; 2],
+    /// Normal force.
+    pub force: f64,
+    /// Estimate of the relative error of the force; `None` when no estimate could be made.
+    pub force_error: Option<f64>,
+    /// dP/dd.
+    pub stiffness: f64,
+    /// Second derivatives of the stored energy by (depth, ax, ay); `None` when the method cannot give them.
+    pub stiffness_matrix: Option<[[f64; 3]; 3]>,
+    /// Moments (Mx, My) about the origin, Mx = integral of p y, My = -integral of p x; `None` when the method cannot give them.
+    pub moment: Option<[f64; 2]>,
+    /// Stored energy: the work of the force from first touch to here.
+    pub energy: Option<f64>,
+    /// The contact patch.
+    pub patch: Patch,
+    /// The contact pressure.
+    pub pressure: PressureSummary,
+    /// Residuals recomputed from the pressure; `None` for methods without a grid.
+    pub residuals: Option<Residuals>,
+    /// What it took.
+    pub cost: Cost,
+    /// What this scene did not need, in words.
+    pub left_out: Vec<String>,
+    /// What the user should know about how the answer came about, in words.
+    pub remarks: Vec<String>,
+}
+
+/// Where the bodies touch.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Patch {
+    /// Area.
+    pub area: f64,
+    /// Centroid of the area; `None` without contact.
+    pub centroid: Option<[f64; 2]>,
+    /// Number of separate regions.
+    pub regions: usize,
+    /// Largest distance of a point of the patch from the reference point of the gap.
+    pub max_radius: f64,
+    /// Closed polylines, the first point not repeated, when asked for: outer boundaries counter-clockwise, holes clockwise.
+    pub boundary: Option<Vec<Vec<[f64; 2]>>>,
+}
+
+/// How the pressure is spread.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct PressureSummary {
+    /// Largest pressure found; `None` where the exact one is infinite (edges of flat punches, tips) or not given by the method.
+    pub max: Option<f64>,
+    /// Force over area; `None` without contact.
+    pub mean: Option<f64>,
+    /// Where the largest pressure was found.
+    pub at: Option<[f64; 2]>,
+    /// The field on its grid, when asked for.
+    pub field: Option<Pressure>,
+    /// The gap that is left after loading, on the same grid, when asked for.
+    pub gap: Option<Vec<f64>>,
+}
+
+/// What a solution took.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Cost {
+    /// Wall-clock seconds.
+    pub seconds: f64,
+    /// Unknowns of the largest system.
+    pub unknowns: usize,
+    /// Iterations, all levels.
+    pub iterations: usize,
+    /// Products with the compliance operator, all levels.
+    pub operator_products: usize,
+}
