@@ -1,0 +1,222 @@
+//! The exact contact at one depth: box, grid, solver, verification, refinement to the tolerance.
+
+use crate::discrete::{Discrete, DiscreteSolution};
+use crate::domain::{Door, locate, shape};
+use crate::error::{Unsolved, Verdict};
+use crate::extrapolate::{self, Estimate};
+use crate::gap::Gap;
+use crate::geometry::Rect;
+use crate::grid::{Grid, Kernel};
+use crate::homogeneity::Degree;
+use crate::settings::{Method, Settings};
+
+/// Times a box may grow before the contact is taken to have no end.
+const MOST_GROWTHS: usize = 12;
+
+/// A solved grid, in the units of the door.
+#[derive(Debug, Clone)]
+pub(crate) struct GridState {
+    pub problem: Discrete,
+    pub solution: DiscreteSolution,
+    /// Iterations and products of all levels and boxes.
+    pub iterations: usize,
+    pub operator_products: usize,
+    pub left_out: Vec<String>,
+    pub remarks: Vec<String>,
+}
+
+impl GridState {
+    pub fn force(&self) -> f64 {
+        self.solution.pressure.iter().sum::<f64>() * self.problem.grid.cell_area()
+    }
+
+    /// U = 1/2 integral of p f = -J.
+    pub fn energy(&self) -> f64 {
+        let product = |(p, f): (&f64, &f64)| if *p > 0.0 { p * f } else { 0.0 };
+        0.5 * self.solution.pressure.iter().zip(&self.problem.overlap).map(product).sum::<f64>()
+            * self.problem.grid.cell_area()
+    }
+}
+
+/// A small solve to rounding; what the search for the box uses.
+pub(crate) fn coarse(problem: &Discrete) -> Result<DiscreteSolution, Unsolved> {
+    Ok(crate::qp::solve_by_active_set(problem, None)?.solution)
+}
+
+/// The contact at one depth with `cells` cells along the longer side of a box that holds it.
+pub(crate) fn at_resolution(
+    door: &Door,
+    window: &mut Rect,
+    cells: usize,
+    kernel: Kernel,
+    method: Method,
+) -> Result<GridState, Unsolved> {
+    let mut spent = (0, 0);
+    for _ in 0..MOST_GROWTHS {
+        let grid = Grid::over(window, shape(window, cells));
+        let problem = Discrete::sample(&door.gap, door.depth, grid, kernel);
+        let state = solve(problem, method)?;
+        spent = (spent.0 + state.iterations, spent.1 + state.operator_products);
+        match outgrown(door, window, &state) {
+            None => return Ok(GridState { iterations: spent.0, operator_products: spent.1, ..state }),
+            Some(larger) => *window = larger,
+        }
+    }
+    let reason = format!(
+        "the box around the contact was enlarged {MOST_GROWTHS} times and the contact still reached its border"
+    );
+    Err(Unsolved::new(Verdict::Unbounded, reason))
+}
+
+/// A contact refined until the force is good enough.
+#[derive(Debug, Clone)]
+pub(crate) struct Refined {
+    /// The finest grid.
+    pub state: GridState,
+    /// Best value of the force; that of the finest grid itself when the number of cells was prescribed.
+    pub force: f64,
+    /// Estimate of its error, absolute.
+    pub error: f64,
+}
+
+/// The contact at one depth, on grids that double until the estimated error of the force is below the tolerance, or on
+/// the prescribed number of cells and half of it.
+///
+/// The Galerkin energy of a homogeneous gap gives the force, P = (2 + 1/k) U/d, without the jitter of a sum over a
+/// whole number of cells; it is that which is extrapolated.
+pub(crate) fn refined(
+    door: &Door,
+    settings: &Settings,
+    method: Method,
+    degree: Option<Degree>,
+) -> Result<Refined, Unsolved> {
+    let mut window = locate(door)?;
+    let (mut forces, mut energies) = (Vec::new(), Vec::new());
+    let mut spent = (0, 0);
+    let ladder: Vec<usize> = match settings.cells {
+        Some(cells) if cells > 2 * COARSEST => vec![cells.div_ceil(2), cells],
+        Some(cells) => vec![cells],
+        None => (0..).map(|level| COARSEST << level).take_while(|&n| n <= FINEST).collect(),
+    };
+    let mut best: Option<Refined> = None;
+    for cells in ladder {
+        let state = match at_resolution(door, &mut window, cells, settings.kernel, method) {
+            // The grid before was the finest that this method can hold.
+            Err(e) if e.verdict == Verdict::TooLarge && settings.cells.is_none() && best.is_some() => {
+                let reached = best.map_or(f64::NAN, |b| b.error / b.force);
+                let reason = format!("relative error {reached:.1e} reached; {}", e.reason);
+                return Err(Unsolved::new(Verdict::ToleranceNotReached, reason));
+            }
+            other => other?,
+        };
+        spent = (spent.0 + state.iterations, spent.1 + state.operator_products);
+        let state = GridState { iterations: spent.0, operator_products: spent.1, ..state };
+        forces.push(state.force());
+        let from_energy = degree.filter(|_| settings.kernel == Kernel::Galerkin && settings.cells.is_none());
+        let estimate = if let Some(degree) = from_energy {
+            energies.push((2.0 + degree.inverse()) * state.energy() / door.depth);
+            extrapolate::of_energies(&energies)
+        } else {
+            extrapolate::of_forces(&forces)
+        };
+        let force = state.force();
+        let Estimate { value, error } = estimate.unwrap_or(Estimate { value: force, error: force });
+        let prescribed = settings.cells == Some(cells);
+        let good = error <= settings.tolerance * value && (from_energy.is_some() || forces.len() >= 3);
+        best = Some(Refined { state, force: value, error });
+        if good && !prescribed {
+            break;
+        }
+    }
+    let best = best.expect("the ladder has a rung");
+    if settings.cells.is_none() && best.error > settings.tolerance * best.force {
+        let reason = format!(
+            "relative error {:.1e} reached with {FINEST} cells along the longer side; the tolerance is {:.1e}",
+            best.error / best.force,
+            settings.tolerance
+        );
+        return Err(Unsolved::new(Verdict::ToleranceNotReached, reason));
+    }
+    Ok(best)
+}
+
+/// Cells along the longer side of the first grid.
+const COARSEST: usize = 16;
+
+/// Cells along the longer side of the last grid that is tried.
+const FINEST: usize = 2048;
+
+fn solve(problem: Discrete, method: Method) -> Result<GridState, Unsolved> {
+    let solved = match method {
+        Method::Qp => crate::qp::solve(&problem, None)?,
+        _ => todo!(),
+    };
+    let mut left_out = Vec::new();
+    if solved.symmetry.order() > 1 {
+        left_out.push(format!("{} of {} cells: {}", 0, 0, solved.symmetry.words()));
+    }
+    let pruned = problem.overlap.iter().filter(|&&f| f <= 0.0).count();
+    left_out.push(format!("{pruned} of {} cells, where the overlap is not positive", problem.grid.len()));
+    let mut remarks = Vec::new();
+    if !solved.polished {
+        remarks.push("the active set did not close: the pressures are those of the interior point".to_owned());
+    }
+    let (iterations, operator_products) = (solved.solution.iterations, solved.solution.operator_products);
+    Ok(GridState { problem, solution: solved.solution, iterations, operator_products, left_out, remarks })
+}
+
+/// A larger box, when contact touches a border with overlap beyond it, or a point outside penetrates.
+fn outgrown(door: &Door, window: &Rect, state: &GridState) -> Option<Rect> {
+    let grid = &state.problem.grid;
+    let loaded =
+        Rect::holding((0..grid.len()).filter(|&k| state.solution.pressure[k] > 0.0).map(|k| grid.centre_of(k)))?;
+    let mut wanted = *window;
+    for axis in 0..2 {
+        let h = grid.spacing[axis];
+        let grow = 0.2 * window.size()[axis];
+        // A whole number of cells: the new grid is then no other sample of the gap than it has to be.
+        if loaded.min[axis] < window.min[axis] + h && window.min[axis] > door.reach.min[axis] {
+            wanted.min[axis] -= grow;
+        }
+        if loaded.max[axis] > window.max[axis] - h && window.max[axis] < door.reach.max[axis] {
+            wanted.max[axis] += grow;
+        }
+    }
+    for point in penetrating_outside(door, window, state) {
+        wanted = wanted.union(&Rect::around(point, [2.0 * grid.spacing[0], 2.0 * grid.spacing[1]]));
+    }
+    let wanted = wanted.intersection(&door.reach).unwrap_or(wanted);
+    (wanted != *window).then_some(wanted)
+}
+
+/// Lattice points between the box and the limit of {f > 0} where the loaded surfaces would overlap.
+fn penetrating_outside(door: &Door, window: &Rect, state: &GridState) -> Vec<[f64; 2]> {
+    let grid = &state.problem.grid;
+    let [w, h] = door.reach.size();
+    let count = |size: f64, spacing: f64| ((size / spacing).ceil() as usize).clamp(1, OUTSIDE);
+    let lattice = Grid::over(&door.reach, [count(w, grid.spacing[0]), count(h, grid.spacing[1])]);
+    let area = grid.cell_area();
+    let loaded: Vec<([f64; 2], f64)> = (0..grid.len())
+        .filter(|&k| state.solution.pressure[k] > 0.0)
+        .map(|k| (grid.centre_of(k), state.solution.pressure[k] * area))
+        .collect();
+    let force: f64 = loaded.iter().map(|l| l.1).sum();
+    let [px, py] = loaded.iter().fold([0.0; 2], |m, (c, q)| [m[0] + c[0] * q / force, m[1] + c[1] * q / force]);
+    (0..lattice.len())
+        .map(|k| lattice.centre_of(k))
+        .filter(|p| !window.contains(*p))
+        .filter(|&[x, y]| {
+            let f = door.depth - door.gap.gap(x, y);
+            // The whole load at its centre, at the farthest it can be: cheap, and enough nearly everywhere.
+            let farthest = (x - px).hypot(y - py) + window.size()[0].hypot(window.size()[1]);
+            if f <= force / (std::f64::consts::PI * farthest) {
+                return false;
+            }
+            let u: f64 = loaded.iter().map(|([a, b], q)| q / (x - a).hypot(y - b)).sum::<f64>() / std::f64::consts::PI;
+            f > u + 1e-9
+        })
+        .collect()
+}
+
+/// Most lattice points along a side outside the box.
+const OUTSIDE: usize = 256;

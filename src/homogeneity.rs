@@ -1,0 +1,99 @@
+//! Homogeneous gaps: g(c + s v) = s^k g(c + v). Then P ~ d^(1 + 1/k), area ~ d^(2/k), all contacts similar: one solve
+//! serves every depth and every force.
+
+use crate::gap::Gap;
+use crate::geometry::Rect;
+
+/// Share by which a gap may miss the law and still be taken as homogeneous.
+const EXACT: f64 = 1e-10;
+
+/// Factors at which the law is tested; not powers of one another.
+const FACTORS: [f64; 4] = [0.5, 0.31, 0.083, 0.0127];
+
+/// Points at which it is tested.
+const POINTS: usize = 48;
+
+/// The degree k of a gap that is homogeneous about its centre, tested at points of the box around {g < depth}. A flat
+/// punch has no degree: see [`Degree::Flat`].
+#[must_use]
+pub fn degree(gap: &dyn Gap, within: &Rect) -> Option<Degree> {
+    let [cx, cy] = gap.centre();
+    if gap.gap(cx, cy) != 0.0 {
+        return None;
+    }
+    let size = within.size();
+    let at = |v: [f64; 2], s: f64| gap.gap(cx + s * v[0], cy + s * v[1]);
+    let (mut k, mut material, mut zeros) = (None, 0, 0);
+    for n in 0..POINTS {
+        // A plastic-number sequence (Roberts 2018): spread evenly, on no axis and no ridge.
+        let v = [
+            ((0.5 + 0.754_877_666_246_692_7 * n as f64).fract() - 0.5) * size[0],
+            ((0.5 + 0.569_840_290_998_053_2 * n as f64).fract() - 0.5) * size[1],
+        ];
+        let v = [v[0] + within.centre()[0] - cx, v[1] + within.centre()[1] - cy];
+        let whole = at(v, 1.0);
+        if whole == f64::INFINITY {
+            continue;
+        }
+        material += 1;
+        if whole == 0.0 {
+            zeros += 1;
+            continue;
+        }
+        for s in FACTORS {
+            let part = at(v, s);
+            let here = (part / whole).ln() / s.ln();
+            let known: f64 = *k.get_or_insert(here);
+            if !(part > 0.0 && whole > 0.0 && known > 0.0) || (part - whole * s.powf(known)).abs() > EXACT * part {
+                return None;
+            }
+        }
+    }
+    match k {
+        Some(k) if zeros == 0 && material == POINTS => {
+            Some(Degree::Power(if (k - k.round()).abs() < 1e-9 { k.round() } else { k }))
+        }
+        None if material > 0 => Some(Degree::Flat),
+        _ => None,
+    }
+}
+
+/// The degree of a homogeneous gap.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Degree {
+    /// g(s v) = s^k g(v).
+    Power(f64),
+    /// Zero inside a fixed plan-form, no material outside: the limit of k without end.
+    Flat,
+}
+
+impl Degree {
+    /// 1/k.
+    #[must_use]
+    pub fn inverse(self) -> f64 {
+        match self {
+            Self::Power(k) => 1.0 / k,
+            Self::Flat => 0.0,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gap::{Cone, Paraboloid, Polyhedron, Power, Sphere};
+
+    #[test]
+    fn degrees_of_the_named_kinds() {
+        let unit = Rect::around([0.0; 2], [1.0; 2]);
+        let of = |gap: &dyn Gap| degree(gap, &unit);
+        assert_eq!(of(&Cone::new(0.3).unwrap()), Some(Degree::Power(1.0)));
+        assert_eq!(of(&Paraboloid::new([1.0, 7.0]).unwrap()), Some(Degree::Power(2.0)));
+        assert_eq!(of(&Polyhedron::pyramid(5, 0.2).unwrap()), Some(Degree::Power(1.0)));
+        assert!(matches!(of(&Power::new(2.0, 2.7).unwrap()), Some(Degree::Power(k)) if (k - 2.7).abs() < 1e-12));
+        assert_eq!(of(&Sphere::new(10.0).unwrap()), None);
+        assert_eq!(of(&Polyhedron::truncated_pyramid(4, 0.2, 0.1).unwrap()), None);
+        assert_eq!(of(&|x: f64, y: f64| if x.hypot(y) < 0.5 { 0.0 } else { f64::INFINITY }), Some(Degree::Flat));
+        assert_eq!(of(&|x: f64, y: f64| (x * x + y * y) * (1.0 + 1e-8 * x)), None);
+    }
+}

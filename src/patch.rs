@@ -1,0 +1,156 @@
+//! From cells to a patch: the boundary between cells, its area, centroid and regions.
+
+use crate::discrete::{Discrete, DiscreteSolution};
+use crate::geometry::{area, centroid};
+use crate::grid::Grid;
+use crate::solution::Patch;
+
+/// The patch of a solved problem, with boundaries placed between cell centres.
+///
+/// Near the edge of a smooth contact p = k sqrt(s) inside and gap = 4 k s^(3/2)/3 outside (E* = 1, s the distance to the
+/// edge), so p^2 and gap^(2/3) are linear in s: the pair of cells on either side places the edge between them.
+/// At a sharp edge (no material beyond) the edge is the border of the cell.
+#[must_use]
+pub fn of(problem: &Discrete, solution: &DiscreteSolution, reference: [f64; 2]) -> Patch {
+    let loops = boundary(problem, solution);
+    let areas: Vec<f64> = loops.iter().map(|l| area(l)).collect();
+    let total: f64 = areas.iter().sum();
+    let mut moment = [0.0; 2];
+    for (polygon, share) in loops.iter().zip(&areas) {
+        let c = centroid(polygon);
+        moment[0] += share * c[0];
+        moment[1] += share * c[1];
+    }
+    let distance = |p: &[f64; 2]| (p[0] - reference[0]).hypot(p[1] - reference[1]);
+    Patch {
+        area: total,
+        centroid: (total > 0.0).then(|| moment.map(|m| m / total)),
+        regions: areas.iter().filter(|&&a| a > 0.0).count(),
+        max_radius: loops.iter().flatten().map(distance).fold(0.0, f64::max),
+        boundary: Some(loops),
+    }
+}
+
+/// Closed polylines around the cells under pressure, contact on the left.
+fn boundary(problem: &Discrete, solution: &DiscreteSolution) -> Vec<Vec<[f64; 2]>> {
+    let grid = &problem.grid;
+    let spacing = 0.5 * (grid.spacing[0] + grid.spacing[1]);
+    // Share of the way from the centre of the loaded cell to that of its free neighbour.
+    let share = |inside: usize, outside: Option<usize>| {
+        let Some(outside) = outside else { return 0.5 };
+        let f = problem.overlap[outside];
+        if f == f64::NEG_INFINITY {
+            return 0.5;
+        }
+        edge_between(solution.pressure[inside], solution.displacement[outside] - f, spacing)
+    };
+    march(grid, &solution.pressure.iter().map(|&p| p > 0.0).collect::<Vec<_>>(), share)
+}
+
+/// s/h with p^2 = k^2 s and (3 gap/4)^(2/3) = k^(2/3) (h - s), k eliminated by bisection on s.
+fn edge_between(p: f64, gap: f64, h: f64) -> f64 {
+    if gap <= 0.0 {
+        return 0.5;
+    }
+    // With s = t h: k = p/sqrt(t h), so the second equation is (3 gap/4)^2 = k^2 (h (1-t))^3.
+    let wanted = (0.75 * gap).powi(2);
+    let excess = |t: f64| p * p / (t * h) * (h * (1.0 - t)).powi(3) - wanted;
+    let (mut low, mut high) = (1e-6, 1.0 - 1e-6);
+    for _ in 0..30 {
+        let middle = 0.5 * (low + high);
+        if excess(middle) > 0.0 { low = middle } else { high = middle }
+    }
+    // The unknown k comes from a cell mean next to a square root: keep the edge between the two centres.
+    (0.5 * (low + high)).clamp(0.05, 0.95)
+}
+
+/// Marching squares on the lattice of cell centres, with one ring of free cells around it. Where contact cells meet at
+/// a corner only, they are kept apart.
+fn march(grid: &Grid, inside: &[bool], share: impl Fn(usize, Option<usize>) -> f64) -> Vec<Vec<[f64; 2]>> {
+    let [nx, ny] = grid.shape.map(|n| n as i64);
+    let index = |i: i64, j: i64| ((0..nx).contains(&i) && (0..ny).contains(&j)).then(|| (j * nx + i) as usize);
+    let is_inside = |i: i64, j: i64| index(i, j).is_some_and(|k| inside[k]);
+    // An edge of the contour is met once from each of the two squares beside it: keyed by its loaded cell and direction.
+    type Crossing = (i64, i64, u8);
+    const STEPS: [(i64, i64); 4] = [(1, 0), (0, 1), (-1, 0), (0, -1)];
+    let point = |(i, j, direction): Crossing| {
+        let (di, dj) = STEPS[direction as usize];
+        let t = share(index(i, j).expect("a loaded cell"), index(i + di, j + dj));
+        let x = grid.origin[0] + (i as f64 + 0.5 + t * di as f64) * grid.spacing[0];
+        let y = grid.origin[1] + (j as f64 + 0.5 + t * dj as f64) * grid.spacing[1];
+        [x, y]
+    };
+    // With contact on the left, the contour goes from the crossing towards `direction` around the loaded cell, counter-
+    // clockwise: to the next direction of the same cell if that neighbour is free, else across to the neighbours.
+    let next = |(i, j, direction): Crossing| -> Crossing {
+        let (ahead, turn) = (STEPS[direction as usize], ((direction + 1) % 4) as usize);
+        let (si, sj) = STEPS[turn];
+        let side = (i + si, j + sj);
+        let diagonal = (side.0 + ahead.0, side.1 + ahead.1);
+        if !is_inside(side.0, side.1) {
+            (i, j, turn as u8)
+        } else if is_inside(diagonal.0, diagonal.1) {
+            (diagonal.0, diagonal.1, (direction + 3) % 4)
+        } else {
+            (side.0, side.1, direction)
+        }
+    };
+    let mut seen = std::collections::HashSet::new();
+    let mut loops = Vec::new();
+    for j in 0..ny {
+        for i in 0..nx {
+            if !is_inside(i, j) {
+                continue;
+            }
+            for direction in 0..4u8 {
+                let (di, dj) = STEPS[direction as usize];
+                let start = (i, j, direction);
+                if is_inside(i + di, j + dj) || seen.contains(&start) {
+                    continue;
+                }
+                let mut polygon = Vec::new();
+                let mut at = start;
+                while seen.insert(at) {
+                    polygon.push(point(at));
+                    at = next(at);
+                }
+                loops.push(polygon);
+            }
+        }
+    }
+    loops
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn loops_of(rows: &[&str]) -> Vec<Vec<[f64; 2]>> {
+        let shape = [rows[0].len(), rows.len()];
+        let inside: Vec<bool> = rows.concat().chars().map(|c| c == '#').collect();
+        let grid = Grid { origin: [0.0; 2], spacing: [1.0; 2], shape };
+        march(&grid, &inside, |_, _| 0.5)
+    }
+
+    #[test]
+    fn one_cell_is_a_diamond() {
+        let loops = loops_of(&["#"]);
+        assert_eq!(loops.len(), 1);
+        assert!((area(&loops[0]) - 0.5).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_ring_has_a_hole_that_turns_the_other_way() {
+        let loops = loops_of(&["####", "#..#", "#..#", "####"]);
+        let mut areas: Vec<f64> = loops.iter().map(|l| area(l)).collect();
+        areas.sort_by(f64::total_cmp);
+        assert_eq!(areas.len(), 2);
+        // 4 x 4 and 2 x 2, each less its four cut corners.
+        assert!((areas[1] - 15.5).abs() < 1e-14 && (areas[0] + 3.5).abs() < 1e-14, "{areas:?}");
+    }
+
+    #[test]
+    fn cells_that_meet_at_a_corner_are_two_regions() {
+        assert_eq!(loops_of(&["#.", ".#"]).len(), 2);
+    }
+}

@@ -1,0 +1,109 @@
+//! The minimum principle of Kalker & van Randen (1972) as a quadratic programme in the cell pressures:
+//! minimise 1/2 p'A p - f'p over p >= 0, on the cells that can carry pressure at all.
+//!
+//! Clarabel gives the pressures to eight digits and with them the contact cells; [`active_set`] makes the
+//! complementarity exact to rounding.
+
+mod active_set;
+mod interior_point;
+mod reduced;
+
+use crate::discrete::{Discrete, DiscreteSolution};
+use crate::error::{Unsolved, Verdict};
+use crate::symmetry::Symmetry;
+use reduced::Reduced;
+
+/// Most unknowns that a dense matrix is made for: 4000 take 130 MB for the matrix and about a minute.
+pub const MOST_UNKNOWNS: usize = 4000;
+
+/// A solution of the programme and how it was reached.
+#[derive(Debug, Clone, PartialEq)]
+pub struct QpSolution {
+    /// Pressure, displacement, residuals, cost.
+    pub solution: DiscreteSolution,
+    /// Whether the active set closed. If not, the pressures are those of the interior point.
+    pub polished: bool,
+    /// The symmetries that were used.
+    pub symmetry: Symmetry,
+}
+
+/// Solves by Clarabel, then polishes.
+///
+/// `candidates` marks the cells that may carry pressure, when something is known; cells with f <= 0 are dropped in any
+/// case, and cells that turn out to penetrate are taken in.
+///
+/// # Errors
+/// `TooLarge` beyond [`MOST_UNKNOWNS`] unknowns; `IterationLimit` when Clarabel does not reach an answer that the
+/// recomputed residuals confirm.
+pub fn solve(problem: &Discrete, candidates: Option<&[bool]>) -> Result<QpSolution, Unsolved> {
+    run(problem, candidates, true)
+}
+
+/// Solves by the active set alone, from all candidates: block pivoting with dense Cholesky factors.
+///
+/// # Errors
+/// As [`solve`]; `IterationLimit` when the pivoting does not end.
+pub fn solve_by_active_set(problem: &Discrete, candidates: Option<&[bool]>) -> Result<QpSolution, Unsolved> {
+    run(problem, candidates, false)
+}
+
+fn run(problem: &Discrete, candidates: Option<&[bool]>, interior: bool) -> Result<QpSolution, Unsolved> {
+    let symmetry = Symmetry::of(problem);
+    let admissible: Vec<bool> = problem.overlap.iter().map(|&f| f > 0.0).collect();
+    let mut wanted = match candidates {
+        Some(known) => known.iter().zip(&admissible).map(|(&k, &a)| k && a).collect(),
+        None => admissible.clone(),
+    };
+    if !wanted.contains(&true) {
+        wanted = admissible;
+    }
+    let (mut iterations, mut products) = (0, 0);
+    loop {
+        let orbits = symmetry.orbits(&wanted, problem.grid.shape);
+        let unknowns = orbits.members.len();
+        if unknowns > MOST_UNKNOWNS {
+            let reason = format!(
+                "{unknowns} unknowns; a dense matrix is made for at most {MOST_UNKNOWNS}: use fewer cells or the fft method"
+            );
+            return Err(Unsolved::new(Verdict::TooLarge, reason));
+        }
+        let reduced = Reduced::assemble(problem, orbits);
+        let outcome = if unknowns == 0 {
+            active_set::Outcome { pressure: Vec::new(), closed: true, factorisations: 0 }
+        } else if interior {
+            let start = interior_point::solve(&reduced)?;
+            iterations += start.iterations;
+            active_set::polish(&reduced, &start.pressure)
+        } else {
+            active_set::solve(&reduced)
+        };
+        iterations += outcome.factorisations;
+        let (pressure, displacement) = reduced.spread(problem, &outcome.pressure);
+        products += 1;
+        let residuals = problem.residuals(&pressure, &displacement);
+        // Cells that were left out and penetrate come in; the theorem behind pruning needs f <= 0.
+        let allowed = PENETRATION * problem.deepest();
+        let mut missed = false;
+        for (k, wanted) in wanted.iter_mut().enumerate() {
+            if !*wanted && problem.overlap[k] - displacement[k] > allowed {
+                (*wanted, missed) = (true, true);
+            }
+        }
+        if missed {
+            continue;
+        }
+        if !outcome.closed && !(interior && residuals.worst() < UNPOLISHED) {
+            let reason = format!("the active set did not close and residuals of {:.1e} are left", residuals.worst());
+            return Err(Unsolved::new(Verdict::IterationLimit, reason));
+        }
+        let solution =
+            DiscreteSolution { pressure, displacement, residuals, unknowns, iterations, operator_products: products };
+        return Ok(QpSolution { solution, polished: outcome.closed, symmetry });
+    }
+}
+
+/// Penetration, relative to the largest overlap, that counts as rounding.
+const PENETRATION: f64 = 1e-12;
+
+/// Residual that an interior-point answer may leave when it could not be polished.
+const UNPOLISHED: f64 = 1e-3;
