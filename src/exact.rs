@@ -16,6 +16,7 @@ const MOST_GROWTHS: usize = 12;
 /// A solved grid, in the units of the door.
 #[derive(Debug, Clone)]
 pub(crate) struct GridState {
+    pub method: Method,
     pub problem: Discrete,
     pub solution: DiscreteSolution,
     /// Iterations and products of all levels and boxes.
@@ -162,7 +163,21 @@ fn solve(problem: Discrete, method: Method) -> Result<GridState, Unsolved> {
         remarks.push("the active set did not close: the pressures are those of the interior point".to_owned());
     }
     let (iterations, operator_products) = (solved.solution.iterations, solved.solution.operator_products);
-    Ok(GridState { problem, solution: solved.solution, iterations, operator_products, left_out, remarks })
+    Ok(GridState { method, problem, solution: solved.solution, iterations, operator_products, left_out, remarks })
+}
+
+/// dP/dd of the discrete problem: the force of a flat punch on the cells in contact.
+pub(crate) fn stiffness(state: &GridState) -> Result<f64, Unsolved> {
+    let rates = vec![1.0; state.problem.grid.len()];
+    let flat = crate::qp::growth(&state.problem, &state.solution.pressure, &rates)?;
+    Ok(flat.iter().sum::<f64>() * state.problem.grid.cell_area())
+}
+
+/// The gap left in each cell after loading: zero in contact, infinite where there is no material.
+pub(crate) fn gap_left(state: &GridState) -> Vec<f64> {
+    let solved = &state.solution;
+    let left = |((p, u), f): ((&f64, &f64), &f64)| if *p > 0.0 { 0.0 } else { u - f };
+    solved.pressure.iter().zip(&solved.displacement).zip(&state.problem.overlap).map(left).collect()
 }
 
 /// A larger box, when contact touches a border with overlap beyond it, or a point outside penetrates.

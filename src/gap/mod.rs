@@ -7,10 +7,12 @@ mod analytic;
 mod mean;
 mod placed;
 mod polyhedron;
+mod tilted;
 
 pub use analytic::{Cone, Paraboloid, Power, Sphere};
 pub use placed::{Placed, Scaled};
 pub use polyhedron::Polyhedron;
+pub use tilted::Tilted;
 
 use std::sync::Arc;
 

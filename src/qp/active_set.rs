@@ -94,7 +94,7 @@ fn rounds(reduced: &Reduced, mut touching: Vec<bool>) -> Result<Outcome, usize> 
 }
 
 /// y on the set, zero elsewhere; `None` when the matrix is not positive definite in floating point.
-fn on_set(reduced: &Reduced, set: &[usize]) -> Option<Vec<f64>> {
+pub(super) fn on_set(reduced: &Reduced, set: &[usize]) -> Option<Vec<f64>> {
     let m = set.len();
     let mut y = vec![0.0; reduced.len()];
     if m == 0 {

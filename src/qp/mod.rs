@@ -102,6 +102,31 @@ fn run(problem: &Discrete, candidates: Option<&[bool]>, interior: bool) -> Resul
     }
 }
 
+/// The rate at which the pressure of a solved problem grows when the overlap grows at the rates in `rates` on the cells
+/// in contact: A m = rate there, m = 0 elsewhere. With the rate 1 this is the pressure of a flat punch of the
+/// present plan-form, and its force the stiffness dP/dd.
+///
+/// # Errors
+/// `TooLarge` beyond [`MOST_UNKNOWNS`] unknowns.
+pub fn growth(problem: &Discrete, pressure: &[f64], rates: &[f64]) -> Result<Vec<f64>, Unsolved> {
+    let contact: Vec<bool> = pressure.iter().map(|&p| p > 0.0).collect();
+    let overlap = contact.iter().zip(rates).map(|(&c, &r)| if c { r } else { f64::NEG_INFINITY }).collect();
+    let linear = Discrete { grid: problem.grid, kernel: problem.kernel, overlap };
+    // Tilts grow with opposite signs on opposite sides: only the uniform rate shares the symmetries of the contact.
+    let uniform = rates.iter().all(|&r| r == rates[0]);
+    let symmetry = if uniform { Symmetry::of(&linear) } else { Symmetry::default() };
+    let orbits = symmetry.orbits(&contact, problem.grid.shape);
+    if orbits.members.len() > MOST_UNKNOWNS {
+        let reason = format!("{} unknowns; a dense matrix is made for at most {MOST_UNKNOWNS}", orbits.members.len());
+        return Err(Unsolved::new(Verdict::TooLarge, reason));
+    }
+    let reduced = Reduced::assemble(&linear, orbits);
+    let set: Vec<usize> = (0..reduced.len()).collect();
+    let y = active_set::on_set(&reduced, &set)
+        .ok_or_else(|| Unsolved::new(Verdict::IterationLimit, "the compliance matrix of the contact is singular"))?;
+    Ok(reduced.pressure_of(&linear, &y))
+}
+
 /// Penetration, relative to the largest overlap, that counts as rounding.
 const PENETRATION: f64 = 1e-12;
 

@@ -7,7 +7,7 @@ use crate::influence::InfluenceTable;
 use crate::symmetry::Orbits;
 
 /// S y = r in place of A p = f. With m cells in a group, y = sqrt(m) p, r = sqrt(m) f and
-/// S = (sum of A over both groups)/sqrt(m m'), which is symmetric. Scaled so that f <= 1 and a cell alone has S = 1.
+/// S = (sum of A over both groups)/sqrt(m m'), which is symmetric. Scaled so that |f| <= 1 and a cell alone has S = 1.
 pub(super) struct Reduced {
     pub matrix: Mat<f64>,
     pub overlap: Vec<f64>,
@@ -41,7 +41,8 @@ impl Reduced {
                 matrix[(column, row)] = value;
             }
         }
-        let deepest = problem.deepest();
+        let finite = problem.overlap.iter().filter(|f| f.is_finite());
+        let deepest = finite.fold(0.0, |a: f64, f| a.max(f.abs()));
         let weight: Vec<f64> = orbits.members.iter().map(|m| (m.len() as f64).sqrt()).collect();
         let overlap = orbits.members.iter().zip(&weight).map(|(m, w)| w * problem.overlap[m[0]] / deepest).collect();
         Self { matrix, overlap, weight, orbits, table, unit: deepest / own }
@@ -51,17 +52,23 @@ impl Reduced {
         self.weight.len()
     }
 
-    /// Pressure and displacement on every cell of the grid. Only cells with f > 0 or pressure get their displacement
-    /// from here when the grid is large: the others are not needed for any residual.
-    pub fn spread(&self, problem: &Discrete, y: &[f64]) -> (Vec<f64>, Vec<f64>) {
-        let grid = &problem.grid;
-        let nx = grid.shape[0];
-        let mut pressure = vec![0.0; grid.len()];
+    /// Pressure on every cell of the grid.
+    pub fn pressure_of(&self, problem: &Discrete, y: &[f64]) -> Vec<f64> {
+        let mut pressure = vec![0.0; problem.grid.len()];
         for ((members, w), y) in self.orbits.members.iter().zip(&self.weight).zip(y) {
             for &cell in members {
                 pressure[cell] = self.unit * y / w;
             }
         }
+        pressure
+    }
+
+    /// Pressure and displacement on every cell of the grid. Only cells with f > 0 or pressure get their displacement
+    /// from here when the grid is large: the others are not needed for any residual.
+    pub fn spread(&self, problem: &Discrete, y: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let grid = &problem.grid;
+        let nx = grid.shape[0];
+        let pressure = self.pressure_of(problem, y);
         let loaded: Vec<(usize, usize, f64)> =
             (0..grid.len()).filter(|&k| pressure[k] != 0.0).map(|k| (k % nx, k / nx, pressure[k])).collect();
         let displacement = (0..grid.len())

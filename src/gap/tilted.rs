@@ -1,0 +1,70 @@
+//! A gap under a tilted body: g - ax x - ay y.
+
+use super::{AnyGap, Gap, Reach};
+use crate::geometry::Rect;
+
+/// The gap under a body tilted by (ax, ay): with depth d the overlap is f = d + ax x + ay y - g.
+#[derive(Clone)]
+pub struct Tilted {
+    gap: AnyGap,
+    tilt: [f64; 2],
+}
+
+impl Tilted {
+    /// `gap` under the tilt (ax, ay), radians, small.
+    #[must_use]
+    pub fn new(gap: AnyGap, tilt: [f64; 2]) -> Self {
+        Self { gap, tilt }
+    }
+
+    fn rise(&self, x: f64, y: f64) -> f64 {
+        self.tilt[0] * x + self.tilt[1] * y
+    }
+}
+
+impl Gap for Tilted {
+    fn gap(&self, x: f64, y: f64) -> f64 {
+        self.gap.gap(x, y) - self.rise(x, y)
+    }
+
+    fn gradient(&self, x: f64, y: f64) -> Option<[f64; 2]> {
+        self.gap.gradient(x, y).map(|[gx, gy]| [gx - self.tilt[0], gy - self.tilt[1]])
+    }
+
+    fn reach(&self, depth: f64) -> Reach {
+        // {g < depth + tilt . x} lies in {g < depth + s} where s is the largest rise over its own box: grow until it does.
+        let mut rise = 0.0;
+        for _ in 0..60 {
+            match self.gap.reach(depth + rise) {
+                Reach::Within(rect) => {
+                    let most = rect.corners().map(|[x, y]| self.rise(x, y)).into_iter().fold(0.0, f64::max);
+                    if most <= rise {
+                        return Reach::Within(rect);
+                    }
+                    rise = 2.0 * most;
+                }
+                // Nothing is reached on the way up only if nothing was reached at the bottom.
+                Reach::Nowhere if rise == 0.0 => rise = depth.abs().max(f64::MIN_POSITIVE),
+                other => return if rise > 0.0 && other == Reach::Nowhere { Reach::Unknown } else { other },
+            }
+        }
+        Reach::Unknown
+    }
+
+    fn mean(&self, cell: &Rect) -> f64 {
+        let [x, y] = cell.centre();
+        self.gap.mean(cell) - self.rise(x, y)
+    }
+
+    fn ray_kinks(&self, from: [f64; 2], direction: [f64; 2], kinks: &mut Vec<f64>) {
+        self.gap.ray_kinks(from, direction, kinks);
+    }
+
+    fn kink_directions(&self, from: [f64; 2], angles: &mut Vec<f64>) {
+        self.gap.kink_directions(from, angles);
+    }
+
+    fn centre(&self) -> [f64; 2] {
+        self.gap.centre()
+    }
+}

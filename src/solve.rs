@@ -1,0 +1,164 @@
+//! One call for every method and every loading.
+
+use std::time::Instant;
+
+use crate::contact::{Contact, Load};
+use crate::domain::Door;
+use crate::error::{Unsolved, Verdict};
+use crate::exact::{self, GridState, Refined};
+use crate::gap::{Gap, Reach, Tilted};
+use crate::grid::Pressure;
+use crate::homogeneity::{self, Degree};
+use crate::patch;
+use crate::settings::{Method, Settings};
+use crate::solution::{Cost, Patch, PressureSummary, Solution};
+
+/// Solves every state of the loading, in order.
+///
+/// ```
+/// use contact_patch::{Contact, EffectiveModulus, Loading, Settings, gap::Cone, solve};
+/// let modulus = EffectiveModulus::from_e_star(1.0)?;
+/// let contact = Contact::new(modulus, Cone::with_slope(1.0)?, Loading::depth(1.0))?;
+/// let solution = solve(&contact, &Settings::default()).remove(0)?;
+/// // Love 1939: P = 2 E* d^2/(pi tan(alpha)).
+/// assert!((solution.force - 2.0 / std::f64::consts::PI).abs() < 1e-3);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn solve(contact: &Contact, settings: &Settings) -> Vec<Result<Solution, Unsolved>> {
+    contact.loading().loads().iter().map(|&load| at(contact, load, settings)).collect()
+}
+
+fn at(contact: &Contact, load: Load, settings: &Settings) -> Result<Solution, Unsolved> {
+    let started = Instant::now();
+    let mut solution = match load {
+        Load::Depth(depth) => by_grid(contact, depth, [0.0; 2], settings)?,
+        Load::Tilted { depth, tilt } => by_grid(contact, depth, tilt, settings)?,
+        _ => todo!(),
+    };
+    solution.cost.seconds = started.elapsed().as_secs_f64();
+    Ok(solution)
+}
+
+fn by_grid(contact: &Contact, depth: f64, tilt: [f64; 2], settings: &Settings) -> Result<Solution, Unsolved> {
+    let method = if settings.method == Method::Fft { Method::Fft } else { Method::Qp };
+    let tilted;
+    let gap: &dyn Gap = if tilt == [0.0; 2] {
+        &**contact.gap()
+    } else {
+        tilted = Tilted::new(contact.gap().clone(), tilt);
+        &tilted
+    };
+    let Some(door) = Door::enter(gap, depth)? else {
+        return Ok(apart(method, depth, tilt));
+    };
+    let degree = match gap.reach(depth) {
+        Reach::Within(rect) => homogeneity::degree(gap, &rect),
+        _ => None,
+    };
+    let refined = exact::refined(&door, settings, method, degree)?;
+    dimensional(contact, &door, &refined, degree, depth, tilt, settings)
+}
+
+/// The bodies do not touch.
+fn apart(method: Method, depth: f64, tilt: [f64; 2]) -> Solution {
+    Solution {
+        method,
+        depth,
+        tilt,
+        force: 0.0,
+        force_error: Some(0.0),
+        stiffness: 0.0,
+        stiffness_matrix: Some([[0.0; 3]; 3]),
+        moment: Some([0.0; 2]),
+        energy: Some(0.0),
+        patch: Patch::default(),
+        pressure: PressureSummary { max: Some(0.0), ..PressureSummary::default() },
+        residuals: None,
+        cost: Cost::default(),
+        left_out: vec!["everything: the bodies do not touch at this depth".to_owned()],
+        remarks: Vec::new(),
+    }
+}
+
+/// A solved grid in the user's units.
+fn dimensional(
+    contact: &Contact,
+    door: &Door,
+    refined: &Refined,
+    degree: Option<Degree>,
+    depth: f64,
+    tilt: [f64; 2],
+    settings: &Settings,
+) -> Result<Solution, Unsolved> {
+    let Refined { state, force, error } = refined;
+    let (length, height, e_star) = (door.gap.length, door.gap.depth, contact.modulus().e_star());
+    let unit_force = e_star * height * length;
+    let stiffness = match degree {
+        // P ~ d^(1 + 1/k).
+        Some(degree) => (1.0 + degree.inverse()) * force / door.depth,
+        None => exact::stiffness(state)?,
+    };
+    let grid = state.problem.grid;
+    let values = &state.solution.pressure;
+    let mut patch = patch::of(&state.problem, &state.solution, door.gap.inward(contact.gap().centre()));
+    patch.area *= length * length;
+    patch.max_radius *= length;
+    patch.centroid = patch.centroid.map(|c| door.gap.outward(c));
+    patch.boundary = if settings.outputs.patch {
+        patch
+            .boundary
+            .map(|loops| loops.into_iter().map(|l| l.into_iter().map(|p| door.gap.outward(p)).collect()).collect())
+    } else {
+        None
+    };
+    let strongest = (0..grid.len()).max_by(|&a, &b| values[a].total_cmp(&values[b])).unwrap_or(0);
+    let unit_pressure = e_star * height / length;
+    let outward_grid = crate::grid::Grid {
+        origin: door.gap.outward(grid.origin),
+        spacing: grid.spacing.map(|h| h * length),
+        shape: grid.shape,
+    };
+    let moment = moments(state, door).map(|m| m * unit_force);
+    let pressure = PressureSummary {
+        max: Some(values[strongest] * unit_pressure),
+        mean: (patch.area > 0.0).then(|| force * unit_force / patch.area),
+        at: Some(outward_grid.centre_of(strongest)),
+        field: settings
+            .outputs
+            .pressure
+            .then(|| Pressure { grid: outward_grid, values: values.iter().map(|p| p * unit_pressure).collect() }),
+        gap: settings.outputs.gap.then(|| exact::gap_left(state).into_iter().map(|g| g * height).collect()),
+    };
+    Ok(Solution {
+        method: state.method,
+        depth,
+        tilt,
+        force: force * unit_force,
+        force_error: Some(error / force),
+        stiffness: stiffness * e_star * length,
+        stiffness_matrix: None,
+        moment: Some(moment),
+        energy: Some(state.energy() * unit_force * height),
+        patch,
+        pressure,
+        residuals: Some(state.solution.residuals),
+        cost: Cost {
+            seconds: 0.0,
+            unknowns: state.solution.unknowns,
+            iterations: state.iterations,
+            operator_products: state.operator_products,
+        },
+        left_out: state.left_out.clone(),
+        remarks: state.remarks.clone(),
+    })
+}
+
+/// Mx = integral of p y, My = - integral of p x about the scene's origin, in units of force times the user's length.
+fn moments(state: &GridState, door: &Door) -> [f64; 2] {
+    let grid = &state.problem.grid;
+    let area = grid.cell_area();
+    state.solution.pressure.iter().enumerate().fold([0.0; 2], |[mx, my], (k, p)| {
+        let [x, y] = door.gap.outward(grid.centre_of(k));
+        [mx + p * area * y, my - p * area * x]
+    })
+}
