@@ -24,7 +24,7 @@ pub fn degree(gap: &dyn Gap, within: &Rect) -> Option<Degree> {
     let size = within.size();
     let at = |v: [f64; 2], s: f64| gap.gap(cx + s * v[0], cy + s * v[1]);
     let (mut k, mut material, mut zeros) = (None, 0, 0);
-    for n in 0..POINTS {
+    for n in 1..=POINTS {
         // A plastic-number sequence (Roberts 2018): spread evenly, on no axis and no ridge.
         let v = [
             ((0.5 + 0.754_877_666_246_692_7 * n as f64).fract() - 0.5) * size[0],
