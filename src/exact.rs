@@ -56,7 +56,7 @@ pub(crate) fn at_resolution(
     for _ in 0..MOST_GROWTHS {
         let grid = Grid::over(window, shape(window, cells));
         let problem = Discrete::sample(&door.gap, door.depth, grid, kernel);
-        let state = solve(problem, method)?;
+        let state = solve(door, problem, method)?;
         spent = (spent.0 + state.iterations, spent.1 + state.operator_products);
         match outgrown(door, window, &state) {
             None => return Ok(GridState { iterations: spent.0, operator_products: spent.1, ..state }),
@@ -95,8 +95,10 @@ pub(crate) fn refined(
     let (mut forces, mut energies) = (Vec::new(), Vec::new());
     let mut spent = (0, 0);
     let ladder: Vec<usize> = match settings.cells {
-        Some(cells) if cells > 2 * COARSEST => vec![cells.div_ceil(2), cells],
-        Some(cells) => vec![cells],
+        // Two coarser grids, for the estimate of the error; each costs a quarter of the next or less.
+        Some(cells) => {
+            [cells.div_ceil(4), cells.div_ceil(2), cells].into_iter().filter(|&n| n == cells || n >= 6).collect()
+        }
         None => (0..).map(|level| COARSEST << level).take_while(|&n| n <= FINEST).collect(),
     };
     let mut best: Option<Refined> = None;
@@ -113,19 +115,23 @@ pub(crate) fn refined(
         spent = (spent.0 + state.iterations, spent.1 + state.operator_products);
         let state = GridState { iterations: spent.0, operator_products: spent.1, ..state };
         forces.push(state.force());
-        let from_energy = degree.filter(|_| settings.kernel == Kernel::Galerkin && settings.cells.is_none());
-        let estimate = if let Some(degree) = from_energy {
+        let force = state.force();
+        let from_energy = degree.filter(|_| settings.kernel == Kernel::Galerkin);
+        let limit = if let Some(degree) = from_energy {
             energies.push((2.0 + degree.inverse()) * state.energy() / door.depth);
             extrapolate::of_energies(&energies)
         } else {
             extrapolate::of_forces(&forces)
         };
-        let force = state.force();
-        let Estimate { value, error } = estimate.unwrap_or(Estimate { value: force, error: force });
-        let prescribed = settings.cells == Some(cells);
+        let Estimate { value, error } = limit.unwrap_or(Estimate { value: force, error: force });
+        if settings.cells.is_some() {
+            // Who prescribes the grid wants the force of that grid.
+            best = Some(Refined { state, force, error: error + (force - value).abs() });
+            continue;
+        }
         let good = error <= settings.tolerance * value && (from_energy.is_some() || forces.len() >= 3);
         best = Some(Refined { state, force: value, error });
-        if good && !prescribed {
+        if good {
             break;
         }
     }
@@ -147,23 +153,57 @@ const COARSEST: usize = 16;
 /// Cells along the longer side of the last grid that is tried.
 const FINEST: usize = 2048;
 
-fn solve(problem: Discrete, method: Method) -> Result<GridState, Unsolved> {
+/// The cells that can touch, from a solve on cells twice as large: its contact and one of its cells around.
+fn candidates(door: &Door, problem: &Discrete) -> Result<Option<Vec<bool>>, Unsolved> {
+    let fine = &problem.grid;
+    if fine.shape[0].max(fine.shape[1]) < 2 * COARSEST {
+        return Ok(None);
+    }
+    let coarse = Grid::over(&fine.extent(), fine.shape.map(|n| n.div_ceil(2)));
+    let halved = Discrete::sample(&door.gap, door.depth, coarse, problem.kernel);
+    let known = candidates(door, &halved)?;
+    let touching = crate::qp::solve_by_active_set(&halved, known.as_deref())?.solution.pressure;
+    let near = |[i, j]: [usize; 2]| {
+        let around = |n: usize, k: usize| n.saturating_sub(1)..(n + 2).min(coarse.shape[k]);
+        around(j, 1).any(|j| around(i, 0).any(|i| touching[j * coarse.shape[0] + i] > 0.0))
+    };
+    let below = |n: usize, k: usize| (n * coarse.shape[k] / fine.shape[k]).min(coarse.shape[k] - 1);
+    Ok(Some((0..fine.len()).map(|k| near([below(k % fine.shape[0], 0), below(k / fine.shape[0], 1)])).collect()))
+}
+
+fn solve(door: &Door, problem: Discrete, method: Method) -> Result<GridState, Unsolved> {
+    let known = candidates(door, &problem)?;
     let solved = match method {
-        Method::Qp => crate::qp::solve(&problem, None)?,
+        Method::Qp => crate::qp::solve(&problem, known.as_deref())?,
         _ => todo!(),
     };
-    let mut left_out = Vec::new();
-    if solved.symmetry.order() > 1 {
-        left_out.push(format!("{} of {} cells: {}", 0, 0, solved.symmetry.words()));
-    }
-    let pruned = problem.overlap.iter().filter(|&&f| f <= 0.0).count();
-    left_out.push(format!("{pruned} of {} cells, where the overlap is not positive", problem.grid.len()));
+    let left_out = left_out(&problem, known.as_deref(), &solved);
     let mut remarks = Vec::new();
     if !solved.polished {
         remarks.push("the active set did not close: the pressures are those of the interior point".to_owned());
     }
     let (iterations, operator_products) = (solved.solution.iterations, solved.solution.operator_products);
     Ok(GridState { method, problem, solution: solved.solution, iterations, operator_products, left_out, remarks })
+}
+
+/// What did not have to be solved for, in words.
+fn left_out(problem: &Discrete, known: Option<&[bool]>, solved: &crate::qp::QpSolution) -> Vec<String> {
+    let cells = problem.grid.len();
+    let pruned = problem.overlap.iter().filter(|&&f| f <= 0.0).count();
+    let mut left_out = vec![format!("{pruned} of {cells} cells: the undeformed bodies do not overlap there")];
+    if let Some(known) = known {
+        let far = known.iter().zip(&problem.overlap).filter(|&(&k, &f)| !k && f > 0.0).count();
+        left_out
+            .push(format!("{far} more, away from the contact of a coarser grid (verified: none of them penetrates)"));
+    }
+    if solved.symmetry.order() > 1 {
+        left_out.push(format!(
+            "all but {} unknowns, by symmetry of gap and grid: {}",
+            solved.solution.unknowns,
+            solved.symmetry.words()
+        ));
+    }
+    left_out
 }
 
 /// dP/dd of the discrete problem: the force of a flat punch on the cells in contact.

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use crate::contact::{Contact, Load};
 use crate::domain::Door;
-use crate::error::{Unsolved, Verdict};
+use crate::error::Unsolved;
 use crate::exact::{self, GridState, Refined};
 use crate::gap::{Gap, Reach, Tilted};
 use crate::grid::Pressure;
