@@ -15,6 +15,7 @@ mod material;
 pub mod patch;
 #[cfg(feature = "qp")]
 pub mod qp;
+pub mod recognise;
 mod settings;
 mod solution;
 mod solve;
