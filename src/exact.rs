@@ -8,6 +8,7 @@ use crate::gap::Gap;
 use crate::geometry::Rect;
 use crate::grid::{Grid, Kernel};
 use crate::homogeneity::Degree;
+use crate::matrix_free;
 use crate::settings::{Method, Settings};
 
 /// Times a box may grow before the contact is taken to have no end.
@@ -39,9 +40,9 @@ impl GridState {
     }
 }
 
-/// A small solve to rounding; what the search for the box uses.
+/// A loose solve; what the search for the box uses.
 pub(crate) fn coarse(problem: &Discrete) -> Result<DiscreteSolution, Unsolved> {
-    Ok(crate::qp::solve_by_active_set(problem, None)?.solution)
+    matrix_free::solve(problem, None, &matrix_free::Settings { residual: 1e-4, ..matrix_free::Settings::default() })
 }
 
 /// The contact at one depth with `cells` cells along the longer side of a box that holds it.
@@ -153,64 +154,91 @@ const COARSEST: usize = 16;
 /// Cells along the longer side of the last grid that is tried.
 const FINEST: usize = 2048;
 
-/// The cells that can touch, from a solve on cells twice as large: its contact and one of its cells around.
-fn candidates(door: &Door, problem: &Discrete) -> Result<Option<Vec<bool>>, Unsolved> {
-    let fine = &problem.grid;
-    if fine.shape[0].max(fine.shape[1]) < 2 * COARSEST {
-        return Ok(None);
-    }
-    let coarse = Grid::over(&fine.extent(), fine.shape.map(|n| n.div_ceil(2)));
-    let halved = Discrete::sample(&door.gap, door.depth, coarse, problem.kernel);
-    let known = candidates(door, &halved)?;
-    let touching = crate::qp::solve_by_active_set(&halved, known.as_deref())?.solution.pressure;
-    let near = |[i, j]: [usize; 2]| {
-        let around = |n: usize, k: usize| n.saturating_sub(1)..(n + 2).min(coarse.shape[k]);
-        around(j, 1).any(|j| around(i, 0).any(|i| touching[j * coarse.shape[0] + i] > 0.0))
-    };
-    let below = |n: usize, k: usize| (n * coarse.shape[k] / fine.shape[k]).min(coarse.shape[k] - 1);
-    Ok(Some((0..fine.len()).map(|k| near([below(k % fine.shape[0], 0), below(k / fine.shape[0], 1)])).collect()))
-}
-
+/// One grid by one method.
 fn solve(door: &Door, problem: Discrete, method: Method) -> Result<GridState, Unsolved> {
-    let known = candidates(door, &problem)?;
-    let solved = match method {
-        Method::Qp => crate::qp::solve(&problem, known.as_deref())?,
-        _ => todo!(),
-    };
-    let left_out = left_out(&problem, known.as_deref(), &solved);
-    let mut remarks = Vec::new();
-    if !solved.polished {
-        remarks.push("the active set did not close: the pressures are those of the interior point".to_owned());
-    }
-    let (iterations, operator_products) = (solved.solution.iterations, solved.solution.operator_products);
-    Ok(GridState { method, problem, solution: solved.solution, iterations, operator_products, left_out, remarks })
-}
-
-/// What did not have to be solved for, in words.
-fn left_out(problem: &Discrete, known: Option<&[bool]>, solved: &crate::qp::QpSolution) -> Vec<String> {
     let cells = problem.grid.len();
     let pruned = problem.overlap.iter().filter(|&&f| f <= 0.0).count();
     let mut left_out = vec![format!("{pruned} of {cells} cells: the undeformed bodies do not overlap there")];
-    if let Some(known) = known {
-        let far = known.iter().zip(&problem.overlap).filter(|&(&k, &f)| !k && f > 0.0).count();
-        left_out
-            .push(format!("{far} more, away from the contact of a coarser grid (verified: none of them penetrates)"));
+    let mut remarks = Vec::new();
+    let solution = match method {
+        #[cfg(feature = "qp")]
+        Method::Qp => programme::solve(door, &problem, &mut left_out, &mut remarks)?,
+        #[cfg(not(feature = "qp"))]
+        Method::Qp => {
+            let reason = "this build has no quadratic programme (feature qp)";
+            return Err(Unsolved::new(Verdict::NotApplicable, reason));
+        }
+        _ => matrix_free::solve(&problem, None, &matrix_free::Settings::default())?,
+    };
+    let (iterations, operator_products) = (solution.iterations, solution.operator_products);
+    Ok(GridState { method, problem, solution, iterations, operator_products, left_out, remarks })
+}
+
+/// The quadratic programme on the cells that can touch.
+#[cfg(feature = "qp")]
+mod programme {
+    use super::{COARSEST, Discrete, DiscreteSolution, Door, Grid, Unsolved};
+    use crate::qp::{self, QpSolution};
+
+    /// Solves, and says what was left out on the way.
+    pub fn solve(
+        door: &Door,
+        problem: &Discrete,
+        left_out: &mut Vec<String>,
+        remarks: &mut Vec<String>,
+    ) -> Result<DiscreteSolution, Unsolved> {
+        let known = candidates(door, problem)?;
+        let QpSolution { solution, polished, symmetry } = qp::solve(problem, known.as_deref())?;
+        if let Some(known) = known {
+            let far = known.iter().zip(&problem.overlap).filter(|&(&k, &f)| !k && f > 0.0).count();
+            left_out.push(format!(
+                "{far} cells away from the contact of a coarser grid; verified: none of them penetrates"
+            ));
+        }
+        if symmetry.order() > 1 {
+            let unknowns = solution.unknowns;
+            left_out.push(format!("all but {unknowns} unknowns, by symmetry of gap and grid: {}", symmetry.words()));
+        }
+        if !polished {
+            remarks.push("the active set did not close: the pressures are those of the interior point".to_owned());
+        }
+        Ok(solution)
     }
-    if solved.symmetry.order() > 1 {
-        left_out.push(format!(
-            "all but {} unknowns, by symmetry of gap and grid: {}",
-            solved.solution.unknowns,
-            solved.symmetry.words()
-        ));
+
+    /// The cells that can touch, from a solve on cells twice as large: its contact and one of its cells around.
+    fn candidates(door: &Door, problem: &Discrete) -> Result<Option<Vec<bool>>, Unsolved> {
+        let fine = &problem.grid;
+        if fine.shape[0].max(fine.shape[1]) < 2 * COARSEST {
+            return Ok(None);
+        }
+        let coarse = Grid::over(&fine.extent(), fine.shape.map(|n| n.div_ceil(2)));
+        let halved = Discrete::sample(&door.gap, door.depth, coarse, problem.kernel);
+        let known = candidates(door, &halved)?;
+        let touching = qp::solve_by_active_set(&halved, known.as_deref())?.solution.pressure;
+        let near = |[i, j]: [usize; 2]| {
+            let around = |n: usize, k: usize| n.saturating_sub(1)..(n + 2).min(coarse.shape[k]);
+            around(j, 1).any(|j| around(i, 0).any(|i| touching[j * coarse.shape[0] + i] > 0.0))
+        };
+        let below = |n: usize, k: usize| (n * coarse.shape[k] / fine.shape[k]).min(coarse.shape[k] - 1);
+        Ok(Some((0..fine.len()).map(|k| near([below(k % fine.shape[0], 0), below(k / fine.shape[0], 1)])).collect()))
     }
-    left_out
 }
 
 /// dP/dd of the discrete problem: the force of a flat punch on the cells in contact.
 pub(crate) fn stiffness(state: &GridState) -> Result<f64, Unsolved> {
     let rates = vec![1.0; state.problem.grid.len()];
-    let flat = crate::qp::growth(&state.problem, &state.solution.pressure, &rates)?;
+    let flat = growth(state, &rates)?;
     Ok(flat.iter().sum::<f64>() * state.problem.grid.cell_area())
+}
+
+/// Pressure that grows on the cells in contact when their overlap grows at the given rates; see [`matrix_free::growth`].
+pub(crate) fn growth(state: &GridState, rates: &[f64]) -> Result<Vec<f64>, Unsolved> {
+    #[cfg(feature = "qp")]
+    if state.method == Method::Qp {
+        return crate::qp::growth(&state.problem, &state.solution.pressure, rates);
+    }
+    let settings = matrix_free::Settings { residual: 1e-9, ..matrix_free::Settings::default() };
+    matrix_free::growth(&state.problem, &state.solution.pressure, rates, &settings)
 }
 
 /// The gap left in each cell after loading: zero in contact, infinite where there is no material.

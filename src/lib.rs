@@ -12,6 +12,7 @@ mod grid;
 mod homogeneity;
 pub mod influence;
 mod material;
+pub mod matrix_free;
 pub mod patch;
 #[cfg(feature = "qp")]
 pub mod qp;

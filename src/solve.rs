@@ -40,7 +40,7 @@ fn at(contact: &Contact, load: Load, settings: &Settings) -> Result<Solution, Un
 }
 
 fn by_grid(contact: &Contact, depth: f64, tilt: [f64; 2], settings: &Settings) -> Result<Solution, Unsolved> {
-    let method = if settings.method == Method::Fft { Method::Fft } else { Method::Qp };
+    let method = if settings.method == Method::Qp { Method::Qp } else { Method::Fft };
     let tilted;
     let gap: &dyn Gap = if tilt == [0.0; 2] {
         &**contact.gap()
