@@ -4,13 +4,21 @@
 //! With depth d the undeformed bodies overlap by f = d - g, the paper's f.
 
 mod analytic;
+mod flat;
 mod mean;
+mod outline;
 mod placed;
 mod polyhedron;
+mod revolved;
+mod search;
 
 pub use analytic::{Cone, Paraboloid, Power, Sphere};
+pub use flat::Flat;
+pub use outline::Outline;
 pub use placed::{Placed, Scaled};
 pub use polyhedron::Polyhedron;
+pub use revolved::Revolved;
+pub use search::extent;
 
 use std::sync::Arc;
 
