@@ -23,7 +23,11 @@ impl Paraboloid {
     pub fn new(radii: [f64; 2]) -> Result<Self, InputError> {
         for (path, radius) in [("radii[0]", radii[0]), ("radii[1]", radii[1])] {
             if radius.is_nan() || radius <= 0.0 {
-                return Err(InputError::new(path, radius, "a number greater than 0, infinite for a straight generator"));
+                return Err(InputError::new(
+                    path,
+                    radius,
+                    "a number greater than 0, infinite for a straight generator",
+                ));
             }
         }
         Ok(Self { radii })

@@ -4,6 +4,8 @@
 //! With depth d the undeformed bodies overlap by f = d - g, the paper's f.
 
 mod analytic;
+mod combine;
+mod descent;
 mod flat;
 mod mean;
 mod outline;
@@ -13,6 +15,7 @@ mod revolved;
 mod search;
 
 pub use analytic::{Cone, Paraboloid, Power, Sphere};
+pub use combine::{Minimum, Sum};
 pub use flat::Flat;
 pub use outline::Outline;
 pub use placed::{Placed, Scaled};

@@ -288,7 +288,8 @@ fn crossing(corners: &[[f64; 2]]) -> Option<(usize, usize)> {
             if apart {
                 continue;
             }
-            let proper = (turn(a, b, c) > 0.0) != (turn(a, b, d) > 0.0) && (turn(c, d, a) > 0.0) != (turn(c, d, b) > 0.0);
+            let proper =
+                (turn(a, b, c) > 0.0) != (turn(a, b, d) > 0.0) && (turn(c, d, a) > 0.0) != (turn(c, d, b) > 0.0);
             if proper || on(a, b, c) || on(a, b, d) || on(c, d, a) || on(c, d, b) {
                 return Some((k, m));
             }

@@ -44,10 +44,8 @@ impl Revolved {
             }
             if k > 0 {
                 let slope = (z - points[k - 1][1]) / (r - points[k - 1][0]);
-                finite(&format!("points[{k}][1]"), slope).map_err(|e| InputError {
-                    given: format!("{z}, a step of infinite slope"),
-                    ..e
-                })?;
+                finite(&format!("points[{k}][1]"), slope)
+                    .map_err(|e| InputError { given: format!("{z}, a step of infinite slope"), ..e })?;
             }
         }
         let mut revolved = Self { points, kinks: Vec::new() };

@@ -1,5 +1,6 @@
 //! Looking for the place where a gap is less than a depth, when nothing but its values is known.
 
+use super::descent::{along, descend, magnitudes, spread};
 use super::{Gap, Reach};
 use crate::geometry::Rect;
 
@@ -65,22 +66,6 @@ pub(super) fn search(gap: &dyn Fn(f64, f64) -> f64, depth: f64, centre: [f64; 2]
 
 fn within(inner: &Rect, outer: &Rect) -> bool {
     outer.contains(inner.min) && outer.contains(inner.max)
-}
-
-fn along(p: [f64; 2], angle: f64, r: f64) -> [f64; 2] {
-    let (sin, cos) = angle.sin_cos();
-    [p[0] + r * cos, p[1] + r * sin]
-}
-
-/// Turned off the axes and off one another's multiples, so that no symmetric edge lies on a ray.
-fn spread(count: usize) -> impl Iterator<Item = f64> {
-    (0..count).map(move |k| std::f64::consts::TAU * (k as f64 + 0.137) / count as f64)
-}
-
-/// Distances that double (`step` = 1) over all magnitudes which still move the point.
-fn magnitudes(from: [f64; 2], step: usize) -> impl Iterator<Item = f64> {
-    let least = (from[0].abs().max(from[1].abs()) * 1e-15).max(1e-305).log2().ceil() as i32;
-    (least..1020).step_by(step).map(|k| f64::from(k).exp2())
 }
 
 /// A point inside: the centre, or one seen from it, or the lowest place that can be slid to.
@@ -262,61 +247,6 @@ fn peak(value: impl Fn(f64) -> f64, [mut a, mut b]: [f64; 2], steps: usize) -> f
     if at_c >= at_d { c } else { d }
 }
 
-/// Slides down from `start` (Nelder & Mead 1965, three starts with ever smaller first steps) until below `enough` or
-/// at a lowest place. Follows valleys of any slenderness.
-pub(super) fn descend(
-    gap: &dyn Fn(f64, f64) -> f64,
-    start: [f64; 2],
-    size: f64,
-    enough: f64,
-) -> ([f64; 2], f64) {
-    let value = |p: [f64; 2]| {
-        let v = gap(p[0], p[1]);
-        if v.is_nan() { f64::INFINITY } else { v }
-    };
-    let mut best = (start, value(start));
-    for (restart, size) in [size, 0.03 * size, 1e-3 * size].into_iter().enumerate() {
-        let turned = 0.4 + 1.9 * restart as f64;
-        let mut simplex = [best.0, along(best.0, turned, size), along(best.0, turned + 1.6, size)].map(|p| (p, value(p)));
-        for _ in 0..400 {
-            simplex.sort_by(|a, b| a.1.total_cmp(&b.1));
-            let [low, mid, high] = simplex;
-            let flat = simplex.iter().all(|s| (0..2).all(|m| (s.0[m] - low.0[m]).abs() <= 1e-15 * low.0[m].abs()));
-            if low.1 < enough || flat {
-                break;
-            }
-            let middle = [0, 1].map(|m| 0.5 * (low.0[m] + mid.0[m]));
-            let moved = |t: f64| {
-                let p = [0, 1].map(|m| middle[m] + t * (high.0[m] - middle[m]));
-                (p, value(p))
-            };
-            let reflected = moved(-1.0);
-            simplex[2] = if reflected.1 < low.1 {
-                let further = moved(-2.0);
-                if further.1 < reflected.1 { further } else { reflected }
-            } else if reflected.1 < mid.1 {
-                reflected
-            } else {
-                let nearer = if reflected.1 < high.1 { moved(-0.5) } else { moved(0.5) };
-                if nearer.1 < high.1.min(reflected.1) {
-                    nearer
-                } else {
-                    for s in &mut simplex[1..] {
-                        let p = [0, 1].map(|m| 0.5 * (s.0[m] + low.0[m]));
-                        *s = (p, value(p));
-                    }
-                    continue;
-                }
-            };
-        }
-        best = simplex.into_iter().fold(best, |a, b| if b.1 < a.1 { b } else { a });
-        if best.1 < enough {
-            break;
-        }
-    }
-    best
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -374,7 +304,8 @@ mod tests {
             one(-1.0, 0.0, 1.0).min(one(4.0, 3.0, 0.5)).min(one(0.0, -6.0, 2.0))
         };
         let Reach::Within(found) = search(&tips, 0.1, [0.0; 2]) else { panic!("bounded") };
-        let exact = Rect { min: [-1.0 - 0.2f64.sqrt(), -6.0 - 0.4f64.sqrt()], max: [4.0 + 0.1f64.sqrt(), 3.0 + 0.1f64.sqrt()] };
+        let exact =
+            Rect { min: [-1.0 - 0.2f64.sqrt(), -6.0 - 0.4f64.sqrt()], max: [4.0 + 0.1f64.sqrt(), 3.0 + 0.1f64.sqrt()] };
         assert!(within(&exact, &found) && found.size()[0] < 2.5 * exact.size()[0], "{found:?}");
         // Three quarters of a ring: the seed sees a part of it only.
         let hook = |x: f64, y: f64| if x > 0.0 && y > 0.0 { 1.0 } else { (x.hypot(y) - 1.0).abs() };
