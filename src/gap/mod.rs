@@ -7,6 +7,8 @@ mod analytic;
 mod combine;
 mod descent;
 mod flat;
+#[cfg(feature = "formula")]
+mod formula;
 mod mean;
 mod outline;
 mod placed;
@@ -17,6 +19,8 @@ mod search;
 pub use analytic::{Cone, Paraboloid, Power, Sphere};
 pub use combine::{Minimum, Sum};
 pub use flat::Flat;
+#[cfg(feature = "formula")]
+pub use formula::Formula;
 pub use outline::Outline;
 pub use placed::{Placed, Scaled};
 pub use polyhedron::Polyhedron;
