@@ -9,6 +9,7 @@ mod descent;
 mod flat;
 #[cfg(feature = "formula")]
 mod formula;
+mod height_map;
 mod mean;
 mod outline;
 mod placed;
@@ -21,6 +22,7 @@ pub use combine::{Minimum, Sum};
 pub use flat::Flat;
 #[cfg(feature = "formula")]
 pub use formula::Formula;
+pub use height_map::{HeightMap, Heights, MapFormat, Surface, Zero};
 pub use outline::Outline;
 pub use placed::{Placed, Scaled};
 pub use polyhedron::Polyhedron;
