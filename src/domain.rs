@@ -6,7 +6,7 @@
 
 use crate::discrete::Discrete;
 use crate::error::{Unsolved, Verdict};
-use crate::gap::{Gap, Reach, Scaled};
+use crate::gap::{Gap, Reach, Scaled, extent};
 use crate::geometry::Rect;
 use crate::grid::{Grid, Kernel};
 use crate::symmetry::Symmetry;
@@ -34,15 +34,14 @@ pub(crate) struct Door<'a> {
 impl<'a> Door<'a> {
     /// The state in units of its own; `None` when the bodies do not touch.
     pub fn enter(gap: &'a dyn Gap, depth: f64) -> Result<Option<Self>, Unsolved> {
-        let reach = match gap.reach(depth) {
+        let reach = match extent(gap, depth) {
             Reach::Within(rect) => rect,
             Reach::Nowhere => return Ok(None),
-            Reach::Unbounded => {
+            Reach::Unbounded | Reach::Unknown => {
                 let reason =
                     format!("the gap stays below the depth {depth:e} however far one looks: the contact has no end");
                 return Err(Unsolved::new(Verdict::Unbounded, reason));
             }
-            Reach::Unknown => todo!(),
         };
         let overlap = depth - lowest(gap, &reach);
         let [w, h] = reach.size();

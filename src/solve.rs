@@ -6,7 +6,7 @@ use crate::contact::{Contact, Load};
 use crate::domain::Door;
 use crate::error::Unsolved;
 use crate::exact::{self, GridState, Refined};
-use crate::gap::{Gap, Reach, Tilted};
+use crate::gap::{Gap, Reach, Tilted, extent};
 use crate::grid::Pressure;
 use crate::homogeneity::{self, Degree};
 use crate::patch;
@@ -51,7 +51,7 @@ fn by_grid(contact: &Contact, depth: f64, tilt: [f64; 2], settings: &Settings) -
     let Some(door) = Door::enter(gap, depth)? else {
         return Ok(apart(method, depth, tilt));
     };
-    let degree = match gap.reach(depth) {
+    let degree = match extent(gap, depth) {
         Reach::Within(rect) => homogeneity::degree(gap, &rect),
         _ => None,
     };
