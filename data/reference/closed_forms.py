@@ -66,7 +66,7 @@ def abel_forms(name, abel, slope, b, a):
         inner = [mpf(0)] + ([acosh(b / r)] if r < b < a else []) + [end]
         return quad(lambda v: slope(r * mp.cosh(v)), inner) / pi
 
-    return dict(a=s(a), depth=s(d), force=s(force), energy=s(energy), pressure_at_half=s(p(a / 2)), pressure_at_quarter=s(p(a / 4)))
+    return dict(a=s(a), depth=s(d), force=s(force), energy=s(energy), pressures=[[0.4, s(p(a * mpf(4) / 10))], [0.8, s(p(a * mpf(8) / 10))]])
 
 
 def sphere(a):
