@@ -1,5 +1,6 @@
 //! Contact patch, force, stiffness and pressure of two bodies pressed together.
 
+pub mod closed_form;
 mod contact;
 mod discrete;
 mod domain;
@@ -16,7 +17,9 @@ pub mod matrix_free;
 pub mod patch;
 #[cfg(feature = "qp")]
 pub mod qp;
+pub mod quadrature;
 pub mod recognise;
+pub mod scalar;
 mod settings;
 mod solution;
 mod solve;

@@ -1,0 +1,419 @@
+//! Any gap of revolution whose contact is a disc, by quadrature (Sneddon 1965).
+//!
+//! ```text
+//! D(s) = s int_0^{pi/2} g'(s sin t) dt,          d = D(a) (d > D(a) only at a sharp rim),
+//! M(a) = a^2 int_0^{pi/2} sin^2 t g'(a sin t) dt = int_0^a (D(a) - D) ds,   P = 2 E* [M(a) + a (d - D(a))]
+//! ```
+//!
+//! At fixed d the force is stationary in a, so that an error of a enters P squared.
+//!
+//! The contact is a disc when D grows up to a (then p >= 0) and stays above d beyond (then the gap outside is open):
+//! h(r) = (2/pi) int_a^r (D(s) - d)/sqrt(r^2 - s^2) ds. Where this is not so, p and h are looked at themselves. All
+//! three are sampled, so a wave of the generatrix shorter than a hundredth of the contact can pass unseen.
+
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+use std::fmt;
+use std::sync::Arc;
+
+use super::{ClosedForm, Revolution};
+use crate::error::{InputError, Unsolved, Verdict};
+use crate::material::EffectiveModulus;
+use crate::quadrature::{Integral, adaptive, from_zero};
+use crate::scalar::{maximum, root};
+
+type Profile = Box<dyn Fn(f64) -> f64 + Send + Sync>;
+
+/// A gap of revolution, given by its slope g'(r) or by the gap itself.
+#[derive(Debug, Clone)]
+pub struct Sneddon {
+    e_star: f64,
+    generatrix: Arc<Generatrix>,
+}
+
+struct Generatrix {
+    profile: Profile,
+    /// Whether the profile is g'(r) or g(r).
+    by_slope: bool,
+    /// Radii of corners, increasing, inside the body.
+    kinks: Vec<f64>,
+    /// Where the body ends with a sharp rim; infinite when it does not.
+    radius: f64,
+}
+
+impl fmt::Debug for Generatrix {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Generatrix").field("kinks", &self.kinks).field("radius", &self.radius).finish_non_exhaustive()
+    }
+}
+
+/// Points at which the conditions of a disc are looked at, inside the contact and outside.
+const LOOKS: usize = 96;
+
+impl Sneddon {
+    /// The gap with slope g'(r), r > 0. `kinks` are the radii at which the slope is not smooth; `radius` is where the
+    /// body ends (infinity: it does not). g' may be singular at r = 0 like r^s, s > -1.
+    ///
+    /// ```
+    /// use contact_patch::{EffectiveModulus, closed_form::Sneddon};
+    /// let modulus = EffectiveModulus::from_e_star(1.0)?;
+    /// // A cone with its tip cut off at r = 1.
+    /// let cut = Sneddon::new(modulus, |r| if r < 1.0 { 0.0 } else { 1.0 }, &[1.0], f64::INFINITY)?;
+    /// let contact = cut.at_depth(2.0943951023931955)?;
+    /// assert!((contact.force / 5.9208410123552683 - 1.0).abs() < 1e-11);
+    /// // A ring: the middle does not touch.
+    /// let ring = Sneddon::new(modulus, |r| 8.0 * r * (r * r - 1.0), &[], f64::INFINITY)?;
+    /// assert!(ring.at_depth(0.1).is_err());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Names a kink that is not a finite number greater than zero, or the radius when it is not greater than zero.
+    pub fn new(
+        modulus: EffectiveModulus,
+        slope: impl Fn(f64) -> f64 + Send + Sync + 'static,
+        kinks: &[f64],
+        radius: f64,
+    ) -> Result<Self, InputError> {
+        Self::from_profile(modulus, Box::new(slope), true, kinks, radius)
+    }
+
+    /// The same from the gap g(r) itself. Its slope is integrated by parts away; about two digits are lost to
+    /// cancellation (force about 1e-12 for a smooth gap).
+    ///
+    /// ```
+    /// use contact_patch::{EffectiveModulus, closed_form::Sneddon};
+    /// let modulus = EffectiveModulus::from_e_star(1.0)?;
+    /// let quartic = Sneddon::of_gap(modulus, |r| r.powi(4), &[], f64::INFINITY)?.at_depth(1.0)?;
+    /// assert!((quartic.force / 1.2520676640586299 - 1.0).abs() < 1e-11);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Sneddon::new`].
+    pub fn of_gap(
+        modulus: EffectiveModulus,
+        gap: impl Fn(f64) -> f64 + Send + Sync + 'static,
+        kinks: &[f64],
+        radius: f64,
+    ) -> Result<Self, InputError> {
+        Self::from_profile(modulus, Box::new(gap), false, kinks, radius)
+    }
+
+    fn from_profile(
+        modulus: EffectiveModulus,
+        profile: Profile,
+        by_slope: bool,
+        kinks: &[f64],
+        radius: f64,
+    ) -> Result<Self, InputError> {
+        for (k, &kink) in kinks.iter().enumerate() {
+            crate::error::positive(&format!("kinks[{k}]"), kink)?;
+        }
+        if radius.is_nan() || radius <= 0.0 {
+            return Err(InputError::new("radius", radius, "a number greater than 0, or infinity"));
+        }
+        let mut kinks: Vec<f64> = kinks.iter().copied().filter(|&b| b < radius).collect();
+        kinks.sort_by(f64::total_cmp);
+        kinks.dedup();
+        let generatrix = Arc::new(Generatrix { profile, by_slope, kinks, radius });
+        Ok(Self { e_star: modulus.e_star(), generatrix })
+    }
+
+    /// The contact at depth d > 0, counted from where the point r = 0 touches.
+    ///
+    /// # Errors
+    /// `NoClosedForm` when the contact is not a disc, `Unbounded` when it has no end, `NotApplicable` when the depth is
+    /// not a finite number greater than zero or the slope is not finite.
+    pub fn at_depth(&self, depth: f64) -> Result<ClosedForm, Unsolved> {
+        checked("depth", depth)?;
+        let g = &self.generatrix;
+        self.solve(|a| g.abel(a).value - depth, |_, _| depth)
+    }
+
+    /// The contact under the force P > 0.
+    ///
+    /// # Errors
+    /// As [`Sneddon::at_depth`].
+    pub fn at_force(&self, force: f64) -> Result<ClosedForm, Unsolved> {
+        checked("force", force)?;
+        let (g, half) = (&self.generatrix, 0.5 * force / self.e_star);
+        let solution = self.solve(|a| g.moment(a).value - half, |a, rim| (half - g.moment(a).value) / a + rim)?;
+        Ok(ClosedForm { force, ..solution })
+    }
+
+    /// `excess(a)` is negative while the contact is larger than a; `depth(a, D(a))` is that of the contact a.
+    fn solve(
+        &self,
+        mut excess: impl FnMut(f64) -> f64,
+        depth: impl Fn(f64, f64) -> f64,
+    ) -> Result<ClosedForm, Unsolved> {
+        let g = &self.generatrix;
+        let mut refused = None;
+        for a in contacts(g, &mut excess)? {
+            let at_rim = g.abel(a);
+            let d = depth(a, at_rim.value);
+            let moment = g.moment(a);
+            let excess = if a < g.radius { (d - at_rim.value).max(0.0) } else { d - at_rim.value };
+            let force = 2.0 * self.e_star * (moment.value + a * (d - at_rim.value));
+            if !(d.is_finite() && d > 0.0 && force.is_finite() && force > 0.0) {
+                continue;
+            }
+            let contact =
+                Contact { generatrix: Arc::clone(g), a, depth: d, edge: if a < g.radius { 0.0 } else { excess } };
+            if let Err(reason) = contact.is_disc() {
+                refused = Some(reason);
+                continue;
+            }
+            let error = (2.0 * self.e_star * (moment.error + a * at_rim.error) / force).max(super::ROUNDING);
+            return Ok(ClosedForm { error, ..ClosedForm::disc(self.e_star, force, d, a, contact) });
+        }
+        let reason = refused.unwrap_or_else(|| "no disc about the axis carries this load".to_owned());
+        Err(Unsolved::new(Verdict::NoClosedForm, reason))
+    }
+}
+
+fn checked(name: &str, value: f64) -> Result<f64, Unsolved> {
+    crate::error::positive(name, value).map_err(|e| Unsolved::new(Verdict::NotApplicable, e.to_string()))
+}
+
+/// Radii at which `excess` changes from negative to positive, and the rim where it never does: the candidates.
+fn contacts(g: &Generatrix, excess: &mut impl FnMut(f64) -> f64) -> Result<Vec<f64>, Unsolved> {
+    let not_finite = |r: f64| {
+        let reason = format!("the generatrix is not a finite number somewhere within radius {r:e}");
+        Unsolved::new(Verdict::NotApplicable, reason)
+    };
+    let mut look = |r: f64| match excess(r) {
+        e if e.is_finite() => Ok(e),
+        // Past a vertical wall D is infinite: as good as any large number.
+        e if e == f64::INFINITY => Ok(f64::MAX),
+        _ => Err(not_finite(r)),
+    };
+    // A radius beyond the contact, then one within, then both closer than a factor of two.
+    let start = if g.radius.is_finite() { g.radius } else { g.kinks.last().copied().unwrap_or(1.0) };
+    let mut high = start;
+    if look(high)? <= 0.0 {
+        if g.radius.is_finite() {
+            return Ok(vec![g.radius]);
+        }
+        let mut factor = 2.0;
+        while look(high)? <= 0.0 {
+            high *= factor;
+            factor = (factor * factor).min(1e6);
+            if high > 1e200 {
+                let reason = "the gap does not grow enough to end the contact";
+                return Err(Unsolved::new(Verdict::Unbounded, reason));
+            }
+        }
+    }
+    let mut low = 0.5 * high;
+    let mut factor = 2.0;
+    while look(low)? > 0.0 {
+        high = low;
+        low /= factor;
+        factor = (factor * factor).min(1e6);
+        if low < 1e-200 {
+            return Err(Unsolved::new(Verdict::NoClosedForm, "the contact does not begin at the axis"));
+        }
+    }
+    while high > 2.0 * low {
+        let middle = (low * high).sqrt();
+        if look(middle)? > 0.0 { high = middle } else { low = middle }
+    }
+    // Every crossing between an eighth and eight times this one: more than one only if the contact was a ring once.
+    let first = root(|a| look(a).unwrap_or(f64::NAN), low, high).map_or(high, |found| found.at);
+    let mut all = vec![first];
+    let end = (8.0 * first).min(g.radius);
+    let mut before = (0.125 * first, look(0.125 * first)?);
+    for k in 1..=LOOKS {
+        let r = 0.125 * first * (end / (0.125 * first)).powf(k as f64 / LOOKS as f64);
+        let here = (r, if r < g.radius { look(r)? } else { look(g.radius)? });
+        if before.1 < 0.0 && here.1 > 0.0 && !(before.0 <= first && first <= here.0) {
+            let found = root(|a| look(a).unwrap_or(f64::NAN), before.0, here.0);
+            all.extend(found.map(|found| found.at));
+        }
+        before = here;
+    }
+    if before.1 <= 0.0 && g.radius <= 8.0 * first {
+        all.push(g.radius);
+    }
+    Ok(all)
+}
+
+impl Generatrix {
+    /// Rounding of the integrands: by slope, and by gap with its cancellation.
+    fn tolerance(&self) -> f64 {
+        if self.by_slope { 1e-13 } else { 1e-12 }
+    }
+
+    /// int_0^{pi/2} F dt with r = s sin t on the panel next to the axis, where r has to keep its digits, and
+    /// r = s cos theta on the others, where s - r has to: `f(r, sin t, cos t)`.
+    fn integral(&self, s: f64, f: impl Fn(f64, f64, f64) -> f64) -> Integral {
+        let first_kink = self.kinks.first().copied().filter(|&b| b < s).map_or(FRAC_PI_2, |b| (b / s).asin());
+        let split = first_kink.min(FRAC_PI_4);
+        let near = |t: f64| {
+            let (sin, cos) = t.sin_cos();
+            f(s * sin, sin, cos)
+        };
+        let far = |theta: f64| {
+            let (sin, cos) = theta.sin_cos();
+            f(s * cos, cos, sin)
+        };
+        let theta = |b: &f64| ((s - b) * (s + b)).max(0.0).sqrt().atan2(*b);
+        let breaks: Vec<f64> = self.kinks.iter().filter(|&&b| b < s).map(theta).collect();
+        let end = if split < FRAC_PI_4 { breaks.first().copied().unwrap_or(FRAC_PI_4) } else { FRAC_PI_4 };
+        let outer = adaptive(far, 0.0, end, &breaks, self.tolerance());
+        from_zero(near, split, self.tolerance()).plus(outer)
+    }
+
+    /// D(s). From the gap: D = g(s) - g(0) + int (g(s) - g(s sin t)) sin t/cos^2 t dt, by parts.
+    fn abel(&self, s: f64) -> Integral {
+        let g = &self.profile;
+        if self.by_slope {
+            return self.integral(s, |r, _, _| g(r)).times(s);
+        }
+        let (at_rim, at_axis) = (g(s), g(0.0));
+        let rest = self.integral(s, |r, sin, cos| (at_rim - g(r)) * sin / (cos * cos));
+        Integral { value: at_rim - at_axis + rest.value, ..rest }
+    }
+
+    /// M(a). From the gap: a D(a) - a int (g(a sin t) - g(0)) sin t dt.
+    fn moment(&self, a: f64) -> Integral {
+        let g = &self.profile;
+        if self.by_slope {
+            return self.integral(a, |r, sin, _| sin * sin * g(r)).times(a).times(a);
+        }
+        let at_axis = g(0.0);
+        let volume = self.integral(a, |r, sin, _| (g(r) - at_axis) * sin);
+        self.abel(a).plus(volume.times(-1.0)).times(a)
+    }
+
+    /// g(r) - g(0), to a few digits.
+    fn gap(&self, r: f64) -> f64 {
+        let g = &self.profile;
+        if !self.by_slope {
+            return g(r) - g(0.0);
+        }
+        let first = self.kinks.first().copied().unwrap_or(r).min(r);
+        from_zero(g, first, 1e-8).value + adaptive(g, first, r, &self.kinks, 1e-8).value
+    }
+
+    /// g' just beside r, on the side of `sign`.
+    fn slope_beside(&self, r: f64, sign: f64) -> f64 {
+        let g = &self.profile;
+        if self.by_slope {
+            return g(r * (1.0 + sign * 1e-9));
+        }
+        let h = sign * 1e-5 * r;
+        (g(r + h) - g(r)) / h
+    }
+}
+
+#[derive(Debug)]
+struct Contact {
+    generatrix: Arc<Generatrix>,
+    a: f64,
+    depth: f64,
+    /// d - D(a): not zero only where the rim is sharp.
+    edge: f64,
+}
+
+impl Contact {
+    /// Why the contact is not a disc, if it is not.
+    fn is_disc(&self) -> Result<(), String> {
+        let (g, a, d) = (&self.generatrix, self.a, self.depth);
+        let slack = 1e-9 * d;
+        let mut radii: Vec<f64> = (1..=LOOKS).map(|k| a * k as f64 / LOOKS as f64).collect();
+        radii.extend((1..=8).map(|k| a / LOOKS as f64 * 0.25f64.powi(k)));
+        for &b in &g.kinks {
+            radii.extend([1e-6, 1e-4, 1e-2].iter().flat_map(|h| [b * (1.0 - h), b, b * (1.0 + h)]).filter(|&r| r < a));
+        }
+        radii.sort_by(f64::total_cmp);
+        let mut before = 0.0;
+        let grows = radii.iter().all(|&s| {
+            let here = g.abel(s).value;
+            let grows = here >= before - slack;
+            before = here;
+            grows
+        });
+        if !grows {
+            let least = |r: &&f64| self.pressure(**r);
+            let mean = d / a;
+            if let Some(r) = radii.iter().filter(|&&r| r < a).find(|r| !(least(r) >= -1e-6 * mean)) {
+                return Err(format!("the contact is not a disc: at r = {r:e} its pressure would be negative"));
+            }
+        }
+        // Outside, up to where the gap reaches the depth: no point there can touch any more.
+        let mut r = a;
+        let mut checked = vec![];
+        for k in 0.. {
+            r *= 1.0 + 0.01 * f64::from(k.min(100));
+            if r > g.radius || (k > 0 && g.gap(r) >= d) {
+                break;
+            }
+            if k > 400 {
+                return Err("the contact is not a disc: the gap stays below the depth far outside".to_owned());
+            }
+            checked.push(r);
+        }
+        checked.extend(g.kinks.iter().flat_map(|b| [*b, b * 1.0001]).filter(|&b| b > a && b < r.min(g.radius)));
+        let closed = |r: f64| {
+            // r^2 - s^2 = (r sin t)^2: h = (2/pi) int (D(s) - d) dt.
+            let end = ((r - a) * (r + a)).sqrt().atan2(a);
+            let opening = adaptive(|t| g.abel(r * t.cos()).value - d, 0.0, end, &[], 1e-6);
+            opening.value < -1e-7 * d
+        };
+        if checked.iter().any(|&r| g.abel(r).value < d - self.edge - slack) {
+            if let Some(r) = checked.iter().find(|&&r| closed(r)) {
+                return Err(format!("the contact is not a disc of radius {a:e}: it would touch again at r = {r:e}"));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Revolution for Contact {
+    /// Without a second derivative, s^2 = r^2 + w^2, W^2 = a^2 - r^2:
+    /// p = (E*/pi) [(d - D(r))/W + int_0^W (D(s) - D(r))/w^2 dw]. About 1e-8 of the mean pressure.
+    fn pressure(&self, r: f64) -> f64 {
+        let (g, a) = (&self.generatrix, self.a);
+        let width = ((a - r) * (a + r)).max(0.0).sqrt();
+        if width == 0.0 {
+            return if self.edge > 0.0 { f64::INFINITY } else { 0.0 };
+        }
+        let here = if r > 0.0 { g.abel(r).value } else { 0.0 };
+        let share = |w: f64| (g.abel(r.hypot(w)).value - here) / w / w;
+        let breaks: Vec<f64> =
+            g.kinks.iter().filter(|&&b| b > r && b < a).map(|b| ((b - r) * (b + r)).sqrt()).chain([r]).collect();
+        let integral = if r > 0.0 {
+            adaptive(share, 0.0, width, &breaks, 1e-9).value
+        } else {
+            let first = breaks.iter().copied().filter(|&b| b > 0.0).fold(width, f64::min);
+            from_zero(share, first, 1e-10).value + adaptive(share, first, width, &breaks, 1e-9).value
+        };
+        (((self.depth - here) / width) + integral) / PI
+    }
+
+    fn energy(&self) -> f64 {
+        let (g, d) = (&self.generatrix, self.depth);
+        let q2 = |s: f64| (d - g.abel(s).value).powi(2);
+        let first = g.kinks.first().copied().unwrap_or(self.a).min(self.a);
+        from_zero(q2, first, 1e-11).value + adaptive(q2, first, self.a, &g.kinks, 1e-11).value
+    }
+
+    fn peak(&self) -> Option<f64> {
+        let (g, a) = (&self.generatrix, self.a);
+        if self.edge > 0.0 {
+            return None;
+        }
+        // At the axis g grows like r^m; the pressure there is finite only for m > 1.
+        let first = g.kinks.first().copied().unwrap_or(a).min(a);
+        let (near, far) = (g.gap(1e-5 * first), g.gap(1e-3 * first));
+        let sharp_tip = near > 0.0 && (far / near).ln() < 1.001 * 100f64.ln();
+        let steepest = g.slope_beside(a, -1.0).abs();
+        let corner = |&b: &f64| (g.slope_beside(b, 1.0) - g.slope_beside(b, -1.0)).abs() > 1e-3 * steepest;
+        if sharp_tip || g.kinks.iter().filter(|&&b| b < a).any(|b| corner(b)) {
+            return None;
+        }
+        Some(maximum(|r| self.pressure(r), 0.0, a, 24).value)
+    }
+}
