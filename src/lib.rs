@@ -30,6 +30,7 @@ pub use discrete::{Discrete, DiscreteSolution, Residuals};
 pub use error::{InputError, Unsolved, Verdict};
 pub use gap::Gap;
 pub use grid::{Grid, Kernel, Pressure};
+pub use influence::InfluenceTable;
 pub use material::{Body, EffectiveModulus};
 pub use settings::{BoundaryFamily, Method, Outputs, Settings};
 pub use solution::{Cost, Patch, PressureSummary, Solution};

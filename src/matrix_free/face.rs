@@ -2,9 +2,9 @@
 
 use super::operator::{Operator, Scratch};
 use super::{Settings, exhausted};
+use crate::InfluenceTable;
 use crate::discrete::{Discrete, DiscreteSolution};
 use crate::error::Unsolved;
-use crate::influence::InfluenceTable;
 
 /// Fall of the residual on a face before the face is looked at again. Anything from 0.03 to 0.5 costs within a tenth of the best.
 const INNER: f64 = 0.1;
@@ -73,7 +73,7 @@ impl<'a> Face<'a> {
         let table = InfluenceTable::new(problem.kernel, spacing, shape);
         let compliance = Operator::compliance(&table, shape);
         let preconditioner = Operator::periodic(shape, |kx, ky, [lx, ly]| wave_number(spacing, [kx, ky], [lx, ly]));
-        let row: f64 = (0..size).map(|k| table.at(k % shape[0], k / shape[0])).sum();
+        let row: f64 = (0..size).map(|k| table.get(k % shape[0], k / shape[0])).sum();
         Some(Self {
             problem,
             corner: low,

@@ -6,7 +6,7 @@ use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 use rustfft::num_complex::Complex64;
 use rustfft::{Fft, FftPlanner};
 
-use crate::influence::InfluenceTable;
+use crate::InfluenceTable;
 
 /// Columns that are transformed together: a cache line of complex numbers is read at a time.
 const BLOCK: usize = 8;
@@ -51,7 +51,7 @@ impl Operator {
     pub fn compliance(table: &InfluenceTable, shape: [usize; 2]) -> Self {
         let padded = shape.map(|n| good_length(2 * n - 1));
         let mut operator = Self::plan(shape, padded);
-        let kernel = |i: usize, j: usize| if i < shape[0] && j < shape[1] { table.at(i, j) } else { 0.0 };
+        let kernel = |i: usize, j: usize| if i < shape[0] && j < shape[1] { table.get(i, j) } else { 0.0 };
         operator.symbol = operator.transform_of(kernel);
         operator
     }
@@ -188,7 +188,7 @@ mod tests {
         operator.apply(&p, &mut u, &mut operator.scratch());
         for k in 0..84 {
             let sum: f64 =
-                (0..84).map(|m| p[m] * table.at((k % 7usize).abs_diff(m % 7), (k / 7usize).abs_diff(m / 7))).sum();
+                (0..84).map(|m| p[m] * table.get((k % 7usize).abs_diff(m % 7), (k / 7usize).abs_diff(m / 7))).sum();
             assert!((u[k] - sum).abs() < 1e-14, "{k}: {} {sum}", u[k]);
         }
     }
