@@ -11,6 +11,7 @@
 
 mod carlson;
 mod flat_punch;
+mod generatrix;
 mod hertz;
 mod power;
 mod sneddon;
