@@ -407,6 +407,23 @@ fn tilted_hertz_is_a_moved_apex() {
     assert!(hertz.at_tilted_depth(-1.0, tilt).is_err());
 }
 
+/// A placed contact carries at the moved point what the original carries at the point itself.
+#[test]
+fn placing_moves_the_pressure() {
+    let contact = Hertz::new(unit(), [3.0, 0.5]).unwrap().at_tilted_depth(0.2, [0.05, 0.1]).unwrap();
+    let (at, angle) = ([2.0, -1.0], 0.7f64);
+    let moved = contact.clone().placed(at, angle);
+    let (sin, cos) = angle.sin_cos();
+    for [x, y] in [[0.1, 0.05], [0.5, 0.1], [-0.3, 0.0]] {
+        let there = moved.pressure(at[0] + cos * x - sin * y, at[1] + sin * x + cos * y);
+        assert_relative_eq!(there, contact.pressure(x, y), max_relative = 1e-12);
+        assert!(there > 0.0);
+    }
+    for point in moved.patch.boundary(12) {
+        assert!(moved.patch.inside(point).abs() < 1e-14);
+    }
+}
+
 #[test]
 fn sneddon_knows_what_is_not_a_disc() {
     let ring = Sneddon::new(unit(), |r| 8.0 * r * (r * r - 1.0), &[], f64::INFINITY).unwrap();
