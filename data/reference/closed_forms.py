@@ -38,6 +38,13 @@ def hertz(ratio):
     return dict(ratio=s(ratio), k=s(k), a=s(a), b=s(b), force=s(2 * pi * a / (3 * K)), peak=s(1 / (b * K)))
 
 
+def hertz_inverse(k):
+    k = mpf(k)
+    m = 1 - k * k
+    K, E = ellipk(m), ellipe(m)
+    return dict(k=s(k), ratio=s((K - E) * k * k / (E - k * k * K)))
+
+
 def power(n):
     n = mpf(n)
     k = sqrt(pi) * gamma(n / 2 + 1) / gamma((n + 1) / 2)
@@ -104,6 +111,7 @@ table = {
     "source": "Computed by closed_forms.py with mpmath (60 digits, printed to 20). Units: E* = 1.",
     "hertz": {"what": "d = B = 1; k = b/a, semi-axes a and b, force P, peak pressure",
               "rows": [hertz(r) for r in ["1", "0.999999999", "0.99", "0.5", "0.25", "0.1", "0.01", "1e-4", "1e-6", "1e-8", "1e-10", "1e-12"]]},
+    "hertz_inverse": {"what": "A/B of the axis ratio k", "rows": [hertz_inverse(k) for k in ["0.5", "0.1", "1e-2", "1e-3", "1e-4", "1e-6"]]},
     "power": {"what": "gap r^n at d = 1: contact radius a, force P",
               "rows": [power(n) for n in ["0.05", "0.1", "0.5", "1", "1.5", "2", "2.7", "3", "4", "6", "8", "10", "20", "37.5", "80", "200"]]},
     "power_pressure": {"what": "gap r^n at d = 1: pressure at r = at * a",

@@ -11,6 +11,7 @@
 
 mod carlson;
 mod flat_punch;
+mod generatrix;
 mod hertz;
 mod power;
 mod sneddon;
@@ -32,6 +33,13 @@ use std::sync::Arc;
 use nalgebra::{Matrix3, Rotation2, Vector2};
 
 /// An ellipse in the plane: the contact of every closed form.
+///
+/// ```
+/// use contact_patch::closed_form::Ellipse;
+/// let patch = Ellipse { centre: [1.0, 0.0], semi_axes: [2.0, 1.0], orientation: std::f64::consts::FRAC_PI_2 };
+/// assert!(patch.inside([1.0, 1.9]) > 0.0 && patch.inside([2.9, 0.0]) < 0.0);
+/// assert_eq!(patch.boundary(64).len(), 64);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ellipse {
     /// Centre.
@@ -93,6 +101,17 @@ impl Ellipse {
 }
 
 /// What a formula says about a contact.
+///
+/// ```
+/// use contact_patch::{EffectiveModulus, closed_form::Hertz};
+/// let contact = Hertz::circular(EffectiveModulus::from_e_star(1e11)?, 0.01)?.at_force(10.0)?;
+/// let moved = contact.clone().placed([1.0, 2.0], 0.0);
+/// let p0 = 1.5 * contact.mean_pressure();
+/// assert!((contact.max_pressure().unwrap() / p0 - 1.0).abs() < 1e-14);
+/// assert!((moved.pressure(1.0, 2.0) / p0 - 1.0).abs() < 1e-14);
+/// assert!((contact.energy() / (0.4 * contact.force * contact.depth) - 1.0).abs() < 1e-14);
+/// # Ok::<(), contact_patch::InputError>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct ClosedForm {
     /// P, the normal force.
