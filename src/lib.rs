@@ -1,5 +1,6 @@
 //! Contact patch, force, stiffness and pressure of two bodies pressed together.
 
+mod by_formula;
 pub mod closed_form;
 mod contact;
 mod discrete;

@@ -2,12 +2,15 @@
 
 use std::time::Instant;
 
+use crate::by_formula::{Formula, at_depth as formula};
+use crate::closed_form::ClosedForm;
 use crate::contact::{Contact, Load};
 use crate::domain::Door;
-use crate::error::Unsolved;
+use crate::error::{Unsolved, Verdict};
 use crate::exact::{self, GridState, Refined};
-use crate::gap::{Gap, Reach, Tilted, extent};
-use crate::grid::Pressure;
+use crate::gap::{AnyGap, Gap, Reach, Tilted, extent};
+use crate::geometry::Rect;
+use crate::grid::{Grid, Pressure};
 use crate::homogeneity::{self, Degree};
 use crate::patch;
 use crate::settings::{Method, Settings};
@@ -31,23 +34,125 @@ pub fn solve(contact: &Contact, settings: &Settings) -> Vec<Result<Solution, Uns
 fn at(contact: &Contact, load: Load, settings: &Settings) -> Result<Solution, Unsolved> {
     let started = Instant::now();
     let mut solution = match load {
-        Load::Depth(depth) => by_grid(contact, depth, [0.0; 2], settings)?,
-        Load::Tilted { depth, tilt } => by_grid(contact, depth, tilt, settings)?,
+        Load::Depth(depth) => respond(contact, depth, [0.0; 2], settings)?,
+        Load::Tilted { depth, tilt } => respond(contact, depth, tilt, settings)?,
         _ => todo!(),
     };
     solution.cost.seconds = started.elapsed().as_secs_f64();
     Ok(solution)
 }
 
-fn by_grid(contact: &Contact, depth: f64, tilt: [f64; 2], settings: &Settings) -> Result<Solution, Unsolved> {
-    let method = if settings.method == Method::Qp { Method::Qp } else { Method::Fft };
-    let tilted;
-    let gap: &dyn Gap = if tilt == [0.0; 2] {
-        &**contact.gap()
-    } else {
-        tilted = Tilted::new(contact.gap().clone(), tilt);
-        &tilted
+/// The state at a prescribed depth and tilt, by the method that the settings ask for.
+pub(crate) fn respond(
+    contact: &Contact,
+    depth: f64,
+    tilt: [f64; 2],
+    settings: &Settings,
+) -> Result<Solution, Unsolved> {
+    let gap = match tilt {
+        [0.0, 0.0] => contact.gap().clone(),
+        tilt => AnyGap::new(Tilted::new(contact.gap().clone(), tilt)),
     };
+    match settings.method {
+        Method::ClosedForm => by_formula(contact, &gap, depth, tilt, settings),
+        Method::Qp | Method::Fft => by_grid(contact, &gap, depth, tilt, settings),
+        // A prescribed grid, or a gap field, is asked for by who wants a grid.
+        Method::Auto if settings.cells.is_some() || settings.outputs.gap => {
+            by_grid(contact, &gap, depth, tilt, settings)
+        }
+        Method::Auto => match by_formula(contact, &gap, depth, tilt, settings) {
+            Err(e) if e.verdict == Verdict::NoClosedForm => by_grid(contact, &gap, depth, tilt, settings),
+            answered => answered,
+        },
+        Method::Ritz | Method::Fabrikant => todo!(),
+    }
+}
+
+fn by_formula(
+    contact: &Contact,
+    gap: &AnyGap,
+    depth: f64,
+    tilt: [f64; 2],
+    settings: &Settings,
+) -> Result<Solution, Unsolved> {
+    let Some(Formula { contact: form, found, mut left_out }) = formula(gap, contact.modulus(), depth)? else {
+        return Ok(apart(Method::ClosedForm, depth, tilt));
+    };
+    let ellipse = form.patch;
+    let outputs = settings.outputs;
+    let reference = contact.gap().centre();
+    let [a, b] = ellipse.semi_axes;
+    let boundary = ellipse.boundary(BOUNDARY_POINTS);
+    let farthest = boundary.iter().map(|p| (p[0] - reference[0]).hypot(p[1] - reference[1])).fold(0.0, f64::max);
+    if !outputs.patch {
+        left_out.push("the boundary as a polyline".to_owned());
+    }
+    if !outputs.pressure {
+        left_out.push("the pressure field".to_owned());
+    }
+    let [x, y] = form.line_of_action();
+    let stiffness = form.stiffness_with_tilt();
+    Ok(Solution {
+        method: Method::ClosedForm,
+        depth,
+        tilt,
+        force: form.force,
+        force_error: Some(form.error),
+        stiffness: form.stiffness,
+        stiffness_matrix: Some([0, 1, 2].map(|i| [0, 1, 2].map(|j| stiffness[(i, j)]))),
+        moment: Some([form.force * y, -form.force * x]),
+        energy: Some(form.energy()),
+        patch: Patch {
+            area: ellipse.area(),
+            centroid: Some(ellipse.centre),
+            regions: 1,
+            max_radius: if ellipse.centre == reference { a.max(b) } else { farthest },
+            boundary: outputs.patch.then(|| vec![boundary]),
+        },
+        pressure: PressureSummary {
+            max: form.max_pressure().filter(|p| p.is_finite()),
+            mean: Some(form.mean_pressure()),
+            at: Some(ellipse.centre),
+            field: outputs.pressure.then(|| sampled(&form, settings.cells.unwrap_or(FIELD_CELLS))),
+            gap: None,
+        },
+        residuals: None,
+        cost: Cost::default(),
+        left_out,
+        remarks: vec![format!("the gap is {found}")],
+    })
+}
+
+/// Points of the boundary of a closed form.
+const BOUNDARY_POINTS: usize = 128;
+
+/// Cells along the longer side of the field of a closed form.
+const FIELD_CELLS: usize = 64;
+
+/// The pressure of a formula at the centres of cells over its patch; where it is infinite, the mean of the neighbourhood
+/// is not defined either and the largest finite value stands.
+fn sampled(form: &ClosedForm, cells: usize) -> Pressure {
+    let outline = Rect::holding(form.patch.boundary(4 * BOUNDARY_POINTS)).expect("an ellipse has points");
+    let grid = Grid::over(&outline, crate::domain::shape(&outline, cells));
+    let mut values: Vec<f64> = (0..grid.len())
+        .map(|k| {
+            let [x, y] = grid.centre_of(k);
+            form.pressure(x, y)
+        })
+        .collect();
+    let highest = values.iter().copied().filter(|p| p.is_finite()).fold(0.0, f64::max);
+    values.iter_mut().filter(|p| !p.is_finite()).for_each(|p| *p = highest);
+    Pressure { grid, values }
+}
+
+fn by_grid(
+    contact: &Contact,
+    gap: &AnyGap,
+    depth: f64,
+    tilt: [f64; 2],
+    settings: &Settings,
+) -> Result<Solution, Unsolved> {
+    let method = if settings.method == Method::Qp { Method::Qp } else { Method::Fft };
     let Some(door) = Door::enter(gap, depth)? else {
         return Ok(apart(method, depth, tilt));
     };
@@ -113,11 +218,8 @@ fn dimensional(
     };
     let strongest = (0..grid.len()).max_by(|&a, &b| values[a].total_cmp(&values[b])).unwrap_or(0);
     let unit_pressure = e_star * height / length;
-    let outward_grid = crate::grid::Grid {
-        origin: door.gap.outward(grid.origin),
-        spacing: grid.spacing.map(|h| h * length),
-        shape: grid.shape,
-    };
+    let outward_grid =
+        Grid { origin: door.gap.outward(grid.origin), spacing: grid.spacing.map(|h| h * length), shape: grid.shape };
     let moment = moments(state, door).map(|m| m * unit_force);
     let pressure = PressureSummary {
         max: Some(values[strongest] * unit_pressure),

@@ -1,0 +1,121 @@
+//! The closed form of whatever the gap turns out to be.
+
+use crate::closed_form::{ClosedForm, FlatPunch, Hertz, Power, Quadratic, Sneddon};
+use crate::error::{InputError, Unsolved, Verdict};
+use crate::gap::{AnyGap, Gap, Reach, extent};
+use crate::geometry::Rect;
+use crate::homogeneity::{self, Degree};
+use crate::material::EffectiveModulus;
+use crate::recognise::{Recognised, recognise};
+
+/// A closed form and what it stands for.
+#[derive(Debug, Clone)]
+pub struct Formula {
+    /// Force, stiffness, patch, pressure in the user's frame.
+    pub contact: ClosedForm,
+    /// What the gap was recognised as, in words.
+    pub found: String,
+    /// What that made unnecessary, in words.
+    pub left_out: Vec<String>,
+}
+
+/// The contact at this depth (and tilt: pass a [`crate::gap::Tilted`] gap); `Ok(None)` when the bodies do not touch.
+///
+/// # Errors
+/// `NoClosedForm` when the gap is none of the known shapes or its contact not one of theirs; `Unbounded` when it has no end.
+pub fn at_depth(gap: &AnyGap, modulus: EffectiveModulus, depth: f64) -> Result<Option<Formula>, Unsolved> {
+    let reach = match extent(gap, depth) {
+        Reach::Within(reach) => reach,
+        Reach::Nowhere => return Ok(None),
+        Reach::Unbounded | Reach::Unknown => {
+            return Err(Unsolved::new(Verdict::Unbounded, "the gap stays below the depth however far one looks"));
+        }
+    };
+    let refused = |e: InputError| Unsolved::new(Verdict::NoClosedForm, e.to_string());
+    let no_grid = "the grid: no cell is needed".to_owned();
+    match recognise(gap, depth, &reach) {
+        Recognised::Quadratic { centre, lowest, curvatures: [a, b], rotation } => {
+            let (sin, cos) = rotation.sin_cos();
+            let form = Quadratic {
+                xx: 0.5 * (a * cos * cos + b * sin * sin),
+                xy: (a - b) * sin * cos,
+                yy: 0.5 * (a * sin * sin + b * cos * cos),
+            };
+            let round = (a - b).abs() <= 1e-12 * b;
+            // In principal axes the small curvature keeps its digits; the turn is put back afterwards.
+            let hertz =
+                if round { Hertz::of_quadratic(modulus, form) } else { Hertz::new(modulus, [1.0 / a, 1.0 / b]) };
+            let contact = hertz.and_then(|h| h.at_depth(depth - lowest)).map_err(refused)?;
+            let contact = contact.placed(centre, if round { 0.0 } else { rotation });
+            let found = format!("a quadratic form with curvatures {a:.6e} and {b:.6e} (Hertz)");
+            Ok(Some(Formula { contact: ClosedForm { depth, ..contact }, found, left_out: vec![no_grid] }))
+        }
+        Recognised::FlatEllipse { centre, lowest, semi_axes, rotation } => {
+            let punch = FlatPunch::ellipse(modulus, semi_axes).map_err(refused)?;
+            let contact = punch.at_depth(depth - lowest).map_err(refused)?.placed(centre, rotation);
+            let found = format!("a flat ellipse with semi-axes {:.6e} and {:.6e}", semi_axes[0], semi_axes[1]);
+            Ok(Some(Formula { contact: ClosedForm { depth, ..contact }, found, left_out: vec![no_grid] }))
+        }
+        Recognised::Revolution { centre } => revolution(gap, modulus, depth, centre, &reach).map(Some),
+        Recognised::General => {
+            let reason = "the gap is neither quadratic, nor of revolution, nor a flat ellipse";
+            Err(Unsolved::new(Verdict::NoClosedForm, reason))
+        }
+    }
+}
+
+fn revolution(
+    gap: &AnyGap,
+    modulus: EffectiveModulus,
+    depth: f64,
+    centre: [f64; 2],
+    reach: &Rect,
+) -> Result<Formula, Unsolved> {
+    let refused = |e: InputError| Unsolved::new(Verdict::NoClosedForm, e.to_string());
+    let lowest = gap.gap(centre[0], centre[1]);
+    if let Some(Degree::Power(n)) = homogeneity::degree(gap, reach).filter(|_| gap.centre() == centre) {
+        let r = 0.5 * reach.size()[0];
+        let coefficient = gap.gap(centre[0] + r, centre[1]) / r.powf(n);
+        if let Ok(power) = Power::new(modulus, coefficient, n) {
+            let contact = power.at_depth(depth).map_err(refused)?.placed(centre, 0.0);
+            let found = format!("a power law {coefficient:.6e} r^{n}");
+            let left_out = vec!["the grid: no cell is needed".to_owned()];
+            return Ok(Formula { contact: ClosedForm { depth, ..contact }, found, left_out });
+        }
+    }
+    let mut kinks = Vec::new();
+    gap.ray_kinks(centre, [1.0, 0.0], &mut kinks);
+    kinks.retain(|&r| r.is_finite() && r > 0.0);
+    let farthest = reach.corners().map(|[x, y]| (x - centre[0]).hypot(y - centre[1])).into_iter().fold(0.0, f64::max);
+    let rim = end_of_material(gap, centre, farthest);
+    let (own, [x, y]) = (gap.clone(), centre);
+    let has_slope = (1..8).all(|k| gap.gradient(x + farthest * 0.1 * f64::from(k), y).is_some());
+    let sneddon = if has_slope {
+        let slope = move |r: f64| own.gradient(x + r, y).map_or(f64::NAN, |g| g[0]);
+        Sneddon::new(modulus, slope, &kinks, rim)
+    } else {
+        Sneddon::of_gap(modulus, move |r: f64| own.gap(x + r, y) - lowest, &kinks, rim)
+    };
+    let contact = sneddon.map_err(refused)?.at_depth(depth - lowest)?.placed(centre, 0.0);
+    Ok(Formula {
+        contact: ClosedForm { depth, ..contact },
+        found: "a gap of revolution whose contact is a disc (Sneddon 1965)".to_owned(),
+        left_out: vec!["the surface grid: two integrals along the radius are enough".to_owned()],
+    })
+}
+
+/// Radius at which the material ends, infinite when it does not within the reach.
+fn end_of_material(gap: &dyn Gap, [x, y]: [f64; 2], farthest: f64) -> f64 {
+    let solid = |r: f64| gap.gap(x + r, y) < f64::INFINITY;
+    let (mut inside, mut outside) = (0.0, 2.0 * farthest);
+    if solid(outside) {
+        return f64::INFINITY;
+    }
+    loop {
+        let middle = 0.5 * (inside + outside);
+        if middle <= inside || middle >= outside {
+            return inside;
+        }
+        if solid(middle) { inside = middle } else { outside = middle }
+    }
+}
