@@ -54,8 +54,7 @@ pub(super) fn search(gap: &dyn Fn(f64, f64) -> f64, depth: f64, centre: [f64; 2]
         }
     }
     // Very many pieces, or one of a shape that rays do not follow: grow until the border is clear.
-    let first = rect.size();
-    while rect.size()[0] < LONGEST * first[0] {
+    for _ in 0..LONGEST.log2() as usize {
         if border_seed(gap, depth, &rect).is_none() {
             return Reach::Within(rect);
         }
