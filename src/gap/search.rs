@@ -183,8 +183,12 @@ fn piece(inside: &dyn Fn([f64; 2]) -> bool, seed: [f64; 2]) -> Option<Rect> {
             if !(value(k) > 0.0 && value(k) >= value(k + RAYS - 1) && value(k) >= value(k + 1)) {
                 continue;
             }
+            // As round as a circle here: the margin covers what lies between the rays.
+            if value(k) - value(k + 1).min(value(k + RAYS - 1)) <= 1e-4 * value(k) {
+                continue;
+            }
             let middle = radii[k].0;
-            let angle = peak(|a| reach(a, exit(a)), [middle - step, middle + step], 76);
+            let angle = peak(|a| reach(a, exit(a)), [middle - step, middle + step], 60);
             let r = exit(angle);
             if r > LONGEST * shortest || !r.is_finite() {
                 return None;
