@@ -220,7 +220,7 @@ impl Gap for Minimum {
             if self.least(at(b)) == before {
                 continue;
             }
-            while b - a > 4.0 * f64::EPSILON * b {
+            for _ in 0..60 {
                 let middle = 0.5 * (a + b);
                 *if self.least(at(middle)) == before { &mut a } else { &mut b } = middle;
             }

@@ -45,7 +45,8 @@ pub(super) fn lowest(gap: &dyn Gap, start: [f64; 2]) -> [f64; 2] {
     for _ in 0..4 {
         let Some(better) = newton_step(gap, p, 1e-5 * r) else { break };
         // Values near the bottom differ by rounding only.
-        if !(value(better) <= low + 1e-14 * low.abs() + 1e-12 * (best.0 - low)) {
+        let as_low = value(better) <= low + 1e-14 * low.abs() + 1e-12 * (best.0 - low);
+        if !as_low {
             break;
         }
         (p, low) = (better, low.min(value(better)));

@@ -65,12 +65,10 @@ impl<G: Gap> Gap for Placed<G> {
     }
 
     fn mean(&self, cell: &Rect) -> f64 {
-        // After a quarter turn a rectangle along the axes is one again.
-        if self.turn.matrix().iter().all(|&m| m == 0.0 || m.abs() == 1.0) {
-            let (a, b) = (self.inward(cell.min), self.inward(cell.max));
-            return self
-                .inner
-                .mean(&Rect { min: [a[0].min(b[0]), a[1].min(b[1])], max: [a[0].max(b[0]), a[1].max(b[1])] });
+        // Quarter turns take rectangles to rectangles.
+        if self.turn.matrix().iter().any(|&entry| entry == 0.0) {
+            let corners = [self.inward(cell.min), self.inward(cell.max)];
+            return Rect::holding(corners).map_or(f64::INFINITY, |cell| self.inner.mean(&cell));
         }
         super::mean::by_quadrature(|x, y| self.gap(x, y), cell)
     }

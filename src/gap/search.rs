@@ -54,8 +54,7 @@ pub(super) fn search(gap: &dyn Fn(f64, f64) -> f64, depth: f64, centre: [f64; 2]
         }
     }
     // Very many pieces, or one of a shape that rays do not follow: grow until the border is clear.
-    let first = rect.size();
-    while rect.size()[0] < LONGEST * first[0] {
+    for _ in 0..LONGEST.log2() as usize {
         if border_seed(gap, depth, &rect).is_none() {
             return Reach::Within(rect);
         }
@@ -184,8 +183,12 @@ fn piece(inside: &dyn Fn([f64; 2]) -> bool, seed: [f64; 2]) -> Option<Rect> {
             if !(value(k) > 0.0 && value(k) >= value(k + RAYS - 1) && value(k) >= value(k + 1)) {
                 continue;
             }
+            // As round as a circle here: the margin covers what lies between the rays.
+            if value(k) - value(k + 1).min(value(k + RAYS - 1)) <= 1e-4 * value(k) {
+                continue;
+            }
             let middle = radii[k].0;
-            let angle = peak(|a| reach(a, exit(a)), [middle - step, middle + step], 76);
+            let angle = peak(|a| reach(a, exit(a)), [middle - step, middle + step], 60);
             let r = exit(angle);
             if r > LONGEST * shortest || !r.is_finite() {
                 return None;

@@ -129,8 +129,8 @@ impl Heights {
             }
             MapFormat::Xyz => {
                 let heights = text::decoded(&bytes).and_then(Self::from_xyz).map_err(inside)?;
-                let differs = |m: &usize| spacing.is_some_and(|s| !((s[*m] / heights.spacing[*m] - 1.0).abs() < 0.01));
-                match (0..2).find(differs) {
+                let agrees = |m: usize| spacing.is_none_or(|s| (s[m] / heights.spacing[m] - 1.0).abs() < 0.01);
+                match (0..2).find(|&m| !agrees(m)) {
                     Some(m) => Err(InputError::new(
                         format!("spacing[{m}]"),
                         spacing.unwrap_or_default()[m],
@@ -221,7 +221,8 @@ impl Heights {
         }
         let [uu, uv, vv, uw, vw] = moments;
         let det = uu * vv - uv * uv;
-        if !(det > 1e-12 * uu * vv) {
+        let spread = det > 1e-12 * uu * vv;
+        if !spread {
             // Fewer than three nodes off a line: nothing to level by.
             return self;
         }

@@ -118,7 +118,8 @@ pub(super) fn scattered(text: &str) -> Result<Scattered, InputError> {
     let (mut values, mut seen) = (vec![f64::NAN; nx * ny], vec![0_usize; nx * ny]);
     for &(line, place, z) in &points {
         let at = [(place[0] - x) / dx, (place[1] - y) / dy];
-        if let Some(m) = (0..2).find(|&m| !((at[m] - at[m].round()).abs() <= 0.01)) {
+        let on_grid = |m: usize| (at[m] - at[m].round()).abs() <= 0.01;
+        if let Some(m) = (0..2).find(|&m| !on_grid(m)) {
             let given = format!("{} = {} in line {line}", ["x", "y"][m], place[m]);
             let (first, step) = if m == 0 { (x, dx) } else { (y, dy) };
             return Err(refuse(given, format!("a regular grid; {first} + k {step} would be one")));
