@@ -1,5 +1,7 @@
 //! Contact patch, force, stiffness and pressure of two bodies pressed together.
 
+#[cfg(feature = "cli")]
+pub mod cli;
 mod contact;
 mod discrete;
 mod domain;
@@ -15,6 +17,10 @@ mod material;
 pub mod patch;
 #[cfg(feature = "qp")]
 pub mod qp;
+#[cfg(feature = "scene")]
+pub mod report;
+#[cfg(feature = "scene")]
+pub mod scene;
 mod settings;
 mod solution;
 mod solve;
@@ -26,6 +32,8 @@ pub use error::{InputError, Unsolved, Verdict};
 pub use gap::Gap;
 pub use grid::{Grid, Kernel, Pressure};
 pub use material::{Body, EffectiveModulus};
+#[cfg(feature = "scene")]
+pub use scene::Scene;
 pub use settings::{BoundaryFamily, Method, Outputs, Settings};
 pub use solution::{Cost, Patch, PressureSummary, Solution};
 pub use solve::solve;

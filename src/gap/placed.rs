@@ -68,10 +68,9 @@ impl<G: Gap> Gap for Placed<G> {
         // After a quarter turn a rectangle along the axes is one again.
         if self.turn.matrix().iter().all(|&m| m == 0.0 || m.abs() == 1.0) {
             let (a, b) = (self.inward(cell.min), self.inward(cell.max));
-            return self.inner.mean(&Rect {
-                min: [a[0].min(b[0]), a[1].min(b[1])],
-                max: [a[0].max(b[0]), a[1].max(b[1])],
-            });
+            return self
+                .inner
+                .mean(&Rect { min: [a[0].min(b[0]), a[1].min(b[1])], max: [a[0].max(b[0]), a[1].max(b[1])] });
         }
         super::mean::by_quadrature(|x, y| self.gap(x, y), cell)
     }
