@@ -1,6 +1,8 @@
 //! Contact patch, force, stiffness and pressure of two bodies pressed together.
 
 mod by_formula;
+#[cfg(feature = "cli")]
+pub mod cli;
 pub mod closed_form;
 mod contact;
 mod discrete;
@@ -20,7 +22,11 @@ pub mod patch;
 pub mod qp;
 pub mod quadrature;
 pub mod recognise;
+#[cfg(feature = "scene")]
+pub mod report;
 pub mod scalar;
+#[cfg(feature = "scene")]
+pub mod scene;
 mod settings;
 mod solution;
 mod solve;
@@ -33,6 +39,8 @@ pub use gap::Gap;
 pub use grid::{Grid, Kernel, Pressure};
 pub use influence::InfluenceTable;
 pub use material::{Body, EffectiveModulus};
+#[cfg(feature = "scene")]
+pub use scene::Scene;
 pub use settings::{BoundaryFamily, Method, Outputs, Settings};
 pub use solution::{Cost, Patch, PressureSummary, Solution};
 pub use solve::solve;

@@ -1,0 +1,181 @@
+//! `contact-patch batch`
+//!
+//! Lines go to the workers through a short queue; the writer takes the answers in the order of the lines. Memory
+//! holds the lines of that window and nothing else.
+
+use std::io::{self, BufRead, Write};
+use std::process::ExitCode;
+use std::sync::Mutex;
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+
+use clap::Args;
+use serde_json::json;
+
+use super::{Failure, Overrides, checked_threads};
+use crate::error::InputError;
+use crate::report;
+use crate::scene::Scene;
+
+/// Lines in flight for each worker: enough that none waits for a slow neighbour.
+const WINDOW: usize = 32;
+
+/// Longest line that is read, in bytes.
+const LONGEST: usize = 1 << 26;
+
+/// Solve one scene a line from standard input, one result a line on standard output, in order
+///
+/// A line that is not a scene is answered by {"error": {path, given, allowed}, "line": n} and the rest goes on.
+/// Exit code 0 once every line has its answer; with --strict 1 when one of them is not solved.
+#[derive(Args)]
+pub(super) struct Batch {
+    #[command(flatten)]
+    overrides: Overrides,
+    /// Scenes solved at the same time; by default as many as there are cores
+    #[arg(long, value_name = "N")]
+    jobs: Option<usize>,
+    /// Exit with 1 when a line is wrong or not solved
+    #[arg(long)]
+    strict: bool,
+}
+
+/// A line, its number from 1, and where its answer is waited for.
+type Job = (usize, Result<Vec<u8>, InputError>, SyncSender<Answer>);
+
+/// A whole line of output, and whether the scene was solved.
+type Answer = (Vec<u8>, bool);
+
+impl Batch {
+    pub(super) fn run(&self) -> Result<ExitCode, Failure> {
+        // Wrong options are wrong for every line: say so once.
+        self.overrides.apply(&mut Default::default()).map_err(|e| Failure::wrong("arguments", &e))?;
+        let jobs = checked_threads("--jobs", self.jobs)?;
+        let (to_workers, work) = sync_channel::<Job>(jobs);
+        let (to_writer, ordered) = sync_channel::<Receiver<Answer>>(WINDOW * jobs);
+        let work = Mutex::new(work);
+        let (read, written) = std::thread::scope(|scope| {
+            for _ in 0..jobs {
+                scope.spawn(|| self.work(&work));
+            }
+            let writer = scope.spawn(move || write_in_order(&ordered));
+            let read = read_lines(&mut io::stdin().lock(), &to_workers, &to_writer);
+            // Without senders the workers and the writer come to their end.
+            drop((to_workers, to_writer));
+            (read, writer.join().unwrap_or_else(|_| Err(io::Error::other("the writer stopped"))))
+        });
+        read.map_err(|e| Failure::Message(format!("standard input: cannot be read: {e}")))?;
+        let all_solved = written?;
+        Ok(if self.strict && !all_solved { ExitCode::from(1) } else { ExitCode::SUCCESS })
+    }
+
+    /// Answers lines until there are none.
+    fn work(&self, work: &Mutex<Receiver<Job>>) {
+        loop {
+            let job = match work.lock() {
+                Ok(work) => work.recv(),
+                Err(_) => return,
+            };
+            let Ok((number, line, reply)) = job else { return };
+            // A fault in one scene must not take the others with it.
+            let answered = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| self.answer(number, line)));
+            let fault = || {
+                let error = InputError::new("$", "a scene that stopped the solver", "please report this scene");
+                (error_line(number, &error), false)
+            };
+            // The writer may be gone: nobody reads any more.
+            let _ = reply.send(answered.unwrap_or_else(|_| fault()));
+        }
+    }
+
+    fn answer(&self, number: usize, line: Result<Vec<u8>, InputError>) -> Answer {
+        let scene = line.and_then(|line| {
+            let mut scene = Scene::from_json(&line)?;
+            self.overrides.apply(&mut scene.settings)?;
+            Ok(scene)
+        });
+        let scene = match scene {
+            Ok(scene) => scene,
+            Err(error) => return (error_line(number, &error), false),
+        };
+        let steps = crate::solve(&scene.contact, &scene.settings);
+        let mut text = match serde_json::to_vec(&report::json(&scene, &steps)) {
+            Ok(text) => text,
+            Err(e) => {
+                let error = InputError::new("$", e, "a result that can be written");
+                return (error_line(number, &error), false);
+            }
+        };
+        text.push(b'\n');
+        (text, steps.iter().all(Result::is_ok))
+    }
+}
+
+fn error_line(number: usize, error: &InputError) -> Vec<u8> {
+    let InputError { path, given, allowed } = error;
+    format!("{}\n", json!({"error": {"path": path, "given": given, "allowed": allowed}, "line": number})).into_bytes()
+}
+
+/// Hands out lines until there are no more, or nobody takes them.
+fn read_lines(
+    from: &mut impl BufRead,
+    to_workers: &SyncSender<Job>,
+    to_writer: &SyncSender<Receiver<Answer>>,
+) -> io::Result<()> {
+    for number in 1.. {
+        let Some(line) = read_line(from)? else { break };
+        let (reply, answer) = sync_channel(1);
+        if to_writer.send(answer).is_err() || to_workers.send((number, line, reply)).is_err() {
+            break;
+        }
+    }
+    Ok(())
+}
+
+/// The next line without its end; `None` after the last. Too long a line is read past, not kept.
+fn read_line(from: &mut impl BufRead) -> io::Result<Option<Result<Vec<u8>, InputError>>> {
+    let mut line = Vec::new();
+    let (mut seen, mut length) = (false, 0usize);
+    loop {
+        let piece = from.fill_buf()?;
+        if piece.is_empty() {
+            break;
+        }
+        seen = true;
+        let end = piece.iter().position(|&b| b == b'\n');
+        let part = &piece[..end.unwrap_or(piece.len())];
+        length += part.len();
+        if length <= LONGEST {
+            line.extend_from_slice(part);
+        } else {
+            line = Vec::new();
+        }
+        let taken = part.len() + usize::from(end.is_some());
+        from.consume(taken);
+        if end.is_some() {
+            break;
+        }
+    }
+    if !seen {
+        return Ok(None);
+    }
+    if length > LONGEST {
+        return Ok(Some(Err(InputError::new("$", format!("a line of {length} bytes"), format!("at most {LONGEST}")))));
+    }
+    if line.iter().all(u8::is_ascii_whitespace) {
+        return Ok(Some(Err(InputError::new("$", "an empty line", "one scene a line"))));
+    }
+    Ok(Some(Ok(line)))
+}
+
+/// Writes each answer as one whole line; says whether all were solved.
+fn write_in_order(ordered: &Receiver<Receiver<Answer>>) -> io::Result<bool> {
+    let mut to = io::stdout().lock();
+    let mut all_solved = true;
+    for answer in ordered {
+        let Ok((line, solved)) = answer.recv() else { continue };
+        all_solved &= solved;
+        // One call a line, straight through: killed between two calls, only whole lines are left.
+        to.write_all(&line)?;
+        to.flush()?;
+    }
+    Ok(all_solved)
+}

@@ -1,0 +1,147 @@
+//! The command line: arguments in, exit codes out. One file a command.
+//!
+//! Exit codes: 0 solved; 1 not solved, with the result still written; 2 the scene or the arguments are wrong: one
+//! message on stderr, nothing written.
+
+mod batch;
+mod completions;
+mod schema;
+mod solve;
+
+use std::io::{self, Write};
+use std::path::Path;
+use std::process::ExitCode;
+
+use clap::{Args, Parser, Subcommand};
+
+use crate::error::InputError;
+use crate::scene::Scene;
+use crate::scene::fields::{KernelName, MethodName, checked_cells, checked_tolerance};
+use crate::settings::Settings;
+
+/// Contact patch, force, stiffness and pressure of two bodies pressed together.
+#[derive(Parser)]
+#[command(name = "contact-patch", version, propagate_version = true)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    Solve(solve::Solve),
+    Batch(batch::Batch),
+    Schema(schema::SchemaCommand),
+    Completions(completions::Completions),
+}
+
+/// Options that replace what the scene says under `solve`.
+#[derive(Args, Default)]
+struct Overrides {
+    /// Which method
+    #[arg(long, value_enum, value_name = "METHOD")]
+    method: Option<MethodName>,
+    /// Cells along the longer side
+    #[arg(long, value_name = "N")]
+    cells: Option<usize>,
+    /// Means over cells, or values at their centres
+    #[arg(long, value_enum, value_name = "KERNEL")]
+    kernel: Option<KernelName>,
+    /// Relative error of the force that is good enough
+    #[arg(long, value_name = "T", allow_negative_numbers = true)]
+    tolerance: Option<f64>,
+}
+
+impl Overrides {
+    fn apply(&self, settings: &mut Settings) -> Result<(), InputError> {
+        if let Some(method) = self.method {
+            settings.method = method.into();
+        }
+        if let Some(cells) = self.cells {
+            settings.cells = Some(checked_cells("--cells", cells)?);
+        }
+        if let Some(kernel) = self.kernel {
+            settings.kernel = kernel.into();
+        }
+        if let Some(tolerance) = self.tolerance {
+            settings.tolerance = checked_tolerance("--tolerance", tolerance)?;
+        }
+        Ok(())
+    }
+}
+
+/// What ends a command without an answer.
+enum Failure {
+    /// The scene or the arguments are wrong, or a file cannot be written: exit code 2.
+    Message(String),
+    /// Nobody reads what is written any more.
+    Closed,
+}
+
+impl Failure {
+    fn wrong(place: impl std::fmt::Display, error: &InputError) -> Self {
+        Self::Message(format!("{place}: {}: given {}; allowed: {}", error.path, error.given, error.allowed))
+    }
+
+    fn unwritable(path: &Path, error: &io::Error) -> Self {
+        if error.kind() == io::ErrorKind::BrokenPipe {
+            return Self::Closed;
+        }
+        Self::Message(format!("{}: cannot be written: {error}", path.display()))
+    }
+}
+
+impl From<io::Error> for Failure {
+    fn from(error: io::Error) -> Self {
+        Self::unwritable(Path::new("standard output"), &error)
+    }
+}
+
+/// Runs the command that the arguments of the process name.
+#[must_use]
+pub fn run() -> ExitCode {
+    let result = match Arguments::parse().command {
+        Command::Solve(command) => command.run(),
+        Command::Batch(command) => command.run(),
+        Command::Schema(command) => command.run(),
+        Command::Completions(command) => command.run(),
+    };
+    match result {
+        Ok(code) => code,
+        Err(Failure::Closed) => ExitCode::SUCCESS,
+        Err(Failure::Message(message)) => {
+            // A closed stderr leaves only the exit code to speak.
+            let _ = writeln!(io::stderr().lock(), "{message}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// The scene in this file; `-` is standard input.
+fn scene(path: &Path) -> Result<Scene, Failure> {
+    if path.as_os_str() != "-" {
+        return Scene::from_file(path).map_err(|e| Failure::wrong(path.display(), &e));
+    }
+    let text = crate::scene::read_all(io::stdin().lock())
+        .map_err(|e| Failure::Message(format!("standard input: cannot be read: {e}")))?;
+    Scene::from_json(&text).map_err(|e| Failure::wrong("standard input", &e))
+}
+
+/// Threads to use when nobody says how many.
+fn cores() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
+}
+
+/// A number of threads given at `path`; 0 stands for all cores.
+fn checked_threads(path: &str, threads: Option<usize>) -> Result<usize, Failure> {
+    /// More threads than machines have cores; each takes memory.
+    const MOST: usize = 1024;
+    match threads {
+        None => Ok(cores()),
+        Some(n @ 1..=MOST) => Ok(n),
+        Some(n) => {
+            let error = InputError::new(path, n, format!("a whole number from 1 to {MOST}"));
+            Err(Failure::wrong("arguments", &error))
+        }
+    }
+}

@@ -1,0 +1,106 @@
+//! `contact-patch solve`
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::Args;
+
+use super::{Failure, Overrides, checked_threads, scene};
+use crate::contact::Loading;
+use crate::error::InputError;
+use crate::report::write::Target;
+use crate::report::{self, npy};
+
+/// Solve a scene and print a short table
+#[derive(Args)]
+pub(super) struct Solve {
+    /// Scene file; - reads standard input
+    #[arg(value_name = "SCENE")]
+    scene: PathBuf,
+    #[command(flatten)]
+    overrides: Overrides,
+    /// Write the result as JSON; - prints it alone
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Write a line a state of loading as CSV; - prints it alone
+    #[arg(long, value_name = "FILE")]
+    csv: Option<PathBuf>,
+    /// Write the pressure field as NumPy array, [j, i] = cell (i, j)
+    #[arg(long, value_name = "FILE.npy")]
+    field: Option<PathBuf>,
+    /// Threads to use; by default all cores
+    #[arg(long, value_name = "N")]
+    threads: Option<usize>,
+}
+
+impl Solve {
+    pub(super) fn run(&self) -> Result<ExitCode, Failure> {
+        let mut scene = scene(&self.scene)?;
+        let wrong = |e: &InputError| Failure::wrong("arguments", e);
+        self.overrides.apply(&mut scene.settings).map_err(|e| wrong(&e))?;
+        scene.settings.threads = checked_threads("--threads", self.threads)?;
+        if self.field.is_some() {
+            if matches!(scene.contact.loading(), Loading::Steps(_)) {
+                let given = "a file for a list of loads";
+                return Err(wrong(&InputError::new("--field", given, "one state of loading")));
+            }
+            scene.settings.outputs.pressure = true;
+        }
+        let [json, csv, field] = self.targets()?;
+        let steps = crate::solve(&scene.contact, &scene.settings);
+        if let Some((path, target)) = json {
+            write(path, &target, |to| {
+                serde_json::to_writer(&mut *to, &report::json(&scene, &steps))?;
+                to.write_all(b"\n")
+            })?;
+        }
+        if let Some((path, target)) = csv {
+            write(path, &target, |to| to.write_all(report::csv(&steps).as_bytes()))?;
+        }
+        if let Some((path, target)) = field {
+            match steps.first() {
+                Some(Ok(solution)) => match &solution.pressure.field {
+                    Some(field) => write(path, &target, |to| npy::write(to, field.grid.shape, &field.values))?,
+                    None => {
+                        let allowed = "a method on a grid: qp or fft";
+                        return Err(wrong(&InputError::new("--field", "an answer without a pressure field", allowed)));
+                    }
+                },
+                // The verdict says why there is no field.
+                _ => {}
+            }
+        }
+        if ![&self.json, &self.csv].into_iter().flatten().any(|p| p.as_os_str() == "-") {
+            Target::Stdout.write(|to| to.write_all(report::table(&scene, &steps).as_bytes()))?;
+        }
+        Ok(if steps.iter().all(Result::is_ok) { ExitCode::SUCCESS } else { ExitCode::from(1) })
+    }
+
+    /// Where to write, checked before anything is solved.
+    fn targets(&self) -> Result<[Option<(&Path, Target)>; 3], Failure> {
+        let paths = [&self.json, &self.csv, &self.field].map(|p| p.as_deref());
+        for (k, path) in paths.iter().enumerate() {
+            if path.is_some() && paths[..k].contains(path) {
+                let given = format!("{} twice", path.unwrap_or(Path::new("")).display());
+                let error = InputError::new("--json, --csv, --field", given, "a file of its own for each");
+                return Err(Failure::wrong("arguments", &error));
+            }
+        }
+        let mut targets = [None, None, None];
+        for (target, path) in targets.iter_mut().zip(paths) {
+            if let Some(path) = path {
+                *target = Some((path, Target::check(path).map_err(|e| Failure::unwritable(path, &e))?));
+            }
+        }
+        Ok(targets)
+    }
+}
+
+fn write(
+    path: &Path,
+    target: &Target,
+    fill: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
+) -> Result<(), Failure> {
+    target.write(fill).map_err(|e| Failure::unwritable(path, &e))
+}

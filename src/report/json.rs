@@ -1,0 +1,233 @@
+//! The result as JSON.
+//!
+//! One object a scene. With one state of loading the values are numbers and objects; with a list or a range of states
+//! every value is a list with one entry a state, `null` where that state was not solved. `scene`, `verdict`, `reason`,
+//! `left_out` and `remarks` are said once for the whole; `verdicts` and `reasons` are lists, there when a state of
+//! several was not solved. What is not known is left out, or `null` in a list; no number is NaN or infinite.
+//!
+//! | key | value |
+//! |---|---|
+//! | `scene` | the scene as it was read |
+//! | `method` | what ran |
+//! | `depth`, `force`, `stiffness` | approach, normal force, dP/dd |
+//! | `force_error` | estimate of the relative error of the force |
+//! | `energy`, `moment`, `tilt`, `stiffness_matrix`, `centre_of_pressure` | where the method gives them |
+//! | `patch` | `{area, centroid, regions, max_radius, boundary?}`, boundaries counter-clockwise, holes clockwise |
+//! | `pressure` | `{max, mean, at, field?}` |
+//! | `gap` | `{field}`: the gap after loading, when asked for |
+//! | `verdict`, `reason` | `solved`, or what is wrong in one word and in a sentence |
+//! | `checks` | `{complementarity, tension, penetration}`, relative, recomputed |
+//! | `cost` | `{seconds, unknowns, iterations, operator_products}` |
+//! | `left_out`, `remarks` | sentences |
+//!
+//! A field is `{origin, spacing, shape, values}`: `shape` = [nx, ny] cells, `origin` the lower left corner of cell (0, 0),
+//! `spacing` the sides of a cell; cell (i, j) is `values[j nx + i]`, with its centre at origin + (i + 1/2, j + 1/2) spacing.
+
+use serde::ser::{Serialize, SerializeMap, SerializeSeq, Serializer};
+
+use super::{Step, centre_of_pressure, said_once};
+use crate::contact::Loading;
+use crate::grid::Grid;
+use crate::scene::Scene;
+use crate::solution::Solution;
+
+/// A scene with its answers, ready to be written.
+#[derive(Clone, Copy)]
+pub struct Outcome<'a> {
+    scene: &'a Scene,
+    steps: &'a [Step],
+}
+
+/// The result of `scene`; `steps` as [`crate::solve`] returned them.
+///
+/// ```
+/// use contact_patch::{Scene, report, solve};
+/// let scene = Scene::from_json(br#"{"effective_modulus": 1.0, "gap": {"kind": "sphere", "radius": 1.0},
+///     "loading": {"depth": -0.5}}"#)?;
+/// let steps = solve(&scene.contact, &scene.settings);
+/// let text = serde_json::to_string(&report::json(&scene, &steps))?;
+/// assert!(text.contains(r#""verdict":"solved""#) && text.contains(r#""force":0.0"#));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[must_use]
+pub fn json<'a>(scene: &'a Scene, steps: &'a [Step]) -> Outcome<'a> {
+    Outcome { scene, steps }
+}
+
+impl Serialize for Outcome<'_> {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        let many = matches!(self.scene.contact.loading(), Loading::Steps(_));
+        let mut map = Keys { map: to.serialize_map(None)?, steps: self.steps, many };
+        map.map.serialize_entry("scene", &self.scene.document)?;
+        map.each("method", |s| Some(s.method.name()))?;
+        map.each("depth", |s| finite(s.depth))?;
+        map.each("force", |s| finite(s.force))?;
+        map.each("force_error", |s| s.force_error.and_then(finite))?;
+        map.each("stiffness", |s| finite(s.stiffness))?;
+        map.each("stiffness_matrix", |s| s.stiffness_matrix.filter(|m| m.iter().flatten().all(|x| x.is_finite())))?;
+        map.each("energy", |s| s.energy.and_then(finite))?;
+        map.each("tilt", |s| Some(s.tilt))?;
+        map.each("moment", |s| s.moment.filter(|m| m.iter().all(|x| x.is_finite())))?;
+        map.each("centre_of_pressure", centre_of_pressure)?;
+        map.each("patch", |s| Some(PatchOf(s)))?;
+        map.each("pressure", |s| Some(PressureOf(s)))?;
+        map.each("gap", |s| Some(GapOf { grid: s.pressure.field.as_ref()?.grid, values: s.pressure.gap.as_ref()? }))?;
+        map.verdicts()?;
+        map.each("checks", |s| s.residuals.map(|_| ChecksOf(s)))?;
+        map.each("cost", |s| Some(CostOf(s)))?;
+        map.map.serialize_entry("left_out", &said_once(self.steps, |s| &s.left_out))?;
+        map.map.serialize_entry("remarks", &said_once(self.steps, |s| &s.remarks))?;
+        map.map.end()
+    }
+}
+
+/// NaN and the infinities have no place in JSON.
+fn finite(x: f64) -> Option<f64> {
+    x.is_finite().then_some(x)
+}
+
+struct Keys<'a, M> {
+    map: M,
+    steps: &'a [Step],
+    many: bool,
+}
+
+impl<'a, M: SerializeMap> Keys<'a, M> {
+    /// A value a step, left out when no step has it.
+    fn each<T: Serialize>(
+        &mut self,
+        key: &'static str,
+        of: impl Fn(&'a Solution) -> Option<T> + Copy,
+    ) -> Result<(), M::Error> {
+        let value = |step: &'a Step| step.as_ref().ok().and_then(of);
+        if self.steps.iter().all(|step| value(step).is_none()) {
+            return Ok(());
+        }
+        if self.many {
+            return self.map.serialize_entry(key, &List(self.steps, value));
+        }
+        match self.steps.first().and_then(value) {
+            Some(value) => self.map.serialize_entry(key, &value),
+            None => Ok(()),
+        }
+    }
+
+    /// One word for the whole: that of the first step which was not solved.
+    fn verdicts(&mut self) -> Result<(), M::Error> {
+        let Some(wrong) = self.steps.iter().find_map(|step| step.as_ref().err()) else {
+            return self.map.serialize_entry("verdict", "solved");
+        };
+        self.map.serialize_entry("verdict", wrong.verdict.word())?;
+        self.map.serialize_entry("reason", &wrong.reason)?;
+        if self.many {
+            let words = |s: &'a Step| s.as_ref().err().map_or("solved", |e| e.verdict.word());
+            self.map.serialize_entry("verdicts", &List(self.steps, words))?;
+            self.map
+                .serialize_entry("reasons", &List(self.steps, |s: &'a Step| s.as_ref().err().map(|e| &e.reason)))?;
+        }
+        Ok(())
+    }
+}
+
+/// A list written entry by entry.
+struct List<'a, F>(&'a [Step], F);
+
+impl<'a, T: Serialize, F: Fn(&'a Step) -> T> Serialize for List<'a, F> {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        let mut list = to.serialize_seq(Some(self.0.len()))?;
+        for step in self.0 {
+            list.serialize_element(&(self.1)(step))?;
+        }
+        list.end()
+    }
+}
+
+struct PatchOf<'a>(&'a Solution);
+
+impl Serialize for PatchOf<'_> {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        let patch = &self.0.patch;
+        let mut map = to.serialize_map(None)?;
+        map.serialize_entry("area", &finite(patch.area))?;
+        map.serialize_entry("centroid", &patch.centroid)?;
+        map.serialize_entry("regions", &patch.regions)?;
+        map.serialize_entry("max_radius", &finite(patch.max_radius))?;
+        if let Some(boundary) = &patch.boundary {
+            map.serialize_entry("boundary", boundary)?;
+        }
+        map.end()
+    }
+}
+
+struct PressureOf<'a>(&'a Solution);
+
+impl Serialize for PressureOf<'_> {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        let pressure = &self.0.pressure;
+        let mut map = to.serialize_map(None)?;
+        map.serialize_entry("max", &pressure.max.and_then(finite))?;
+        map.serialize_entry("mean", &pressure.mean.and_then(finite))?;
+        map.serialize_entry("at", &pressure.at)?;
+        if let Some(field) = &pressure.field {
+            map.serialize_entry("field", &Field { grid: field.grid, values: &field.values })?;
+        }
+        map.end()
+    }
+}
+
+struct GapOf<'a> {
+    grid: Grid,
+    values: &'a [f64],
+}
+
+impl Serialize for GapOf<'_> {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        let mut map = to.serialize_map(Some(1))?;
+        map.serialize_entry("field", &Field { grid: self.grid, values: self.values })?;
+        map.end()
+    }
+}
+
+struct Field<'a> {
+    grid: Grid,
+    values: &'a [f64],
+}
+
+impl Serialize for Field<'_> {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        let mut map = to.serialize_map(Some(4))?;
+        map.serialize_entry("origin", &self.grid.origin)?;
+        map.serialize_entry("spacing", &self.grid.spacing)?;
+        map.serialize_entry("shape", &self.grid.shape)?;
+        // An infinite gap, where there is no material, becomes null.
+        map.serialize_entry("values", self.values)?;
+        map.end()
+    }
+}
+
+struct ChecksOf<'a>(&'a Solution);
+
+impl Serialize for ChecksOf<'_> {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        let mut map = to.serialize_map(Some(3))?;
+        let checks = self.0.residuals;
+        map.serialize_entry("complementarity", &checks.map(|r| r.complementarity).and_then(finite))?;
+        map.serialize_entry("tension", &checks.map(|r| r.tension).and_then(finite))?;
+        map.serialize_entry("penetration", &checks.map(|r| r.penetration).and_then(finite))?;
+        map.end()
+    }
+}
+
+struct CostOf<'a>(&'a Solution);
+
+impl Serialize for CostOf<'_> {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        let cost = &self.0.cost;
+        let mut map = to.serialize_map(Some(4))?;
+        map.serialize_entry("seconds", &finite(cost.seconds))?;
+        map.serialize_entry("unknowns", &cost.unknowns)?;
+        map.serialize_entry("iterations", &cost.iterations)?;
+        map.serialize_entry("operator_products", &cost.operator_products)?;
+        map.end()
+    }
+}

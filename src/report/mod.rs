@@ -1,0 +1,37 @@
+//! Results out: JSON for programs, a table for people, CSV for spreadsheets, .npy for fields.
+
+mod csv;
+mod json;
+#[cfg(feature = "cli")]
+pub(crate) mod npy;
+mod table;
+#[cfg(feature = "cli")]
+pub(crate) mod write;
+
+pub use csv::csv;
+pub use json::{Outcome, json};
+pub use table::table;
+
+use crate::error::Unsolved;
+use crate::solution::Solution;
+
+/// One load state: solved, or what is wrong.
+pub type Step = Result<Solution, Unsolved>;
+
+/// Where the resultant of the pressure meets the surface: x = -My/P, y = Mx/P; `None` without force or moment.
+fn centre_of_pressure(solution: &Solution) -> Option<[f64; 2]> {
+    let [mx, my] = solution.moment?;
+    let centre = [-my / solution.force, mx / solution.force];
+    (solution.force > 0.0 && centre.iter().all(|c| c.is_finite())).then_some(centre)
+}
+
+/// What all steps say, each sentence once, in the order of its first appearance.
+fn said_once<'a>(steps: &'a [Step], of: impl Fn(&'a Solution) -> &'a [String]) -> Vec<&'a str> {
+    let mut said: Vec<&str> = Vec::new();
+    for sentence in steps.iter().flatten().flat_map(of) {
+        if !said.contains(&sentence.as_str()) {
+            said.push(sentence);
+        }
+    }
+    said
+}

@@ -1,0 +1,398 @@
+//! What a scene file may say besides the gap: bodies, loading, how to solve, what to write.
+//!
+//! The structures are declared once: they read the file and make the JSON Schema.
+
+use serde::Deserialize;
+
+use super::decode::{decode, unknown};
+use super::document::{Json, key_in_path, quoted};
+use crate::contact::{Load, Loading};
+use crate::error::{InputError, finite};
+use crate::grid::Kernel;
+use crate::material::{Body, EffectiveModulus};
+use crate::settings::{BoundaryFamily, Method, Outputs, Settings};
+
+/// More steps than any curve needs; each one is a solve.
+const MOST_STEPS: usize = 1_000_000;
+
+/// Cells along the longer side; memory grows with the square of it, about 17 GB at this limit.
+pub(crate) const MOST_CELLS: usize = 16_384;
+
+/// A body: its Young's or shear modulus with Poisson's ratio, or "rigid".
+#[cfg(feature = "cli")]
+#[derive(schemars::JsonSchema)]
+#[schemars(untagged)]
+#[expect(dead_code, reason = "this form is only for the JSON Schema")]
+pub(super) enum BodyForm {
+    Young(YoungForm),
+    Shear(ShearForm),
+    Rigid(RigidForm),
+}
+
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+pub(super) struct YoungForm {
+    /// Young's modulus E > 0, in units of stress.
+    youngs_modulus: f64,
+    /// Poisson's ratio, greater than -1 and at most 0.5.
+    poissons_ratio: f64,
+}
+
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+pub(super) struct ShearForm {
+    /// Shear modulus mu > 0, in units of stress.
+    shear_modulus: f64,
+    /// Poisson's ratio, greater than -1 and at most 0.5.
+    poissons_ratio: f64,
+}
+
+/// A body that does not deform.
+#[cfg(feature = "cli")]
+#[derive(schemars::JsonSchema)]
+#[schemars(rename_all = "snake_case")]
+#[expect(dead_code, reason = "this form is only for the JSON Schema")]
+pub(super) enum RigidForm {
+    Rigid,
+}
+
+fn body(value: &Json, path: &str) -> Result<Body, InputError> {
+    let body = match value {
+        Json::String(word) if word == "rigid" => return Ok(Body::RIGID),
+        Json::String(word) => return Err(unknown(path.into(), quoted(word), word, &["rigid"])),
+        Json::Object(_) if value.get("shear_modulus").is_some() && value.get("youngs_modulus").is_some() => {
+            return Err(InputError::new(
+                path,
+                "both youngs_modulus and shear_modulus",
+                "one of the two, with poissons_ratio",
+            ));
+        }
+        Json::Object(_) if value.get("shear_modulus").is_some() => {
+            let ShearForm { shear_modulus, poissons_ratio } = decode(value, path)?;
+            Body::elastic_in_shear(shear_modulus, poissons_ratio)
+        }
+        Json::Object(_) => {
+            let YoungForm { youngs_modulus, poissons_ratio } = decode(value, path)?;
+            Body::elastic(youngs_modulus, poissons_ratio)
+        }
+        other => {
+            let allowed = "{youngs_modulus, poissons_ratio}, {shear_modulus, poissons_ratio} or \"rigid\"";
+            return Err(InputError::new(path, other.brief(), allowed));
+        }
+    };
+    body.map_err(|e| e.within(path))
+}
+
+/// E* from `bodies` or `effective_modulus`.
+pub(super) fn modulus(bodies: Option<&Json>, e_star: Option<f64>) -> Result<EffectiveModulus, InputError> {
+    match (bodies, e_star) {
+        (Some(_), Some(_)) => Err(InputError::new(
+            "effective_modulus",
+            "a modulus of the pair beside bodies",
+            "either bodies or effective_modulus",
+        )),
+        (None, Some(e_star)) => EffectiveModulus::from_e_star(e_star),
+        (None, None) => {
+            Err(InputError::new("bodies", "nothing", "one or two bodies, or effective_modulus in their place"))
+        }
+        (Some(Json::Array(items)), None) => match items.as_slice() {
+            [one] => EffectiveModulus::of_pair(body(one, "bodies[0]")?, Body::RIGID)
+                .map_err(|e| InputError { given: "one rigid body".into(), ..e }),
+            [one, other] => EffectiveModulus::of_pair(body(one, "bodies[0]")?, body(other, "bodies[1]")?),
+            _ => Err(InputError::new("bodies", format!("a list of {}", items.len()), "one or two bodies")),
+        },
+        (Some(other), None) => Err(InputError::new("bodies", other.brief(), "a list of one or two bodies")),
+    }
+}
+
+/// One state of loading, or several.
+#[cfg(feature = "cli")]
+#[derive(schemars::JsonSchema)]
+#[schemars(untagged)]
+#[expect(dead_code, reason = "this form is only for the JSON Schema")]
+pub(super) enum LoadingForm {
+    Depth(DepthForm),
+    Force(ForceForm),
+    Depths(DepthsForm),
+    Forces(ForcesForm),
+    Range(RangeForm),
+}
+
+/// Approach of the bodies, in units of length; negative: they do not touch.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+pub(super) struct DepthForm {
+    /// Approach at the origin.
+    depth: f64,
+    /// Slopes [ax, ay] of a tilted punch: overlap = depth + ax x + ay y - gap.
+    tilt: Option<[f64; 2]>,
+}
+
+/// Normal force; with `through` or `moment` on a punch free to tilt.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+pub(super) struct ForceForm {
+    /// Normal force, 0 or more.
+    force: f64,
+    /// Where the line of action meets the surface, [x, y].
+    through: Option<[f64; 2]>,
+    /// Moments [Mx, My] about the origin: Mx = force y, My = -force x.
+    moment: Option<[f64; 2]>,
+}
+
+/// Several depths, answered in order.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+pub(super) struct DepthsForm {
+    depths: Vec<f64>,
+}
+
+/// Several forces, answered in order.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+pub(super) struct ForcesForm {
+    forces: Vec<f64>,
+}
+
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+pub(super) struct RangeForm {
+    depth_range: RangeFields,
+}
+
+/// Equal steps of depth; 0 is left out.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+pub(super) struct RangeFields {
+    /// The last depth.
+    to: f64,
+    /// How many depths.
+    steps: usize,
+}
+
+/// The keys of which a loading holds exactly one, and those that may stand beside some.
+const LOADINGS: [&str; 5] = ["depth", "force", "depths", "forces", "depth_range"];
+const BESIDE: [&str; 3] = ["through", "moment", "tilt"];
+
+pub(super) fn loading(value: &Json) -> Result<Loading, InputError> {
+    const PATH: &str = "loading";
+    let Json::Object(entries) = value else {
+        return Err(InputError::new(PATH, value.brief(), format!("an object with one of: {}", LOADINGS.join(", "))));
+    };
+    let known: Vec<&str> = LOADINGS.into_iter().chain(BESIDE).collect();
+    if let Some((key, _)) = entries.iter().find(|(key, _)| !known.contains(&key.as_str())) {
+        return Err(unknown(format!("{PATH}.{}", key_in_path(key)), "an unknown key", key, &known));
+    }
+    let chosen: Vec<&str> = entries.iter().map(|(key, _)| key.as_str()).filter(|k| LOADINGS.contains(k)).collect();
+    let [chosen] = chosen.as_slice() else {
+        let given = if chosen.is_empty() { value.brief() } else { format!("{} together", chosen.join(" and ")) };
+        return Err(InputError::new(PATH, given, format!("exactly one of: {}", LOADINGS.join(", "))));
+    };
+    match *chosen {
+        "depth" => {
+            let DepthForm { depth, tilt } = decode(value, PATH)?;
+            Ok(Loading::Single(tilt.map_or(Load::Depth(depth), |tilt| Load::Tilted { depth, tilt })))
+        }
+        "force" => force(decode(value, PATH)?),
+        "depths" => {
+            let DepthsForm { depths } = decode(value, PATH)?;
+            several("loading.depths", depths.into_iter().map(Load::Depth).collect())
+        }
+        "forces" => {
+            let ForcesForm { forces } = decode(value, PATH)?;
+            for (k, &force) in forces.iter().enumerate() {
+                not_pulled(&format!("loading.forces[{k}]"), force)?;
+            }
+            several("loading.forces", forces.into_iter().map(Load::Force).collect())
+        }
+        _ => {
+            let RangeForm { depth_range: RangeFields { to, steps } } = decode(value, PATH)?;
+            if !(1..=MOST_STEPS).contains(&steps) {
+                let allowed = format!("a whole number from 1 to {MOST_STEPS}");
+                return Err(InputError::new("loading.depth_range.steps", steps, allowed));
+            }
+            Ok(Loading::depth_range(finite("loading.depth_range.to", to)?, steps))
+        }
+    }
+}
+
+fn force(form: ForceForm) -> Result<Loading, InputError> {
+    let force = not_pulled("loading.force", form.force)?;
+    match (form.through, form.moment) {
+        (None, None) => Ok(Loading::force(force)),
+        (Some(through), None) => Ok(Loading::force_through(force, through)),
+        (None, Some(moment)) => Ok(Loading::Single(Load::ForceMoment { force, moment })),
+        (Some(_), Some(_)) => {
+            Err(InputError::new("loading", "through and moment together", "at most one of through and moment"))
+        }
+    }
+}
+
+fn not_pulled(path: &str, force: f64) -> Result<f64, InputError> {
+    if force.is_finite() && force >= 0.0 {
+        return Ok(force);
+    }
+    Err(InputError::new(path, force, "a finite force, 0 or more: bodies that do not adhere cannot be pulled"))
+}
+
+fn several(path: &str, loads: Vec<Load>) -> Result<Loading, InputError> {
+    if loads.is_empty() {
+        return Err(InputError::new(path, "an empty list", "at least one number"));
+    }
+    Ok(Loading::Steps(loads))
+}
+
+/// Names of the methods.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema, clap::ValueEnum), value(rename_all = "snake_case"))]
+pub(crate) enum MethodName {
+    /// The cheapest method that reaches the tolerance.
+    Auto,
+    /// A formula, where one is known.
+    ClosedForm,
+    /// The best ellipse: a rigorous lower bound of the force.
+    Ritz,
+    /// Fabrikant's flat punch and the boundary of largest force.
+    Fabrikant,
+    /// The quadratic programme on a grid.
+    Qp,
+    /// The same programme by conjugate gradients and fast Fourier transforms.
+    Fft,
+}
+
+impl From<MethodName> for Method {
+    fn from(name: MethodName) -> Self {
+        match name {
+            MethodName::Auto => Self::Auto,
+            MethodName::ClosedForm => Self::ClosedForm,
+            MethodName::Ritz => Self::Ritz,
+            MethodName::Fabrikant => Self::Fabrikant,
+            MethodName::Qp => Self::Qp,
+            MethodName::Fft => Self::Fft,
+        }
+    }
+}
+
+/// Names of the kernels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema, clap::ValueEnum), value(rename_all = "snake_case"))]
+pub(crate) enum KernelName {
+    /// Means over cells.
+    Galerkin,
+    /// Values at the centres of cells.
+    Collocation,
+}
+
+impl From<KernelName> for Kernel {
+    fn from(name: KernelName) -> Self {
+        match name {
+            KernelName::Galerkin => Self::Galerkin,
+            KernelName::Collocation => Self::Collocation,
+        }
+    }
+}
+
+/// Boundaries that `fabrikant` may choose from; a Fourier series for a(theta) by its order.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+pub(super) enum BoundaryForm {
+    Stationary,
+    Ellipse,
+    Circle,
+    Fourier(usize),
+}
+
+/// How to solve; everything here has a default.
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+pub(super) struct SolveForm {
+    /// Which method; by default the cheapest that reaches the tolerance.
+    method: Option<MethodName>,
+    /// Cells along the longer side, 1 to 16384; by default as many as the tolerance asks for.
+    cells: Option<usize>,
+    /// Means over cells (the default) or values at their centres.
+    kernel: Option<KernelName>,
+    /// Relative error of the force that is good enough, between 0 and 1; by default 0.001.
+    tolerance: Option<f64>,
+    /// Boundaries that `fabrikant` may choose from.
+    boundary: Option<BoundaryForm>,
+}
+
+/// What else to compute and write.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+pub(super) enum OutputName {
+    /// The boundary of the patch as closed lines.
+    Patch,
+    /// The pressure field.
+    Pressure,
+    /// The gap after loading, on the same grid.
+    Gap,
+    /// A lower and an upper bound of the force.
+    Bracket,
+    /// Force against depth up to the given load.
+    Curve,
+}
+
+/// Checks a number of cells given at `path`.
+pub(crate) fn checked_cells(path: &str, cells: usize) -> Result<usize, InputError> {
+    if (1..=MOST_CELLS).contains(&cells) {
+        return Ok(cells);
+    }
+    let allowed = format!("a whole number from 1 to {MOST_CELLS}: memory grows with its square");
+    Err(InputError::new(path, cells, allowed))
+}
+
+/// Checks a tolerance given at `path`.
+pub(crate) fn checked_tolerance(path: &str, tolerance: f64) -> Result<f64, InputError> {
+    if tolerance > 0.0 && tolerance < 1.0 {
+        return Ok(tolerance);
+    }
+    Err(InputError::new(path, tolerance, "a number greater than 0 and less than 1"))
+}
+
+pub(super) fn settings(solve: SolveForm, output: &[OutputName]) -> Result<Settings, InputError> {
+    let mut settings = Settings::default();
+    if let Some(method) = solve.method {
+        settings.method = method.into();
+    }
+    if let Some(cells) = solve.cells {
+        settings.cells = Some(checked_cells("solve.cells", cells)?);
+    }
+    if let Some(kernel) = solve.kernel {
+        settings.kernel = kernel.into();
+    }
+    if let Some(tolerance) = solve.tolerance {
+        settings.tolerance = checked_tolerance("solve.tolerance", tolerance)?;
+    }
+    settings.boundary = match solve.boundary {
+        None | Some(BoundaryForm::Stationary) => BoundaryFamily::Stationary,
+        Some(BoundaryForm::Ellipse) => BoundaryFamily::Ellipse,
+        Some(BoundaryForm::Circle) => BoundaryFamily::Circle,
+        Some(BoundaryForm::Fourier(order @ 0..=64)) => BoundaryFamily::Fourier(order),
+        Some(BoundaryForm::Fourier(order)) => {
+            return Err(InputError::new("solve.boundary.fourier", order, "an order from 0 to 64"));
+        }
+    };
+    settings.outputs = Outputs {
+        patch: output.contains(&OutputName::Patch),
+        pressure: output.contains(&OutputName::Pressure),
+        gap: output.contains(&OutputName::Gap),
+        bracket: output.contains(&OutputName::Bracket),
+        curve: output.contains(&OutputName::Curve),
+    };
+    Ok(settings)
+}

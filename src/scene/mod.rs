@@ -1,0 +1,145 @@
+//! Scene files: a contact problem and how to solve it, as JSON.
+//!
+//! ```
+//! use contact_patch::{Scene, solve};
+//! let scene = Scene::from_json(br#"{
+//!     "bodies": [{"youngs_modulus": 2.1e11, "poissons_ratio": 0.3}, "rigid"],
+//!     "gap": {"kind": "cone", "inclination": 45.0},
+//!     "loading": {"depth": -1e-6}
+//! }"#)?;
+//! let solution = solve(&scene.contact, &scene.settings).remove(0)?;
+//! assert_eq!(solution.force, 0.0);
+//! let wrong = Scene::from_json(br#"{"effective_modulus": 1.0, "gap": {"kind": "cone", "incline": 45.0}}"#);
+//! assert_eq!(wrong.unwrap_err().path, "gap.incline");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod decode;
+mod document;
+pub(crate) mod fields;
+mod gap;
+#[cfg(feature = "cli")]
+mod schema;
+
+use std::io::Read;
+use std::path::Path;
+
+use serde::Deserialize;
+
+pub use document::Json;
+#[cfg(feature = "cli")]
+pub use schema::schema;
+
+use crate::contact::Contact;
+use crate::error::InputError;
+use crate::settings::Settings;
+use decode::decode;
+use document::ROOT;
+
+/// Longest scene that is read, in bytes.
+pub(crate) const LONGEST: u64 = 1 << 28;
+
+/// A scene: the problem, how to solve it, and the document both came from.
+#[derive(Clone)]
+pub struct Scene {
+    /// The name it was given.
+    pub name: Option<String>,
+    /// The checked problem.
+    pub contact: Contact,
+    /// Method, resolution, outputs.
+    pub settings: Settings,
+    /// The document as it was written.
+    pub document: Json,
+}
+
+/// The keys of a scene. Bodies, gap and loading are read by their own modules.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+struct SceneForm {
+    /// Where the schema of this file is, for editors.
+    #[serde(rename = "$schema")]
+    _schema: Option<String>,
+    /// Any text; comes back with the result.
+    name: Option<String>,
+    /// One or two bodies; one alone is pressed against a rigid one.
+    #[cfg_attr(feature = "cli", schemars(with = "Option<Vec<fields::BodyForm>>", length(min = 1, max = 2)))]
+    bodies: Option<Any>,
+    /// E* > 0 of the pair, in place of `bodies`.
+    effective_modulus: Option<f64>,
+    #[cfg_attr(feature = "cli", schemars(with = "gap::GapForm"))]
+    #[serde(rename = "gap")]
+    _gap: Any,
+    #[cfg_attr(feature = "cli", schemars(with = "fields::LoadingForm"))]
+    #[serde(rename = "loading")]
+    _loading: Any,
+    /// How to solve.
+    solve: Option<fields::SolveForm>,
+    /// What else to compute and write.
+    output: Option<Vec<fields::OutputName>>,
+}
+
+/// A value that is there; its own module reads it.
+struct Any;
+
+impl<'de> Deserialize<'de> for Any {
+    fn deserialize<D: serde::Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        serde::de::IgnoredAny::deserialize(from).map(|_| Self)
+    }
+}
+
+impl Scene {
+    /// Reads a scene. Files that it names are looked for in the current directory.
+    ///
+    /// # Errors
+    /// Names the path in the document, the value that stands there, and what is allowed: text that is not UTF-8 or
+    /// not JSON, unknown, missing and doubled keys, wrong types, values out of range.
+    pub fn from_json(text: &[u8]) -> Result<Self, InputError> {
+        Self::from_json_in(text, Path::new(""))
+    }
+
+    /// Reads a scene from a file. Files that it names are looked for in the same directory.
+    ///
+    /// # Errors
+    /// As [`Scene::from_json`]; also when there is no such file, or it cannot be read.
+    pub fn from_file(file: &Path) -> Result<Self, InputError> {
+        let unreadable = |e: std::io::Error| {
+            let given = match e.kind() {
+                std::io::ErrorKind::NotFound => "no such file".to_owned(),
+                std::io::ErrorKind::IsADirectory => "a directory".to_owned(),
+                std::io::ErrorKind::PermissionDenied => "a file without permission to read".to_owned(),
+                _ => format!("a file that cannot be read ({e})"),
+            };
+            InputError::new(ROOT, given, "a JSON file with a scene")
+        };
+        let text = read_all(std::fs::File::open(file).map_err(unreadable)?).map_err(unreadable)?;
+        Self::from_json_in(&text, file.parent().unwrap_or(Path::new("")))
+    }
+
+    /// Reads a scene; files that it names are looked for in `directory`.
+    fn from_json_in(text: &[u8], _directory: &Path) -> Result<Self, InputError> {
+        if text.len() as u64 > LONGEST {
+            return Err(InputError::new(ROOT, "a longer text", format!("at most {LONGEST} bytes")));
+        }
+        let document = Json::parse(text)?;
+        if !matches!(document, Json::Object(_)) {
+            return Err(InputError::new(ROOT, document.brief(), "an object with gap, loading and bodies"));
+        }
+        let form: SceneForm = decode(&document, ROOT)?;
+        let bodies = form.bodies.as_ref().and_then(|_| document.get("bodies"));
+        let modulus = fields::modulus(bodies, form.effective_modulus)?;
+        let absent = Json::Null;
+        let gap = gap::gap(document.get("gap").unwrap_or(&absent), "gap")?;
+        let loading = fields::loading(document.get("loading").unwrap_or(&absent))?;
+        let settings = fields::settings(form.solve.unwrap_or_default(), &form.output.unwrap_or_default())?;
+        let contact = Contact::new(modulus, gap, loading)?;
+        Ok(Self { name: form.name, contact, settings, document })
+    }
+}
+
+/// Everything there is, up to one byte more than a scene may have.
+pub(crate) fn read_all(from: impl Read) -> std::io::Result<Vec<u8>> {
+    let mut text = Vec::new();
+    from.take(LONGEST + 1).read_to_end(&mut text)?;
+    Ok(text)
+}

@@ -1,0 +1,210 @@
+//! The binary as its users call it.
+#![cfg(feature = "cli")]
+
+use std::fs;
+use std::io::Write;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+
+use serde_json::Value;
+
+const CONE: &str = r#"{"effective_modulus": 1.0, "gap": {"kind": "cone", "inclination": 45.0},
+    "loading": {"depth": 1.0}, "solve": {"cells": 25}}"#;
+
+fn run(arguments: &[&str], directory: &Path, input: &[u8]) -> Output {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_contact-patch"))
+        .args(arguments)
+        .current_dir(directory)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut pipe = child.stdin.take().unwrap();
+    let input = input.to_vec();
+    let feeder = std::thread::spawn(move || {
+        // The child may end before it has read everything.
+        let _ = pipe.write_all(&input);
+    });
+    let output = child.wait_with_output().unwrap();
+    feeder.join().unwrap();
+    output
+}
+
+fn solved(arguments: &[&str], scene: &str) -> Value {
+    let output = run(arguments, Path::new("."), scene.as_bytes());
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+fn json_of(scene: &str) -> Value {
+    solved(&["solve", "-", "--json", "-"], scene)
+}
+
+#[test]
+fn one_state_gives_scalars_and_many_give_lists() {
+    let one = json_of(CONE);
+    assert_eq!(one["verdict"], "solved");
+    assert!((one["force"].as_f64().unwrap() - 2.0 / std::f64::consts::PI).abs() < 0.02);
+    assert_eq!(one["scene"], serde_json::from_str::<Value>(CONE).unwrap());
+    let many = json_of(&CONE.replace(r#""depth": 1.0"#, r#""depths": [-1.0, 1.0]"#));
+    assert_eq!(many["force"][0], 0.0);
+    assert_eq!(many["force"][1], one["force"]);
+    for key in ["method", "depth", "stiffness", "patch", "pressure", "cost", "checks"] {
+        assert_eq!(many[key].as_array().unwrap().len(), 2, "{key}");
+    }
+    assert_eq!(many["verdict"], "solved");
+    assert!(many.get("verdicts").is_none());
+}
+
+#[test]
+fn a_field_covers_its_grid_and_adds_up_to_the_force() {
+    let result = json_of(&CONE.replace(r#""solve""#, r#""output": ["pressure", "gap", "patch"], "solve""#));
+    let field = &result["pressure"]["field"];
+    let [nx, ny] = [0, 1].map(|k| field["shape"][k].as_u64().unwrap() as usize);
+    let values: Vec<f64> = field["values"].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect();
+    assert_eq!(values.len(), nx * ny);
+    let cell = field["spacing"][0].as_f64().unwrap() * field["spacing"][1].as_f64().unwrap();
+    let force = result["force"].as_f64().unwrap();
+    // Sums of a few hundred numbers: rounding only.
+    assert!((values.iter().sum::<f64>() * cell - force).abs() < 1e-12 * force);
+    assert_eq!(result["gap"]["field"]["values"].as_array().unwrap().len(), nx * ny);
+    assert!(!result["patch"]["boundary"].as_array().unwrap().is_empty());
+}
+
+#[test]
+fn files_are_written_whole_and_nothing_else_is_left() {
+    let directory = tempfile::tempdir().unwrap();
+    let files = ["solve", "-", "--json", "r.json", "--csv", "r.csv", "--field", "p.npy"];
+    let output = run(&files, directory.path(), CONE.as_bytes());
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(String::from_utf8(output.stdout).unwrap().contains("force"));
+    let mut names: Vec<_> = fs::read_dir(directory.path()).unwrap().map(|f| f.unwrap().file_name()).collect();
+    names.sort();
+    assert_eq!(names, ["p.npy", "r.csv", "r.json"]);
+    let read = |name: &str| fs::read(directory.path().join(name)).unwrap();
+    let result: Value = serde_json::from_slice(&read("r.json")).unwrap();
+    let [nx, ny] = [0, 1].map(|k| result["pressure"]["field"]["shape"][k].as_u64().unwrap() as usize);
+    let npy = read("p.npy");
+    assert!(npy.starts_with(b"\x93NUMPY\x01\x00"));
+    assert_eq!((npy.len() - 8 * nx * ny) % 64, 0);
+    let csv = String::from_utf8(read("r.csv")).unwrap();
+    let rows: Vec<Vec<&str>> = csv.lines().map(|line| line.split(',').collect()).collect();
+    assert_eq!(rows.len(), 2);
+    assert_eq!(rows[0].len(), rows[1].len());
+    assert_eq!(rows[1][1].parse::<f64>().unwrap(), result["force"].as_f64().unwrap());
+}
+
+#[test]
+fn options_replace_what_the_scene_says() {
+    let coarse = solved(&["solve", "-", "--json", "-", "--cells", "11", "--method", "qp"], CONE);
+    assert_eq!(coarse["method"], "qp");
+    assert!(coarse["cost"]["unknowns"].as_u64().unwrap() < json_of(CONE)["cost"]["unknowns"].as_u64().unwrap());
+}
+
+#[test]
+fn wrong_arguments_end_with_2_and_write_nothing() {
+    let directory = tempfile::tempdir().unwrap();
+    let wrong: [&[&str]; 10] = [
+        &[],
+        &["solv"],
+        &["solve"],
+        &["solve", "-", "--tolerance", "2"],
+        &["solve", "-", "--tolerance", "NaN"],
+        &["solve", "-", "--cells", "0"],
+        &["solve", "-", "--method", "magic"],
+        &["solve", "-", "--json", "absent/r.json"],
+        &["solve", "-", "--json", "-", "--csv", "-"],
+        &["batch", "--jobs", "0"],
+    ];
+    for arguments in wrong {
+        let output = run(arguments, directory.path(), CONE.as_bytes());
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        assert!(output.stdout.is_empty() && !output.stderr.is_empty(), "{arguments:?}");
+        assert_eq!(fs::read_dir(directory.path()).unwrap().count(), 0, "{arguments:?}");
+    }
+}
+
+#[test]
+fn not_solved_is_exit_code_1_with_a_result() {
+    let wedge = CONE.replace(r#"{"kind": "cone""#, r#"{"kind": "pyramid", "faces": 2"#);
+    let output = run(&["solve", "-", "--json", "-"], Path::new("."), wedge.as_bytes());
+    assert_eq!(output.status.code(), Some(1));
+    let result: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(result["verdict"], "unbounded");
+    assert!(result["reason"].is_string() && result.get("force").is_none());
+    let several = wedge.replace(r#""depth": 1.0"#, r#""depths": [-1.0, 1.0]"#);
+    let output = run(&["solve", "-", "--json", "-"], Path::new("."), several.as_bytes());
+    let result: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(output.status.code(), Some(1));
+    assert_eq!(result["verdicts"], serde_json::json!(["solved", "unbounded"]));
+    assert_eq!(result["force"], serde_json::json!([0.0, null]));
+}
+
+#[test]
+fn batch_answers_every_line_in_order() {
+    let mut input = String::new();
+    for k in 0..200 {
+        match k % 50 {
+            7 => input.push_str("nonsense\n"),
+            9 => input.push('\n'),
+            _ => input.push_str(&format!(
+                "{{\"name\": \"{k}\", \"effective_modulus\": 1, \"gap\": {{\"kind\": \"sphere\", \"radius\": 1}}, \
+                 \"loading\": {{\"depth\": {}}}}}\n",
+                -k
+            )),
+        }
+    }
+    let output = run(&["batch", "--jobs", "3"], Path::new("."), input.as_bytes());
+    assert_eq!(output.status.code(), Some(0));
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(text.ends_with('\n'));
+    let answers: Vec<Value> = text.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    assert_eq!(answers.len(), 200);
+    for (k, answer) in answers.iter().enumerate() {
+        if k % 50 == 7 || k % 50 == 9 {
+            assert_eq!(answer["line"], k + 1);
+            assert!(["path", "given", "allowed"].iter().all(|key| answer["error"][key].is_string()));
+        } else {
+            assert_eq!(answer["scene"]["name"], k.to_string());
+        }
+    }
+    let strict = run(&["batch", "--strict"], Path::new("."), b"nonsense");
+    assert_eq!(strict.status.code(), Some(1));
+}
+
+#[test]
+fn a_reader_that_leaves_is_not_a_fault() {
+    for command in ["solve", "batch", "schema", "completions"] {
+        let arguments: &[&str] = match command {
+            "solve" => &["solve", "-", "--json", "-"],
+            "completions" => &["completions", "bash"],
+            other => &[other],
+        };
+        let mut child = Command::new(env!("CARGO_BIN_EXE_contact-patch"))
+            .args(arguments)
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        drop(child.stdout.take());
+        let _ = child.stdin.take().unwrap().write_all(CONE.replace('\n', " ").as_bytes());
+        let output = child.wait_with_output().unwrap();
+        assert!(output.stderr.is_empty(), "{command}: {}", String::from_utf8_lossy(&output.stderr));
+    }
+}
+
+#[test]
+fn schema_names_every_kind_and_completions_know_the_commands() {
+    let output = run(&["schema"], Path::new("."), b"");
+    let schema: Value = serde_json::from_slice(&output.stdout).unwrap();
+    for kind in schema["$defs"]["GapForm"]["oneOf"].as_array().unwrap() {
+        assert!(kind["properties"]["at"].is_object() && kind["properties"]["kind"]["const"].is_string());
+        assert_eq!(kind["additionalProperties"], false);
+    }
+    for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
+        let output = run(&["completions", shell], Path::new("."), b"");
+        assert!(String::from_utf8_lossy(&output.stdout).contains("batch"), "{shell}");
+    }
+}
