@@ -48,13 +48,13 @@ pub fn at_depth(gap: &AnyGap, modulus: EffectiveModulus, depth: f64) -> Result<O
             let contact = hertz.and_then(|h| h.at_depth(depth - lowest)).map_err(refused)?;
             let contact = contact.placed(centre, if round { 0.0 } else { rotation });
             let found = format!("a quadratic form with curvatures {a:.6e} and {b:.6e} (Hertz)");
-            Ok(Some(Formula { contact: ClosedForm { depth, ..contact }, found, left_out: vec![no_grid] }))
+            Ok(Some(Formula { contact: at(contact, depth), found, left_out: vec![no_grid] }))
         }
         Recognised::FlatEllipse { centre, lowest, semi_axes, rotation } => {
             let punch = FlatPunch::ellipse(modulus, semi_axes).map_err(refused)?;
             let contact = punch.at_depth(depth - lowest).map_err(refused)?.placed(centre, rotation);
             let found = format!("a flat ellipse with semi-axes {:.6e} and {:.6e}", semi_axes[0], semi_axes[1]);
-            Ok(Some(Formula { contact: ClosedForm { depth, ..contact }, found, left_out: vec![no_grid] }))
+            Ok(Some(Formula { contact: at(contact, depth), found, left_out: vec![no_grid] }))
         }
         Recognised::Revolution { centre } => revolution(gap, modulus, depth, centre, &reach).map(Some),
         Recognised::General => {
@@ -62,6 +62,12 @@ pub fn at_depth(gap: &AnyGap, modulus: EffectiveModulus, depth: f64) -> Result<O
             Err(Unsolved::new(Verdict::NoClosedForm, reason))
         }
     }
+}
+
+/// A form counts depth from its own first touch; the user from the reference point of the gap.
+fn at(mut contact: ClosedForm, depth: f64) -> ClosedForm {
+    contact.depth = depth;
+    contact
 }
 
 fn revolution(
@@ -80,7 +86,7 @@ fn revolution(
             let contact = power.at_depth(depth).map_err(refused)?.placed(centre, 0.0);
             let found = format!("a power law {coefficient:.6e} r^{n}");
             let left_out = vec!["the grid: no cell is needed".to_owned()];
-            return Ok(Formula { contact: ClosedForm { depth, ..contact }, found, left_out });
+            return Ok(Formula { contact: at(contact, depth), found, left_out });
         }
     }
     let mut kinks = Vec::new();
@@ -98,7 +104,7 @@ fn revolution(
     };
     let contact = sneddon.map_err(refused)?.at_depth(depth - lowest)?.placed(centre, 0.0);
     Ok(Formula {
-        contact: ClosedForm { depth, ..contact },
+        contact: at(contact, depth),
         found: "a gap of revolution whose contact is a disc (Sneddon 1965)".to_owned(),
         left_out: vec!["the surface grid: two integrals along the radius are enough".to_owned()],
     })

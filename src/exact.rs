@@ -231,6 +231,31 @@ pub(crate) fn stiffness(state: &GridState) -> Result<f64, Unsolved> {
     Ok(flat.iter().sum::<f64>() * state.problem.grid.cell_area())
 }
 
+/// Derivatives of (P, int p x, int p y) by (d, ax, ay), with x and y the lever arms of each cell.
+pub(crate) fn stiffness_matrix(
+    state: &GridState,
+    arm: impl Fn([f64; 2]) -> [f64; 2],
+) -> Result<[[f64; 3]; 3], Unsolved> {
+    let grid = &state.problem.grid;
+    let arms: Vec<[f64; 2]> = (0..grid.len()).map(|k| arm(grid.centre_of(k))).collect();
+    let rates = [vec![1.0; grid.len()], arms.iter().map(|a| a[0]).collect(), arms.iter().map(|a| a[1]).collect()];
+    let mut matrix = [[0.0; 3]; 3];
+    for (column, rate) in rates.iter().enumerate() {
+        let growing = growth(state, rate)?;
+        for (row, weight) in rates.iter().enumerate() {
+            matrix[row][column] = growing.iter().zip(weight).map(|(m, w)| m * w).sum::<f64>() * grid.cell_area();
+        }
+    }
+    // Symmetric by reciprocity; what differs is what the solver left.
+    for i in 0..3 {
+        for j in 0..i {
+            let mean = 0.5 * (matrix[i][j] + matrix[j][i]);
+            (matrix[i][j], matrix[j][i]) = (mean, mean);
+        }
+    }
+    Ok(matrix)
+}
+
 /// Pressure that grows on the cells in contact when their overlap grows at the given rates; see [`matrix_free::growth`].
 pub(crate) fn growth(state: &GridState, rates: &[f64]) -> Result<Vec<f64>, Unsolved> {
     #[cfg(feature = "qp")]

@@ -7,6 +7,7 @@ pub mod closed_form;
 mod contact;
 mod discrete;
 mod domain;
+mod equilibrium;
 mod error;
 mod exact;
 mod extrapolate;

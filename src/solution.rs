@@ -39,6 +39,48 @@ pub struct Solution {
     pub remarks: Vec<String>,
 }
 
+impl Solution {
+    /// The state at another depth of a gap that is homogeneous about `centre` with 1/k = `inverse_degree` and zero there: lengths
+    /// grow as (d2/d1)^(1/k) about the centre, forces as (d2/d1)^(1 + 1/k).
+    #[must_use]
+    pub fn at_other_depth(&self, depth: f64, centre: [f64; 2], inverse_degree: f64) -> Self {
+        let deeper = depth / self.depth;
+        let longer = deeper.powf(inverse_degree);
+        let place = |p: [f64; 2]| [0, 1].map(|m| centre[m] + longer * (p[m] - centre[m]));
+        let (stronger, harder) = (deeper * longer, deeper / longer);
+        let mut other = self.clone();
+        other.depth = depth;
+        other.force *= stronger;
+        other.stiffness *= longer;
+        other.energy = self.energy.map(|u| u * deeper * stronger);
+        // About the centre the rows scale one by one; the matrix is about the origin.
+        other.stiffness_matrix = self.stiffness_matrix.filter(|_| centre == [0.0; 2]).map(|matrix| {
+            let unit = [1.0, longer, longer];
+            [0, 1, 2].map(|i| [0, 1, 2].map(|j| matrix[i][j] * longer * unit[i] * unit[j]))
+        });
+        other.moment = self.moment.map(|[mx, my]| {
+            let [x, y] = place([-my / self.force, mx / self.force]);
+            [other.force * y, -other.force * x]
+        });
+        let patch = &mut other.patch;
+        patch.area *= longer * longer;
+        patch.max_radius *= longer;
+        patch.centroid = patch.centroid.map(place);
+        patch.boundary.iter_mut().flatten().flatten().for_each(|p| *p = place(*p));
+        let pressure = &mut other.pressure;
+        pressure.max = pressure.max.map(|p| p * harder);
+        pressure.mean = pressure.mean.map(|p| p * harder);
+        pressure.at = pressure.at.map(place);
+        pressure.gap.iter_mut().flatten().for_each(|g| *g *= deeper);
+        if let Some(field) = &mut pressure.field {
+            field.grid.origin = place(field.grid.origin);
+            field.grid.spacing = field.grid.spacing.map(|h| h * longer);
+            field.values.iter_mut().for_each(|p| *p *= harder);
+        }
+        other
+    }
+}
+
 /// Where the bodies touch.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Patch {

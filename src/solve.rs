@@ -6,14 +6,15 @@ use crate::by_formula::{Formula, at_depth as formula};
 use crate::closed_form::ClosedForm;
 use crate::contact::{Contact, Load};
 use crate::domain::Door;
+use crate::equilibrium::{self, Respond};
 use crate::error::{Unsolved, Verdict};
 use crate::exact::{self, GridState, Refined};
-use crate::gap::{AnyGap, Gap, Reach, Tilted, extent};
+use crate::gap::{AnyGap, Gap, Reach, Tilted, extent, lowest};
 use crate::geometry::Rect;
 use crate::grid::{Grid, Pressure};
 use crate::homogeneity::{self, Degree};
 use crate::patch;
-use crate::settings::{Method, Settings};
+use crate::settings::{Method, Outputs, Settings};
 use crate::solution::{Cost, Patch, PressureSummary, Solution};
 
 /// Solves every state of the loading, in order.
@@ -28,18 +29,148 @@ use crate::solution::{Cost, Patch, PressureSummary, Solution};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn solve(contact: &Contact, settings: &Settings) -> Vec<Result<Solution, Unsolved>> {
-    contact.loading().loads().iter().map(|&load| at(contact, load, settings)).collect()
+    let mut similar = None;
+    contact.loading().loads().iter().map(|&load| at(contact, load, settings, &mut similar)).collect()
 }
 
-fn at(contact: &Contact, load: Load, settings: &Settings) -> Result<Solution, Unsolved> {
+/// A solved state of a homogeneous gap, from which every other follows.
+struct Similar {
+    state: Solution,
+    inverse_degree: f64,
+}
+
+impl Similar {
+    /// The depth at which the force is this.
+    fn depth_for(&self, force: f64) -> f64 {
+        self.state.depth * (force / self.state.force).powf(1.0 / (1.0 + self.inverse_degree))
+    }
+
+    /// The state at this depth, when the gap is homogeneous as far as its contact there can reach.
+    fn at(&self, gap: &AnyGap, depth: f64) -> Option<Solution> {
+        let Reach::Within(reach) = extent(gap, depth) else { return None };
+        let degree = homogeneity::degree(gap, &reach)?;
+        (degree.inverse() == self.inverse_degree).then(|| {
+            let mut state = self.state.at_other_depth(depth, gap.centre(), self.inverse_degree);
+            state.left_out.push(format!(
+                "another solve: the gap is homogeneous, and the state at depth {:e} serves all",
+                self.state.depth
+            ));
+            state
+        })
+    }
+}
+
+fn at(contact: &Contact, load: Load, settings: &Settings, similar: &mut Option<Similar>) -> Result<Solution, Unsolved> {
     let started = Instant::now();
     let mut solution = match load {
-        Load::Depth(depth) => respond(contact, depth, [0.0; 2], settings)?,
-        Load::Tilted { depth, tilt } => respond(contact, depth, tilt, settings)?,
-        _ => todo!(),
+        Load::Depth(depth) => at_depth(contact, depth, settings, similar)?,
+        Load::Tilted { depth, tilt } => respond(contact, depth, tilt, settings, true)?,
+        Load::Force(force) => at_force(contact, force, settings, similar)?,
+        Load::ForceMoment { force, moment } => at_moment(contact, force, moment, settings)?,
     };
     solution.cost.seconds = started.elapsed().as_secs_f64();
     Ok(solution)
+}
+
+fn at_depth(
+    contact: &Contact,
+    depth: f64,
+    settings: &Settings,
+    similar: &mut Option<Similar>,
+) -> Result<Solution, Unsolved> {
+    if let Some(scaled) = similar.as_ref().and_then(|s| s.at(contact.gap(), depth)).filter(|_| depth > 0.0) {
+        return Ok(scaled);
+    }
+    let state = respond(contact, depth, [0.0; 2], settings, false)?;
+    if let Some(inverse_degree) = inverse_degree(contact.gap(), depth).filter(|_| state.force > 0.0) {
+        *similar = Some(Similar { state: state.clone(), inverse_degree });
+    }
+    Ok(state)
+}
+
+/// 1/k of a gap that is homogeneous as far as the contact at this depth can reach.
+fn inverse_degree(gap: &AnyGap, depth: f64) -> Option<f64> {
+    match extent(gap, depth) {
+        Reach::Within(reach) => homogeneity::degree(gap, &reach).map(Degree::inverse),
+        _ => None,
+    }
+}
+
+/// A contact and settings, as the search for equilibrium sees them.
+struct Engine<'a> {
+    contact: &'a Contact,
+    settings: &'a Settings,
+    with_matrix: bool,
+}
+
+impl Respond for Engine<'_> {
+    fn respond(&mut self, depth: f64, tilt: [f64; 2], quick: bool) -> Result<Solution, Unsolved> {
+        if !quick {
+            return respond(self.contact, depth, tilt, self.settings, self.with_matrix);
+        }
+        let rough = Settings { tolerance: 0.02, cells: None, outputs: Outputs::default(), ..*self.settings };
+        respond(self.contact, depth, tilt, &rough, false)
+    }
+}
+
+fn at_force(
+    contact: &Contact,
+    force: f64,
+    settings: &Settings,
+    similar: &mut Option<Similar>,
+) -> Result<Solution, Unsolved> {
+    let gap = contact.gap();
+    let [x, y] = lowest(&**gap, gap.centre());
+    let least = gap.gap(x, y);
+    if force < 0.0 {
+        return Err(Unsolved::new(
+            Verdict::NoEquilibrium,
+            format!("the force {force:e} pulls; a contact can only push"),
+        ));
+    }
+    if force == 0.0 {
+        return Ok(apart(settings.method, least, [0.0; 2]));
+    }
+    if let Some(scaled) = similar.as_ref().and_then(|s| s.at(gap, s.depth_for(force))) {
+        return Ok(Solution { force, ..scaled });
+    }
+    let mut engine = Engine { contact, settings, with_matrix: false };
+    // Forces are of the size E* times length squared: begin with that length as overlap.
+    let scale = (force / contact.modulus().e_star()).sqrt();
+    let first = equilibrium::under_force(&mut engine, force, least, scale, close(settings))?;
+    if let Some(inverse_degree) = inverse_degree(gap, first.depth).filter(|_| least == 0.0) {
+        // The law is exact: take the force of the state that was solved and scale the rest of the way.
+        let solved = respond(contact, first.depth, [0.0; 2], settings, false)?;
+        let all = Similar { state: solved, inverse_degree };
+        let depth = all.depth_for(force);
+        let scaled = all.state.at_other_depth(depth, gap.centre(), inverse_degree);
+        *similar = Some(all);
+        return Ok(Solution { force, ..scaled });
+    }
+    Ok(first)
+}
+
+/// Relative miss of the load that is left to the last linear step.
+fn close(settings: &Settings) -> f64 {
+    match settings.method {
+        Method::ClosedForm => 1e-12,
+        _ => 0.05 * settings.tolerance,
+    }
+}
+
+fn at_moment(contact: &Contact, force: f64, moment: [f64; 2], settings: &Settings) -> Result<Solution, Unsolved> {
+    let upright = at_force(contact, force, settings, &mut None)?;
+    if force == 0.0 {
+        return if moment == [0.0; 2] {
+            Ok(upright)
+        } else {
+            Err(Unsolved::new(Verdict::NoEquilibrium, "a moment without a force"))
+        };
+    }
+    let size = (upright.patch.area / std::f64::consts::PI).sqrt();
+    // The last linear step of a force-driven solve has no place here: the state is solved anew at every tilt.
+    let mut engine = Engine { contact, settings, with_matrix: true };
+    equilibrium::under_moment(&mut engine, force, moment, upright, size, 0.1 * settings.tolerance)
 }
 
 /// The state at a prescribed depth and tilt, by the method that the settings ask for.
@@ -48,20 +179,20 @@ pub(crate) fn respond(
     depth: f64,
     tilt: [f64; 2],
     settings: &Settings,
+    with_matrix: bool,
 ) -> Result<Solution, Unsolved> {
+    let grid = |gap: &AnyGap| by_grid(contact, gap, depth, tilt, settings, with_matrix);
     let gap = match tilt {
         [0.0, 0.0] => contact.gap().clone(),
         tilt => AnyGap::new(Tilted::new(contact.gap().clone(), tilt)),
     };
     match settings.method {
         Method::ClosedForm => by_formula(contact, &gap, depth, tilt, settings),
-        Method::Qp | Method::Fft => by_grid(contact, &gap, depth, tilt, settings),
+        Method::Qp | Method::Fft => grid(&gap),
         // A prescribed grid, or a gap field, is asked for by who wants a grid.
-        Method::Auto if settings.cells.is_some() || settings.outputs.gap => {
-            by_grid(contact, &gap, depth, tilt, settings)
-        }
+        Method::Auto if settings.cells.is_some() || settings.outputs.gap => grid(&gap),
         Method::Auto => match by_formula(contact, &gap, depth, tilt, settings) {
-            Err(e) if e.verdict == Verdict::NoClosedForm => by_grid(contact, &gap, depth, tilt, settings),
+            Err(e) if e.verdict == Verdict::NoClosedForm => grid(&gap),
             answered => answered,
         },
         Method::Ritz | Method::Fabrikant => todo!(),
@@ -151,6 +282,7 @@ fn by_grid(
     depth: f64,
     tilt: [f64; 2],
     settings: &Settings,
+    with_matrix: bool,
 ) -> Result<Solution, Unsolved> {
     let method = if settings.method == Method::Qp { Method::Qp } else { Method::Fft };
     let Some(door) = Door::enter(gap, depth)? else {
@@ -161,7 +293,13 @@ fn by_grid(
         _ => None,
     };
     let refined = exact::refined(&door, settings, method, degree)?;
-    dimensional(contact, &door, &refined, degree, depth, tilt, settings)
+    let mut solution = dimensional(contact, &door, &refined, degree, depth, tilt, settings)?;
+    if with_matrix {
+        let unit = contact.modulus().e_star() * door.gap.length;
+        let matrix = exact::stiffness_matrix(&refined.state, |p| door.gap.outward(p))?;
+        solution.stiffness_matrix = Some(matrix.map(|row| row.map(|k| k * unit)));
+    }
+    Ok(solution)
 }
 
 /// The bodies do not touch.

@@ -20,6 +20,7 @@ mod tilted;
 
 pub use analytic::{Cone, Paraboloid, Power, Sphere};
 pub use combine::{Minimum, Sum};
+pub(crate) use descent::lowest;
 pub use flat::Flat;
 #[cfg(feature = "formula")]
 pub use formula::Formula;

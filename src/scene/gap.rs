@@ -1,11 +1,18 @@
 //! The gap of a scene: one structure a kind, chosen by the key `kind`.
 
+use std::path::Path;
+
 use serde::Deserialize;
 
 use super::decode::{decode, decode_without, unknown};
 use super::document::{Json, quoted};
 use crate::error::InputError;
-use crate::gap::{AnyGap, Cone, Flat, Minimum, Outline, Paraboloid, Placed, Polyhedron, Power, Revolved, Sphere, Sum};
+#[cfg(feature = "formula")]
+use crate::gap::Formula;
+use crate::gap::{
+    AnyGap, Cone, Flat, HeightMap, Heights, MapFormat, Minimum, Outline, Paraboloid, Placed, Polyhedron, Power,
+    Revolved, Sphere, Sum, Surface, Zero,
+};
 
 /// The initial gap of the undeformed bodies at zero depth.
 #[cfg(feature = "cli")]
@@ -21,12 +28,26 @@ pub(super) enum GapForm {
     Polyhedron(PolyhedronForm),
     Flat(FlatForm),
     Revolved(RevolvedForm),
+    Formula(FormulaForm),
+    HeightMap(HeightMapForm),
     Sum(PartsForm),
     Min(PartsForm),
 }
 
-const KINDS: [&str; 10] =
-    ["paraboloid", "sphere", "cone", "power", "pyramid", "polyhedron", "flat", "revolved", "sum", "min"];
+const KINDS: [&str; 12] = [
+    "paraboloid",
+    "sphere",
+    "cone",
+    "power",
+    "pyramid",
+    "polyhedron",
+    "flat",
+    "revolved",
+    "formula",
+    "height_map",
+    "sum",
+    "min",
+];
 
 /// Keys that every kind takes.
 const COMMON: [&str; 3] = ["kind", "at", "rotate"];
@@ -36,8 +57,34 @@ const COMMON: [&str; 3] = ["kind", "at", "rotate"];
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub(super) struct ParaboloidForm {
-    /// Relative radii of curvature along x and y, greater than 0; null for a straight generator.
-    radii: [Option<f64>; 2],
+    /// Relative radii of curvature along x and y, greater than 0; "flat" or null for a straight generator.
+    radii: [Option<RadiusForm>; 2],
+}
+
+/// A radius of curvature, or the word for none.
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(untagged)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+pub(super) enum RadiusForm {
+    Length(f64),
+    Straight(StraightForm),
+}
+
+/// A straight generator: the radius of curvature is infinite.
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+pub(super) enum StraightForm {
+    Flat,
+}
+
+impl RadiusForm {
+    fn value(this: Option<Self>) -> f64 {
+        match this {
+            Some(Self::Length(radius)) => radius,
+            Some(Self::Straight(StraightForm::Flat)) | None => f64::INFINITY,
+        }
+    }
 }
 
 /// A true sphere.
@@ -129,6 +176,120 @@ pub(super) struct RevolvedForm {
     points: Vec<[f64; 2]>,
 }
 
+/// A gap written as an expression in x, y, r and theta.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(not(feature = "formula"), expect(dead_code, reason = "read, then refused by name"))]
+pub(super) struct FormulaForm {
+    /// For instance "x^2/2 + 0.1*abs(y)^3".
+    expression: String,
+    /// Where the body has material; everywhere when left out.
+    region: Option<OutlineForm>,
+}
+
+/// A measured surface.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+pub(super) struct HeightMapForm {
+    /// Text grid, XYZ or .npy; relative to the scene file.
+    file: String,
+    /// The map of the other body, facing this one.
+    against: Option<String>,
+    /// Distances of the nodes along x and y; XYZ files carry their own.
+    spacing: Option<[f64; 2]>,
+    /// text, xyz or npy; by the ending of the file name when left out.
+    format: Option<FormatForm>,
+    /// Whose surface was measured: the upper body's (the gap rises with the height) or the lower body's (it falls).
+    surface: SurfaceForm,
+    /// Depth 0 is where the surfaces first touch (first_touch) or where heights are zero (as_is).
+    #[serde(default)]
+    zero: ZeroForm,
+    /// "plane" takes the least-squares plane out of each map first.
+    #[serde(default)]
+    level: LevelForm,
+    /// Unit of the heights in units of length.
+    scale: Option<f64>,
+    /// Where the first node lies; the middle of the map is at (0, 0) when left out.
+    origin: Option<[f64; 2]>,
+}
+
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+pub(super) enum FormatForm {
+    Text,
+    Xyz,
+    Npy,
+}
+
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+pub(super) enum SurfaceForm {
+    Upper,
+    Lower,
+}
+
+#[derive(Debug, Clone, Copy, Default, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+pub(super) enum ZeroForm {
+    #[default]
+    FirstTouch,
+    AsIs,
+}
+
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+pub(super) enum LevelForm {
+    #[default]
+    None,
+    Plane,
+}
+
+impl HeightMapForm {
+    fn build(&self, directory: &Path) -> Result<HeightMap, InputError> {
+        let format = self.format.map(|f| match f {
+            FormatForm::Text => MapFormat::Text,
+            FormatForm::Xyz => MapFormat::Xyz,
+            FormatForm::Npy => MapFormat::Npy,
+        });
+        let read = |key: &str, name: &str| -> Result<Heights, InputError> {
+            let mut heights =
+                Heights::read(&directory.join(name), format, self.spacing).map_err(|e| renamed(e, key))?;
+            if let Some(factor) = self.scale {
+                heights = heights.scaled(factor)?;
+            }
+            if let Some(origin) = self.origin {
+                heights = heights.at(origin)?;
+            }
+            Ok(if self.level == LevelForm::Plane { heights.levelled() } else { heights })
+        };
+        let heights = read("file", &self.file)?;
+        let zero = match self.zero {
+            ZeroForm::FirstTouch => Zero::FirstTouch,
+            ZeroForm::AsIs => Zero::AsIs,
+        };
+        match (&self.against, self.surface) {
+            (None, SurfaceForm::Upper) => HeightMap::new(&heights, Surface::Upper, zero),
+            (None, SurfaceForm::Lower) => HeightMap::new(&heights, Surface::Lower, zero),
+            (Some(other), SurfaceForm::Upper) => HeightMap::pair(&heights, &read("against", other)?, zero),
+            (Some(other), SurfaceForm::Lower) => HeightMap::pair(&read("against", other)?, &heights, zero),
+        }
+    }
+}
+
+/// An error about a file stands at the key that names the file.
+fn renamed(mut error: InputError, key: &str) -> InputError {
+    if key != "file" && (error.path == "file" || error.path.starts_with("file.") || error.path.starts_with("file[")) {
+        error.path.replace_range(.."file".len(), key);
+    }
+    error
+}
+
 /// A gap made of others.
 #[cfg(feature = "cli")]
 #[derive(schemars::JsonSchema)]
@@ -162,8 +323,8 @@ struct Place {
     rotate: Option<f64>,
 }
 
-/// The gap described by `value`, which stands at `path`.
-pub(super) fn gap(value: &Json, path: &str) -> Result<AnyGap, InputError> {
+/// The gap described by `value`, which stands at `path`; files that it names are looked for in `directory`.
+pub(super) fn gap(value: &Json, path: &str, directory: &Path) -> Result<AnyGap, InputError> {
     let Json::Object(_) = value else {
         return Err(InputError::new(path, value.brief(), "an object with the key kind"));
     };
@@ -173,7 +334,7 @@ pub(super) fn gap(value: &Json, path: &str) -> Result<AnyGap, InputError> {
         Some(other) => return Err(InputError::new(kind_path, other.brief(), format!("one of: {}", KINDS.join(", ")))),
         None => return Err(InputError::new(kind_path, "nothing", format!("one of: {}", KINDS.join(", ")))),
     };
-    let inner = own(kind, value, path)?;
+    let inner = own(kind, value, path, directory)?;
     let Place { at, rotate } = decode(value, path)?;
     if at.is_none() && rotate.is_none() {
         return Ok(inner);
@@ -183,11 +344,11 @@ pub(super) fn gap(value: &Json, path: &str) -> Result<AnyGap, InputError> {
 }
 
 /// The gap of this kind in its own place.
-fn own(kind: &str, value: &Json, path: &str) -> Result<AnyGap, InputError> {
+fn own(kind: &str, value: &Json, path: &str, directory: &Path) -> Result<AnyGap, InputError> {
     let built = match kind {
         "paraboloid" => {
             let ParaboloidForm { radii } = form(value, path)?;
-            Paraboloid::new(radii.map(|r| r.unwrap_or(f64::INFINITY))).map(AnyGap::new)
+            Paraboloid::new(radii.map(RadiusForm::value)).map(AnyGap::new)
         }
         "sphere" => {
             let SphereForm { radius } = form(value, path)?;
@@ -222,8 +383,29 @@ fn own(kind: &str, value: &Json, path: &str) -> Result<AnyGap, InputError> {
             let RevolvedForm { points } = form(value, path)?;
             Revolved::new(points).map(AnyGap::new)
         }
-        "sum" => Sum::new(parts(value, path)?).map(AnyGap::new),
-        "min" => Minimum::new(parts(value, path)?).map(AnyGap::new),
+        #[cfg(feature = "formula")]
+        "formula" => {
+            let FormulaForm { expression, region } = form(value, path)?;
+            match region {
+                None => Formula::new(&expression),
+                Some(region) => region
+                    .build()
+                    .map_err(|e| e.within("region"))
+                    .and_then(|region| Formula::within(&expression, region)),
+            }
+            .map(AnyGap::new)
+        }
+        #[cfg(not(feature = "formula"))]
+        "formula" => {
+            let _: FormulaForm = form(value, path)?;
+            Err(InputError::new("kind", "formula", "another kind: this build has no formulas (feature formula)"))
+        }
+        "height_map" => {
+            let map: HeightMapForm = form(value, path)?;
+            map.build(directory).map(AnyGap::new)
+        }
+        "sum" => Sum::new(parts(value, path, directory)?).map(AnyGap::new),
+        "min" => Minimum::new(parts(value, path, directory)?).map(AnyGap::new),
         _ => return Err(unknown(format!("{path}.kind"), quoted(kind), kind, &KINDS)),
     };
     built.map_err(|e| e.within(path))
@@ -233,11 +415,11 @@ fn form<'a, T: Deserialize<'a>>(value: &'a Json, path: &str) -> Result<T, InputE
     decode_without(value, path, &COMMON)
 }
 
-fn parts(value: &Json, path: &str) -> Result<Vec<AnyGap>, InputError> {
+fn parts(value: &Json, path: &str, directory: &Path) -> Result<Vec<AnyGap>, InputError> {
     let _: PartsKeys = form(value, path)?;
     match value.get("of") {
         Some(Json::Array(items)) => {
-            items.iter().enumerate().map(|(k, item)| gap(item, &format!("{path}.of[{k}]"))).collect()
+            items.iter().enumerate().map(|(k, item)| gap(item, &format!("{path}.of[{k}]"), directory)).collect()
         }
         other => {
             let given = other.map_or_else(|| "nothing".into(), Json::brief);

@@ -117,7 +117,7 @@ impl Scene {
     }
 
     /// Reads a scene; files that it names are looked for in `directory`.
-    fn from_json_in(text: &[u8], _directory: &Path) -> Result<Self, InputError> {
+    fn from_json_in(text: &[u8], directory: &Path) -> Result<Self, InputError> {
         if text.len() as u64 > LONGEST {
             return Err(InputError::new(ROOT, "a longer text", format!("at most {LONGEST} bytes")));
         }
@@ -129,7 +129,7 @@ impl Scene {
         let bodies = form.bodies.as_ref().and_then(|_| document.get("bodies"));
         let modulus = fields::modulus(bodies, form.effective_modulus)?;
         let absent = Json::Null;
-        let gap = gap::gap(document.get("gap").unwrap_or(&absent), "gap")?;
+        let gap = gap::gap(document.get("gap").unwrap_or(&absent), "gap", directory)?;
         let loading = fields::loading(document.get("loading").unwrap_or(&absent))?;
         let settings = fields::settings(form.solve.unwrap_or_default(), &form.output.unwrap_or_default())?;
         let contact = Contact::new(modulus, gap, loading)?;

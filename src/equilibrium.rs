@@ -1,0 +1,174 @@
+//! The depth, and the tilt of a punch free to tilt, that balance a given load.
+//!
+//! P(d) is convex and increasing, and nearly a power of the overlap: Newton's method on log P against log of the
+//! overlap, with the exact stiffness, needs two or three steps from any distance. For a tilting punch the stored energy U is a
+//! convex function of (d, ax, ay) whose gradient is (P, int p x, int p y) and whose Hessian the stiffness of a flat punch on the
+//! contact: Newton's method on U less the work of the load.
+
+use nalgebra::{Matrix3, Vector3};
+
+use crate::error::{Unsolved, Verdict};
+use crate::solution::Solution;
+
+/// Steps of the quick search before the load is taken to have no depth.
+const MOST_STEPS: usize = 60;
+
+/// How well the quick search meets the force before the full solves begin.
+const QUICK: f64 = 0.03;
+
+/// Full solves after the quick search.
+const MOST_FULL_STEPS: usize = 8;
+
+/// A state at a depth, quickly or to the full tolerance.
+pub(crate) trait Respond {
+    /// The state at this depth and tilt; `quick`: a few percent are enough.
+    fn respond(&mut self, depth: f64, tilt: [f64; 2], quick: bool) -> Result<Solution, Unsolved>;
+}
+
+/// The state under a force without tilt. `lowest` is the least gap, `scale` an overlap to begin with, `close` the relative
+/// error of the force that may be left to the last, linear step.
+pub(crate) fn under_force(
+    engine: &mut dyn Respond,
+    force: f64,
+    lowest: f64,
+    scale: f64,
+    close: f64,
+) -> Result<Solution, Unsolved> {
+    let mut overlap = scale;
+    // Overlaps with too little force and with too much, as far as they are known.
+    let (mut low, mut high) = (0.0, f64::INFINITY);
+    let mut quick = true;
+    let mut full_steps = 0;
+    for _ in 0..MOST_STEPS {
+        let state = match engine.respond(lowest + overlap, [0.0; 2], quick) {
+            Ok(state) => state,
+            // Deeper than the contact has an end: look above.
+            Err(e) if e.verdict == Verdict::Unbounded && quick => {
+                high = overlap;
+                overlap = if low > 0.0 { (low * high).sqrt() } else { 1e-3 * overlap };
+                if overlap < f64::MIN_POSITIVE || high / low < 1.0 + 1e-9 {
+                    return Err(e);
+                }
+                continue;
+            }
+            Err(e) => return Err(e),
+        };
+        if state.force <= 0.0 || state.stiffness <= 0.0 {
+            low = overlap;
+            overlap = if high.is_finite() { (low * high).sqrt() } else { 1e3 * overlap };
+            continue;
+        }
+        let miss = (force / state.force).ln();
+        if !quick {
+            full_steps += 1;
+            if miss.abs() <= close || full_steps == MOST_FULL_STEPS {
+                return Ok(last_step(state, force));
+            }
+        }
+        if miss > 0.0 {
+            low = low.max(overlap)
+        } else {
+            high = high.min(overlap)
+        }
+        // d log P/d log overlap, at least 1 since P is convex and starts at 0.
+        let exponent = (state.stiffness * overlap / state.force).max(1.0);
+        let next = overlap * (miss / exponent).clamp(-40.0, 40.0).exp();
+        let inside = next > low && next < high;
+        overlap = if inside || high.is_infinite() || low == 0.0 { next } else { (low * high).sqrt() };
+        if quick && miss.abs() < QUICK {
+            // From here on the two resolutions disagree about the bracket.
+            (quick, low, high) = (false, 0.0, f64::INFINITY);
+        }
+    }
+    let reason = format!(
+        "no depth found for the force {force:e} in {MOST_STEPS} steps; tried down to overlap {low:e}, up to {high:e}"
+    );
+    Err(Unsolved::new(Verdict::NoEquilibrium, reason))
+}
+
+/// What is left of the force after a close state, by the stiffness.
+fn last_step(mut state: Solution, force: f64) -> Solution {
+    let more = force - state.force;
+    state.depth += more / state.stiffness;
+    if let (Some(energy), true) = (state.energy.as_mut(), more != 0.0) {
+        *energy += state.force * (more / state.stiffness);
+    }
+    if let Some(moment) = state.moment.as_mut() {
+        *moment = moment.map(|m| m * (force / state.force));
+    }
+    if let Some(mean) = state.pressure.mean.as_mut() {
+        *mean *= force / state.force;
+    }
+    state.force = force;
+    state
+}
+
+/// The state of a punch free to tilt under a force and moments (Mx, My) about the origin. `start` is the state under the
+/// force alone, `size` a length of the contact.
+pub(crate) fn under_moment(
+    engine: &mut dyn Respond,
+    force: f64,
+    moment: [f64; 2],
+    start: Solution,
+    size: f64,
+    close: f64,
+) -> Result<Solution, Unsolved> {
+    let nowhere = |steps: usize, state: &Solution| {
+        let through = [-moment[1] / force, moment[0] / force];
+        let reason = format!(
+            "no state balances the force {force:e} through ({:e}, {:e}) after {steps} steps, tilt ({:e}, {:e}): \
+             the line of action passes outside of what can touch",
+            through[0], through[1], state.tilt[0], state.tilt[1]
+        );
+        Unsolved::new(Verdict::NoEquilibrium, reason)
+    };
+    // (P, int p x, int p y) that are wanted, and the unit of each.
+    let target = Vector3::new(force, -moment[1], moment[0]);
+    let unit = Vector3::new(force, force * size, force * size);
+    let mut state = engine.respond(start.depth, [0.0; 2], false)?;
+    let potential =
+        |s: &Solution| s.energy.unwrap_or(f64::NAN) - target.dot(&Vector3::new(s.depth, s.tilt[0], s.tilt[1]));
+    let mut best_error = f64::INFINITY;
+    for step in 0..MOST_STEPS {
+        let (Some(moment), Some(stiffness)) = (state.moment, state.stiffness_matrix) else {
+            return Err(Unsolved::new(Verdict::NotApplicable, "the method does not give moments of the pressure"));
+        };
+        let missing = target - Vector3::new(state.force, -moment[1], moment[0]);
+        let error = missing.component_div(&unit).amax();
+        if error <= close {
+            return Ok(state);
+        }
+        let matrix = Matrix3::from_fn(|i, j| stiffness[i][j]);
+        // In units of the contact: the three unknowns are of one size.
+        let scale = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0 / size, 1.0 / size));
+        let scaled = scale * matrix * scale;
+        let ridge = 1e-9 * scaled[(0, 0)].max(f64::MIN_POSITIVE);
+        let Some(factor) = (scaled + Matrix3::identity() * ridge).cholesky() else { return Err(nowhere(step, &state)) };
+        let change = scale * factor.solve(&(scale * missing));
+        // Convexity: the potential falls along the step; halve it until it does, within what the grid can tell.
+        let before = potential(&state);
+        let allowed = 1e-3 * close.max(1e-12) * state.energy.unwrap_or(0.0).abs();
+        let mut length = 1.0;
+        let next = loop {
+            let depth = state.depth + length * change[0];
+            let tilt = [state.tilt[0] + length * change[1], state.tilt[1] + length * change[2]];
+            match engine.respond(depth, tilt, false) {
+                Ok(trial) if trial.force > 0.0 && potential(&trial) <= before + allowed => break trial,
+                Ok(trial) if trial.force > 0.0 && length < 0.02 => break trial,
+                _ if length < 1e-4 => return Err(nowhere(step, &state)),
+                _ => length *= 0.5,
+            }
+        };
+        // The residual may rise for a while; without end it means that there is nothing to converge to.
+        let steep = next.tilt[0].hypot(next.tilt[1]) * size > 1e4 * next.depth.abs().max(start.depth.abs());
+        if steep || !next.depth.is_finite() {
+            return Err(nowhere(step, &next));
+        }
+        best_error = error.min(best_error);
+        state = next;
+    }
+    if best_error < 1e2 * close {
+        return Ok(state);
+    }
+    Err(nowhere(MOST_STEPS, &state))
+}
