@@ -2,10 +2,12 @@
 
 mod discrete;
 mod error;
+pub mod fabrikant;
 pub mod gap;
 pub mod geometry;
 mod grid;
 mod material;
+pub mod ritz;
 
 pub use discrete::{Discrete, DiscreteSolution, Residuals};
 pub use error::{InputError, Unsolved, Verdict};
