@@ -136,6 +136,15 @@ fn left(reason: impl Into<String>) -> Unsolved {
     Unsolved::new(Verdict::NoMaximum, reason)
 }
 
+/// int G_aa phi_j phi_k.
+fn second_variation(star: &Star, phi: &DMatrix<f64>) -> DMatrix<f64> {
+    let mut hessian = DMatrix::zeros(phi.nrows(), phi.nrows());
+    for (k, ray) in star.rays.iter().enumerate() {
+        hessian.ger(ray.spoke.fine * ray.along.g_aa, &phi.column(k), &phi.column(k), 1.0);
+    }
+    hessian
+}
+
 /// Newton's method about the present centre; returns what it found and the largest eigenvalue of the Hessian, for shapes
 /// of unit mean square.
 fn climb(star: &mut Star, family: Family, q: &mut Vec<f64>, allowed: f64) -> Result<(Found, f64), Unsolved> {
@@ -180,21 +189,17 @@ fn climb(star: &mut Star, family: Family, q: &mut Vec<f64>, allowed: f64) -> Res
     let mut alone = q.len() != n;
     for _ in 0..MOST_STEPS {
         let mut gradient = DVector::zeros(n);
-        let mut hessian = DMatrix::zeros(n, n);
         for k in 0..rays {
             let ray = &star.rays[k];
             gradient.axpy(ray.spoke.fine * (ray.along.g_a - d), &phi.column(k), 1.0);
-            hessian.ger(ray.spoke.fine * ray.along.g_aa, &phi.column(k), &phi.column(k), 1.0);
         }
+        let hessian = second_variation(star, &phi);
         let scale = d.abs() * star.sum(|r| r.a) / x.norm();
         if alone && (gradient[0].abs() <= 1e-3 * scale || n == 1) {
             alone = false;
         }
         let residual = gradient.norm() / scale;
         let eigen = hessian.clone().symmetric_eigen();
-        if std::env::var("DBG").is_ok() {
-            eprintln!("n {n} rays {rays} d {d:.15} residual {residual:e} allowed {allowed:e} max eig {:e} alone {alone}", eigen.eigenvalues.max());
-        }
         if residual <= allowed && d > 0.0 {
             let largest = eigen.eigenvalues.max();
             if !(largest < 0.0) {
@@ -219,12 +224,15 @@ fn climb(star: &mut Star, family: Family, q: &mut Vec<f64>, allowed: f64) -> Res
             step *= 0.4 / most;
         }
         let before = x.clone();
+        let concave = eigen.eigenvalues.max() < 0.0;
         let mut accepted = false;
         for _ in 0..30 {
             x = &before + &step;
             if apply(star, &x) {
                 let next = star.quotient();
-                if next.is_finite() && next >= d - 1e-14 * d.abs() {
+                // More force, and still on the branch: from a maximum one must not step over into a rise without end.
+                let on_branch = alone || !concave || second_variation(star, &phi).symmetric_eigenvalues().max() < 0.0;
+                if on_branch && next.is_finite() && next >= d - 1e-14 * d.abs() {
                     d = next;
                     accepted = true;
                     break;

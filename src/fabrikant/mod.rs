@@ -325,7 +325,8 @@ pub fn stationary(
         }
     };
     let (angle, margin) = star.tightest(found.d);
-    if margin < 0.0 {
+    // A ray on which G_a = D holds has its root: only what exceeds the residual tells.
+    if margin < -(2.0 * found.residual).max(1e-10) {
         return Err(no_boundary(angle, margin).into());
     }
     if let Some(angle) = star.second_part(problem.reach, problem.searched) {

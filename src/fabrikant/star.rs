@@ -17,6 +17,8 @@ pub(crate) struct Ray {
     pub a: f64,
     /// Where the material ends.
     pub limit: f64,
+    /// Whether the safe search found G_a below D everywhere on the ray.
+    pub stuck: bool,
     /// G and its derivatives at `a`.
     pub along: Along,
 }
@@ -112,7 +114,7 @@ impl<'a> Star<'a> {
         self.overlap.gap.ray_kinks(self.centre, [cos, sin], &mut self.kinks);
         self.kinks[from..].sort_by(f64::total_cmp);
         let kinks = (from, self.kinks.len());
-        Ray { spoke, direction: [cos, sin], kinks, a, limit: f64::INFINITY, along: Along::default() }
+        Ray { spoke, direction: [cos, sin], kinks, a, limit: f64::INFINITY, stuck: false, along: Along::default() }
     }
 
     /// Moves the centre and keeps the boundary, as far as it can.

@@ -172,6 +172,12 @@ impl Star<'_> {
             if ray.at_edge() && off >= 0.0 {
                 continue;
             }
+            if ray.stuck && off < 0.0 {
+                if off / d < found.tightest.1 {
+                    found.tightest = (ray.spoke.angle, off / d);
+                }
+                continue;
+            }
             let margin = self.margin(ray, d);
             if margin < found.tightest.1 {
                 found.tightest = (ray.spoke.angle, margin);
@@ -186,6 +192,7 @@ impl Star<'_> {
     /// Top of the hump of G_a on this ray, over D, less one.
     fn margin(&self, ray: &Ray, d: f64) -> f64 {
         match Hump::through(ray, self.f0) {
+            _ if ray.stuck => ray.along.g_a / d - 1.0,
             Some(hump) => hump.top[1].max(if ray.along.g_aa <= 0.0 { ray.along.g_a } else { f64::MIN }) / d - 1.0,
             None => f64::INFINITY,
         }
@@ -196,6 +203,7 @@ impl Star<'_> {
         // A point belongs to the outer side of the root when G_a is below D and falling.
         let (mut lo, mut hi) = (0.0, f64::INFINITY);
         let mut ray = self.measure(ray);
+        ray.stuck = false;
         for _ in 0..200 {
             let along = ray.along;
             if ray.at_edge() && along.g_a >= d {
@@ -218,6 +226,8 @@ impl Star<'_> {
                 2.0 * lo
             };
             if (next - ray.a).abs() <= 4.0 * f64::EPSILON * ray.a || hi - lo <= 4.0 * f64::EPSILON * hi {
+                // The bracket has closed on the top of a hump (smooth, or the point of a kink) that is too low.
+                ray.stuck = along.g_a < d * (1.0 - 1e-9);
                 return ray;
             }
             ray.a = next;
@@ -241,7 +251,7 @@ impl Star<'_> {
             let (off, area) = self.centroid_and_area();
             let off = Vector2::from(off);
             let size = area.sqrt();
-            if off.norm() <= allowed * size || found.tightest.1 < 0.0 {
+            if off.norm() <= allowed * size || (moves + 1 == MOST_MOVES && found.tightest.1 < -1e-9) {
                 return Ok((found, moves));
             }
             if let Some((step, previous)) = last {
