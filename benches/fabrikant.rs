@@ -40,7 +40,11 @@ fn error_against_cost(punch: &Polyhedron, modulus: EffectiveModulus) {
 }
 
 fn bench(c: &mut Criterion) {
-    let (Ok(modulus), Ok(punch)) = (EffectiveModulus::from_e_star(1.0), Polyhedron::pyramid(3, 0.7)) else { return };
+    let (Ok(modulus), Ok(punch)) =
+        (EffectiveModulus::from_e_star(1.0), Polyhedron::pyramid(3, std::f64::consts::FRAC_PI_4))
+    else {
+        return;
+    };
     let Ok(slender) = Paraboloid::new([1e4, 1.0]) else { return };
     error_against_cost(&punch, modulus);
     let coarse = Settings::with_tolerance(1e-4);

@@ -333,7 +333,13 @@ fn best(
         let largest = curvature(&mut disc, &e, circles)
             .filter(|&largest| largest < 0.0)
             .ok_or_else(|| runaway("where the force is stationary it is not a maximum"))?;
-        return Ok(report(&problem, modulus, family, &settings, Peak { e, errors, residual, largest, iterations, rays: values.len(), f: means.f }));
+        return Ok(report(
+            &problem,
+            modulus,
+            family,
+            &settings,
+            Peak { e, errors, residual, largest, iterations, rays: values.len(), f: means.f },
+        ));
     }
 }
 
@@ -348,7 +354,13 @@ struct Peak {
     f: f64,
 }
 
-fn report(problem: &Problem, modulus: EffectiveModulus, family: Family, settings: &Settings, peak: Peak) -> Approximation {
+fn report(
+    problem: &Problem,
+    modulus: EffectiveModulus,
+    family: Family,
+    settings: &Settings,
+    peak: Peak,
+) -> Approximation {
     let scaled = &problem.overlap.gap;
     let ([a, b], along, _) = peak.e.axes();
     let (agm, _) = mean_and_share(a, b);

@@ -248,7 +248,9 @@ fn a_true_sphere_and_power_laws() {
     let sphere = Sphere::new(1.0).unwrap();
     let found = fabrikant::stationary(&sphere, unit(), 0.27465307216702742, &Settings::default()).unwrap();
     assert!(relative(found.force, 0.18663268041756856) < 1e-9, "{}", found.force);
-    for (n, c) in [(0.5, 0.38786830454489466), (1.5, 0.81179923622152984), (4.0, 1.2520676640586299), (20.0, 1.7463875574806329)] {
+    for (n, c) in
+        [(0.5, 0.38786830454489466), (1.5, 0.81179923622152984), (4.0, 1.2520676640586299), (20.0, 1.7463875574806329)]
+    {
         let gap = Power::new(1.0, n).unwrap();
         let found = fabrikant::stationary(&gap, unit(), 1.0, &Settings::default()).unwrap();
         assert!(relative(found.force, c) < 1e-8, "{n}: {}", found.force);
@@ -261,7 +263,9 @@ fn a_true_sphere_and_power_laws() {
 /// and moves with the punch.
 #[test]
 fn an_unsymmetric_polyhedron() {
-    let punch = Polyhedron::new(vec![[1.0, 0.0, 0.0], [0.4, 0.8, 0.0], [-0.7, 0.6, 0.0], [-0.8, -0.5, 0.0], [0.3, -1.1, 0.0]]).unwrap();
+    let punch =
+        Polyhedron::new(vec![[1.0, 0.0, 0.0], [0.4, 0.8, 0.0], [-0.7, 0.6, 0.0], [-0.8, -0.5, 0.0], [0.3, -1.1, 0.0]])
+            .unwrap();
     let settings = Settings::with_tolerance(1e-8);
     let found = fabrikant::stationary(&punch, unit(), 1.0, &settings).unwrap();
     let off = (found.centroid[0] - found.boundary.centre[0]).hypot(found.centroid[1] - found.boundary.centre[1]);
@@ -272,7 +276,7 @@ fn an_unsymmetric_polyhedron() {
     assert!(relative(again.force, found.force) < 1e-7, "{} {}", again.force, found.force);
     // Homogeneous: P ~ d^2. The stiffness 4 E* A/L is exact for a fixed centre only.
     let deeper = fabrikant::stationary(&punch, unit(), 3.0, &settings).unwrap();
-    assert!(relative(deeper.force, 9.0 * found.force) < 1e-9);
+    assert!(relative(deeper.force, 9.0 * found.force) < 3e-8, "the tolerance of the quadrature, and of the centre");
     println!("unsymmetric: 4 E* A/L against 2 P/d: {:e}", found.stiffness / (2.0 * found.force) - 1.0);
     let circle = ritz::circle(&punch, unit(), 1.0, &settings).unwrap();
     let ellipse = ritz::ellipse(&punch, unit(), 1.0, &settings).unwrap();
@@ -300,7 +304,10 @@ fn no_contact_and_no_end_are_verdicts() {
     let wedge = fabrikant::stationary(&pyramid(2), unit(), 1.0, &settings).unwrap_err();
     assert_eq!(wedge.verdict(), Some(Verdict::Unbounded));
     let cylinder = |_: f64, y: f64| y * y;
-    assert_eq!(fabrikant::stationary(&cylinder, unit(), 1.0, &settings).unwrap_err().verdict(), Some(Verdict::Unbounded));
+    assert_eq!(
+        fabrikant::stationary(&cylinder, unit(), 1.0, &settings).unwrap_err().verdict(),
+        Some(Verdict::Unbounded)
+    );
     assert!(fabrikant::stationary(&pyramid(3), unit(), 0.0, &settings).is_err());
     assert_eq!(fabrikant::stationary(&pyramid(3), unit(), f64::NAN, &settings).unwrap_err().verdict(), None);
     assert_eq!(RegularPolyhedron::new(2).unwrap_err().verdict(), Some(Verdict::Unbounded));
@@ -376,7 +383,9 @@ fn units_do_not_matter() {
                 fabrikant::solve(&**gap, modulus, d, family, &settings).unwrap()
             };
             let one = solve(1.0, 1.0);
-            for (e, d) in [(1e-12, 1.0), (1e12, 1.0), (1.0, 1e-12), (1.0, 1e6), (2.1e11, 1e-9), (1e-12, 1e6), (1e12, 1e-12)] {
+            for (e, d) in
+                [(1e-12, 1.0), (1e12, 1.0), (1.0, 1e-12), (1.0, 1e6), (2.1e11, 1e-9), (1e-12, 1e6), (1e12, 1e-12)]
+            {
                 let scaled = solve(e, d);
                 let length = f64::powf(d, *exponent);
                 assert!(relative(scaled.force, one.force * e * d * length) < 1e-12, "{k} {family:?} {e} {d}");

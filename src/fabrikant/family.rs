@@ -48,6 +48,7 @@ pub(super) fn best(
     let problem = Problem::new(gap, modulus, depth)?;
     let tolerance: f64 = settings.tolerance;
     let mut star = Star::about(&problem.overlap, [0.0; 2], 0.5, first_rung(tolerance));
+    star.careful = true;
     let mut q: Vec<f64> = Vec::new();
     let mut second = f64::NAN;
     let mut iterations = 0;

@@ -216,7 +216,12 @@ impl<'a> Problem<'a> {
             return Err(InputError::new("depth", depth, "a depth at which force and contact can be represented").into());
         }
         let scaled = Scaled { gap, origin, length, depth: unit };
-        Ok(Self { overlap: Overlap::new(scaled, depth / unit), e_star: modulus.e_star(), reach: far / length, searched: rect.is_none() })
+        Ok(Self {
+            overlap: Overlap::new(scaled, depth / unit),
+            e_star: modulus.e_star(),
+            reach: far / length,
+            searched: rect.is_none(),
+        })
     }
 
     /// 2E* length depth: the unit of P for D.
@@ -238,8 +243,9 @@ impl<'a> Problem<'a> {
 fn lowest(gap: &dyn Gap, from: [f64; 2], step: f64, depth: f64) -> Option<[f64; 2]> {
     let (mut at, mut step, mut value) = (from, step, gap.gap(from[0], from[1]));
     for _ in 0..4000 {
-        let around = [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0], [0.7, 0.7], [-0.7, 0.7], [-0.7, -0.7], [0.7, -0.7]]
-            .map(|e: [f64; 2]| [at[0] + step * e[0], at[1] + step * e[1]]);
+        let around =
+            [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0], [0.7, 0.7], [-0.7, 0.7], [-0.7, -0.7], [0.7, -0.7]]
+                .map(|e: [f64; 2]| [at[0] + step * e[0], at[1] + step * e[1]]);
         let best = around.into_iter().map(|p| (gap.gap(p[0], p[1]), p)).min_by(|a, b| a.0.total_cmp(&b.0))?;
         if best.0 < value {
             (value, at) = best;
@@ -428,10 +434,7 @@ pub fn auto(gap: &dyn Gap, modulus: EffectiveModulus, depth: f64, settings: &Set
             return Ok(Approximation { why: "equation (15) has a stationary boundary".to_owned(), ..found });
         }
         Err(Error::Unsolved(unsolved))
-            if !matches!(
-                unsolved.verdict,
-                Verdict::Unbounded | Verdict::NotStarShaped | Verdict::NotApplicable
-            ) =>
+            if !matches!(unsolved.verdict, Verdict::Unbounded | Verdict::NotStarShaped | Verdict::NotApplicable) =>
         {
             unsolved
         }
@@ -445,7 +448,9 @@ pub fn auto(gap: &dyn Gap, modulus: EffectiveModulus, depth: f64, settings: &Set
                 why += &format!("; the Fourier series of order {order} has a maximum, above the best ellipse");
                 return Ok(Approximation { why, ..found });
             }
-            Ok(_) => why += &format!("; the Fourier series of order {order} stays below the best ellipse, a lower bound"),
+            Ok(_) => {
+                why += &format!("; the Fourier series of order {order} stays below the best ellipse, a lower bound")
+            }
             Err(error) => why += &format!("; Fourier series of order {order}: {error}"),
         }
     }

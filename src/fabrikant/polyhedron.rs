@@ -90,12 +90,13 @@ impl RegularPolyhedron {
     pub fn radius(&self, theta: f64) -> f64 {
         let sector = 2.0 * PI / self.faces as f64;
         let theta = theta - sector * (theta / sector).round();
-        radius(theta, self.kappa, (1.0 - self.kappa * theta.cos()).max(0.0).sqrt())
+        radius(theta.cos(), (1.0 - self.kappa * theta.cos()).max(0.0).sqrt())
     }
 }
 
-fn radius(theta: f64, _kappa: f64, root: f64) -> f64 {
-    D_END * (1.0 + root) / theta.cos()
+/// Equation (18) from cos theta and the root.
+fn radius(cos: f64, root: f64) -> f64 {
+    D_END * (1.0 + root) / cos
 }
 
 /// N, L and the area.
@@ -112,19 +113,19 @@ fn sums_at(faces: usize, kappa: f64) -> Sums {
     let rule = RULE.get_or_init(|| gauss_legendre(24));
     let half = 0.5 * PI / faces as f64;
     let mut sums = Sums { n: 0.0, l: 0.0, area: 0.0 };
-    let mut add = |theta: f64, weight: f64, root: f64| {
-        let a = radius(theta, kappa, root);
+    let mut add = |cos: f64, weight: f64, root: f64| {
+        let a = radius(cos, root);
         sums.l += weight * a;
         sums.area += weight * 0.5 * a * a;
         // G = a^2 - (pi/4) a^3 cos theta.
-        sums.n += weight * a * a * (1.0 - 0.25 * PI * a * theta.cos());
+        sums.n += weight * a * a * (1.0 - 0.25 * PI * a * cos);
     };
     let scale = 2.0 * faces as f64;
     if kappa >= 1.0 {
         // sqrt(1 - cos theta) = sqrt(2) sin(theta/2): smooth on this side of the kink.
         for &[x, w] in rule {
             let theta = 2.0 * half * x;
-            add(theta, scale * 2.0 * half * w, std::f64::consts::SQRT_2 * (0.5 * theta).sin());
+            add(theta.cos(), scale * 2.0 * half * w, std::f64::consts::SQRT_2 * (0.5 * theta).sin());
         }
     } else {
         let s = ((1.0 - kappa) / (2.0 * kappa)).sqrt();
@@ -134,7 +135,7 @@ fn sums_at(faces: usize, kappa: f64) -> Sums {
             let (sinh, cosh) = (0.5 * (e - 1.0 / e), 0.5 * (e + 1.0 / e));
             let sine = s * sinh;
             let cosine = (1.0 - sine * sine).sqrt();
-            add(2.0 * sine.asin(), scale * w * last * 2.0 * s * cosh / cosine, (1.0 - kappa).sqrt() * cosh);
+            add(1.0 - 2.0 * sine * sine, scale * w * last * 2.0 * s * cosh / cosine, (1.0 - kappa).sqrt() * cosh);
         }
     }
     sums

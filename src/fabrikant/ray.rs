@@ -49,10 +49,7 @@ impl<'a> Overlap<'a> {
             return slope;
         }
         let g = |x, y| self.gap.gap(x, y);
-        [
-            (g(p[0] + h, p[1]) - g(p[0] - h, p[1])) / (2.0 * h),
-            (g(p[0], p[1] + h) - g(p[0], p[1] - h)) / (2.0 * h),
-        ]
+        [(g(p[0] + h, p[1]) - g(p[0] - h, p[1])) / (2.0 * h), (g(p[0], p[1] + h) - g(p[0], p[1] - h)) / (2.0 * h)]
     }
 
     /// Slope of the gap along a ray, at distance r.
@@ -105,10 +102,8 @@ impl RadialRule {
 
     fn new(nodes: usize, crowding: i32) -> Self {
         let plain = gauss_legendre(nodes);
-        let first: Vec<[f64; 2]> = plain
-            .iter()
-            .map(|&[x, w]| [x.powi(crowding), w * f64::from(crowding) * x.powi(crowding - 1)])
-            .collect();
+        let first: Vec<[f64; 2]> =
+            plain.iter().map(|&[x, w]| [x.powi(crowding), w * f64::from(crowding) * x.powi(crowding - 1)]).collect();
         let whole = first
             .iter()
             .map(|&[x, w]| {
@@ -233,7 +228,8 @@ mod tests {
     /// c r^n has G = a^2 - c a^(n+2) m with m = int sin^(n+1).
     #[test]
     fn a_power_law_has_its_closed_form() {
-        let half_beta = [(1.0, std::f64::consts::FRAC_PI_4), (2.0, 2.0 / 3.0), (3.0, 3.0 * std::f64::consts::PI / 16.0)];
+        let half_beta =
+            [(1.0, std::f64::consts::FRAC_PI_4), (2.0, 2.0 / 3.0), (3.0, 3.0 * std::f64::consts::PI / 16.0)];
         for (n, m) in half_beta {
             let gap = Power::new(0.7, n).unwrap();
             let line = RayLine { centre: [0.0; 2], direction: [0.6, 0.8], kinks: &[] };

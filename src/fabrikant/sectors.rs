@@ -13,8 +13,9 @@ pub(crate) struct Spoke {
     pub coarse: f64,
 }
 
-/// Widest sector that starts as one panel: the three of a three-faced punch.
-const WIDEST: f64 = TAU / 3.0 * (1.0 + 1e-9);
+/// Widest sector that starts as one panel. The boundary of a three-faced punch all but has a kink in the middle of each
+/// face: halves of its sectors reach 1e-6 at once.
+const WIDEST: f64 = TAU / 6.0 * (1.0 + 1e-9);
 
 /// Equally spaced rays beyond which the gap is taken to have ridges that nobody told about.
 const MOST_EQUAL: usize = 128;
@@ -134,7 +135,7 @@ fn panel_error(panel: usize, spokes: &[Spoke], values: &[f64]) -> f64 {
     if spread > 0.0 { spread * (200.0 * raw / spread).powf(1.5).min(1.0) } else { raw }
 }
 
-/// Sector ends in [0, 2 pi), ascending, no sector wider than a third of the turn; none when nothing is known.
+/// Sector ends in [0, 2 pi), ascending, no sector wider than a sixth of the turn; none when nothing is known.
 fn sector_ends(directions: &[f64]) -> Vec<f64> {
     let mut ends: Vec<f64> = directions.iter().filter(|a| a.is_finite()).map(|a| a.rem_euclid(TAU)).collect();
     ends.sort_by(f64::total_cmp);

@@ -44,6 +44,8 @@ pub(crate) struct Star<'a> {
     values: Vec<f64>,
     /// Place in the ladder of radial rules.
     pub rung: usize,
+    /// Whether every step checks that there is material at the boundary, not only along the rays.
+    pub careful: bool,
 }
 
 impl<'a> Star<'a> {
@@ -62,6 +64,7 @@ impl<'a> Star<'a> {
             spokes: Vec::new(),
             values: Vec::new(),
             rung,
+            careful: false,
         };
         star.lay(&[[0.0, start]]);
         star
@@ -134,7 +137,7 @@ impl<'a> Star<'a> {
         for _ in 0..400 {
             ray.along = self.line(&ray).along(self.overlap, self.f0, ray.a, self.rule());
             let Along { g, g_a, g_aa } = ray.along;
-            if (g + g_a + g_aa).is_finite() && self.overlap.at(self.line(&ray).at(ray.a)).is_finite() {
+            if (g + g_a + g_aa).is_finite() && (!self.careful || self.has_material(&ray)) {
                 return ray;
             }
             let inside = |r: f64| self.overlap.at(self.line(&ray).at(r)).is_finite();
@@ -145,7 +148,11 @@ impl<'a> Star<'a> {
                 let (mut lo, mut hi) = (0.0, ray.a);
                 while hi - lo > f64::EPSILON * hi {
                     let middle = 0.5 * (lo + hi);
-                    if inside(middle) { lo = middle } else { hi = middle }
+                    if inside(middle) {
+                        lo = middle
+                    } else {
+                        hi = middle
+                    }
                     if middle == lo && middle == hi {
                         break;
                     }
@@ -155,6 +162,16 @@ impl<'a> Star<'a> {
             }
         }
         ray
+    }
+
+    fn has_material(&self, ray: &Ray) -> bool {
+        self.overlap.at(self.line(ray).at(ray.a)).is_finite()
+    }
+
+    /// Whether there is material at the boundary on every ray; when not, steps are careful from now on.
+    pub fn on_material(&mut self) -> bool {
+        self.careful = self.careful || !self.rays.iter().all(|ray| self.has_material(ray));
+        !self.careful || self.rays.iter().all(|ray| self.has_material(ray))
     }
 
     /// Evaluates G on every ray.

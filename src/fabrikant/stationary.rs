@@ -107,7 +107,7 @@ impl Star<'_> {
                 d = quotient;
             }
             let found = self.judge(d);
-            if sweep > 0 && found.residual <= residual_allowed && d > 0.0 {
+            if sweep > 0 && found.residual <= residual_allowed && d > 0.0 && self.on_material() {
                 return Ok(found);
             }
             let aim = self.aim(if sweep == 0 { 0.0 } else { d.max(0.0) });
@@ -225,7 +225,9 @@ impl Star<'_> {
             } else {
                 2.0 * lo
             };
-            if (next - ray.a).abs() <= 4.0 * f64::EPSILON * ray.a || hi - lo <= 4.0 * f64::EPSILON * hi {
+            if (next - ray.a).abs() <= 4.0 * f64::EPSILON * ray.a
+                || (hi.is_finite() && hi - lo <= 4.0 * f64::EPSILON * hi)
+            {
                 // The bracket has closed on the top of a hump (smooth, or the point of a kink) that is too low.
                 ray.stuck = along.g_a < d * (1.0 - 1e-9);
                 return ray;
