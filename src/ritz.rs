@@ -11,16 +11,21 @@
 //! problem for the paraboloid with the same mean, mean gradient and mean gradient moment. Other gaps need a few steps of
 //! the BFGS method, in coordinates that turn the present ellipse into the unit disc, so that slender ones cost no digits.
 
+// Comparisons are written so that NaN takes the branch of failure.
+#![allow(clippy::neg_cmp_op_on_partial_ord)]
+
 use nalgebra::{DMatrix, Matrix2, SMatrix, SVector, Vector2};
 
 use crate::error::{Unsolved, Verdict};
 use crate::fabrikant::{
     Approximation, DIFFERENCE_STEP, Error, Family, LowerBound, Overlap, Problem, RadialRule, Sectors, Settings, Spoke,
-    first_rung,
+    THIRD, first_rung,
 };
 use crate::gap::Gap;
 use crate::material::EffectiveModulus;
 
+/// Rays of the first look.
+const ROUGH_RAYS: usize = 24;
 /// Steps before giving up.
 const MOST_STEPS: usize = 100;
 
@@ -144,10 +149,24 @@ struct Disc<'a> {
     values: Vec<f64>,
     directions: Vec<f64>,
     kinks: Vec<f64>,
+    /// Whether the sectors follow the ridges of the gap, and the rays are split at its kinks.
+    follow_ridges: bool,
 }
 
-impl Disc<'_> {
+impl<'a> Disc<'a> {
+    fn new(overlap: &'a Overlap<'a>, sectors: Sectors, rung: usize) -> Self {
+        let (spokes, values, directions, kinks) = Default::default();
+        Self { overlap, sectors, rung, spokes, values, directions, kinks, follow_ridges: true }
+    }
+
     fn lay(&mut self, e: &Ellipse) {
+        if !self.follow_ridges {
+            if self.spokes.is_empty() {
+                self.sectors.spokes(&mut self.spokes);
+                self.values.resize(self.spokes.len(), 0.0);
+            }
+            return;
+        }
         self.directions.clear();
         self.overlap.gap.kink_directions(e.c.into(), &mut self.directions);
         if let Some(inverse) = e.m.try_inverse() {
@@ -173,9 +192,11 @@ impl Disc<'_> {
             let ray = e.m * direction;
             let length = ray.norm();
             self.kinks.clear();
-            self.overlap.gap.ray_kinks(e.c.into(), (ray / length).into(), &mut self.kinks);
-            self.kinks.iter_mut().for_each(|r| *r /= length);
-            self.kinks.sort_by(f64::total_cmp);
+            if self.follow_ridges {
+                self.overlap.gap.ray_kinks(e.c.into(), (ray / length).into(), &mut self.kinks);
+                self.kinks.iter_mut().for_each(|r| *r /= length);
+                self.kinks.sort_by(f64::total_cmp);
+            }
             let (mut f, mut slope, mut moment) = (0.0, Vector2::zeros(), Vector2::zeros());
             rule.visit(&self.kinks, 1.0, |node| {
                 let x = e.c + ray * node.sin;
@@ -292,16 +313,16 @@ fn best(
     let tolerance: f64 = settings.tolerance;
     let mut directions = Vec::new();
     problem.overlap.gap.kink_directions([0.0; 2], &mut directions);
-    let mut disc = Disc {
-        overlap: &problem.overlap,
-        sectors: Sectors::between(&directions),
-        rung: first_rung(tolerance),
-        spokes: Vec::new(),
-        values: Vec::new(),
-        directions,
-        kinks: Vec::new(),
-    };
+    let mut disc = Disc::new(&problem.overlap, Sectors::between(&directions, THIRD), first_rung(tolerance));
+    // A first look with few rays that ignore the ridges.
+    let mut rough = Disc::new(&problem.overlap, Sectors::equal(ROUGH_RAYS), 0);
+    rough.follow_ridges = false;
     let mut e = Ellipse { c: Vector2::zeros(), m: Matrix2::identity() * 0.5 };
+    if let Ok((near, ..)) = maximise(&mut rough, e, circles, 1e-2)
+        && disc.climb(&near, circles).is_some()
+    {
+        e = near;
+    }
     let mut iterations = 0;
     // The force needs the square root of its tolerance only; the boundary is wanted better when there is time for it.
     let gradient_allowed = if tolerance < 1e-6 { (0.01 * tolerance).max(1e-13) } else { 10.0 * tolerance };

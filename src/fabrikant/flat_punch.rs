@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use crate::error::{InputError, Unsolved, Verdict, finite};
 use crate::fabrikant::Error;
-use crate::fabrikant::sectors::Sectors;
+use crate::fabrikant::sectors::{SIXTH, Sectors};
 use crate::geometry::{area, centroid};
 use crate::material::EffectiveModulus;
 
@@ -105,7 +105,7 @@ impl FlatPunch {
     /// `NotStarShaped` where a(theta) is not a positive number, or when the centroid of the region lies more than 1e-6 of
     /// its size away from the centre.
     pub fn integrals(a: impl Fn(f64) -> f64, corners: &[f64]) -> Result<(f64, f64, f64), Error> {
-        let mut sectors = Sectors::between(corners);
+        let mut sectors = Sectors::between(corners, SIXTH);
         let mut spokes = Vec::new();
         loop {
             sectors.spokes(&mut spokes);

@@ -1,7 +1,7 @@
 //! P(A) of any boundary, equation (12).
 
 use crate::error::{InputError, Unsolved, Verdict};
-use crate::fabrikant::sectors::Sectors;
+use crate::fabrikant::sectors::{SIXTH, Sectors};
 use crate::fabrikant::star::Star;
 use crate::fabrikant::{Error, Problem, Settings, first_rung};
 use crate::gap::Gap;
@@ -54,7 +54,7 @@ pub fn force(
     let mut star = Star::about(overlap, centre, 1.0, first_rung(settings.tolerance));
     let mut directions = corners.to_vec();
     overlap.gap.kink_directions(centre, &mut directions);
-    star.sectors = Sectors::between(&directions);
+    star.sectors = Sectors::between(&directions, SIXTH);
     star.lay(&[[0.0, 1.0]]);
     for _ in 0..60 {
         for k in 0..star.rays.len() {

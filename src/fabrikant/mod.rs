@@ -14,6 +14,9 @@
 //! reciprocity gives the total force only. Results are estimates, neither upper nor lower bounds, except for ellipses
 //! ([`Approximation::lower_bound`]).
 
+// Comparisons are written so that NaN takes the branch of failure.
+#![allow(clippy::neg_cmp_op_on_partial_ord)]
+
 mod family;
 mod flat_punch;
 mod force;
@@ -28,7 +31,7 @@ pub use flat_punch::FlatPunch;
 pub use force::{Force, force};
 pub use polyhedron::RegularPolyhedron;
 pub(crate) use ray::{DIFFERENCE_STEP, Overlap, RadialRule};
-pub(crate) use sectors::{Sectors, Spoke};
+pub(crate) use sectors::{Sectors, Spoke, THIRD};
 
 use crate::error::{InputError, Unsolved, Verdict, finite};
 use crate::gap::{Gap, Reach, Scaled};

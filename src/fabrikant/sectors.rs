@@ -13,9 +13,11 @@ pub(crate) struct Spoke {
     pub coarse: f64,
 }
 
-/// Widest sector that starts as one panel. The boundary of a three-faced punch all but has a kink in the middle of each
-/// face: halves of its sectors reach 1e-6 at once.
-const WIDEST: f64 = TAU / 6.0 * (1.0 + 1e-9);
+/// Widest sector that starts as one panel, for stationary boundaries. That of a three-faced punch all but has a kink in
+/// the middle of each face: halves of its sectors reach 1e-6 at once.
+pub(crate) const SIXTH: f64 = TAU / 6.0 * (1.0 + 1e-9);
+/// The same for boundaries without such kinks (ellipses).
+pub(crate) const THIRD: f64 = TAU / 3.0 * (1.0 + 1e-9);
 
 /// Equally spaced rays beyond which the gap is taken to have ridges that nobody told about.
 const MOST_EQUAL: usize = 128;
@@ -35,23 +37,29 @@ enum Layout {
 #[derive(Debug, Clone)]
 pub(crate) struct Sectors {
     ends: Vec<f64>,
+    widest: f64,
     layout: Layout,
 }
 
 impl Sectors {
-    /// Sectors between these directions (any order, any turn).
-    pub fn between(directions: &[f64]) -> Self {
-        let ends = sector_ends(directions);
+    /// Sectors between these directions (any order, any turn), none wider than `widest` at the start.
+    pub fn between(directions: &[f64], widest: f64) -> Self {
+        let ends = sector_ends(directions, widest);
         let layout = match ends.len() {
             0 => Layout::Equal(16),
             n => Layout::Panels((0..n).map(|k| (k, 0.0, 1.0)).collect()),
         };
-        Self { ends, layout }
+        Self { ends, widest, layout }
+    }
+
+    /// Equally spaced rays whatever the gap: cheap, for a first look.
+    pub fn equal(rays: usize) -> Self {
+        Self { ends: Vec::new(), widest: SIXTH, layout: Layout::Equal(rays) }
     }
 
     /// The same panels when the ridges have moved a little; fresh ones when their number has changed.
     pub fn move_to(&mut self, directions: &[f64]) {
-        let fresh = Self::between(directions);
+        let fresh = Self::between(directions, self.widest);
         if !directions.is_empty() && fresh.ends.len() == self.ends.len() {
             self.ends = fresh.ends;
         } else if !directions.is_empty() {
@@ -135,8 +143,8 @@ fn panel_error(panel: usize, spokes: &[Spoke], values: &[f64]) -> f64 {
     if spread > 0.0 { spread * (200.0 * raw / spread).powf(1.5).min(1.0) } else { raw }
 }
 
-/// Sector ends in [0, 2 pi), ascending, no sector wider than a sixth of the turn; none when nothing is known.
-fn sector_ends(directions: &[f64]) -> Vec<f64> {
+/// Sector ends in [0, 2 pi), ascending, no sector wider than `widest`; none when nothing is known.
+fn sector_ends(directions: &[f64], widest: f64) -> Vec<f64> {
     let mut ends: Vec<f64> = directions.iter().filter(|a| a.is_finite()).map(|a| a.rem_euclid(TAU)).collect();
     ends.sort_by(f64::total_cmp);
     ends.dedup_by(|b, a| *b - *a < 1e-10);
@@ -146,7 +154,7 @@ fn sector_ends(directions: &[f64]) -> Vec<f64> {
     let mut cut = Vec::with_capacity(ends.len());
     for (k, &from) in ends.iter().enumerate() {
         let to = ends.get(k + 1).copied().unwrap_or(ends[0] + TAU);
-        let pieces = ((to - from) / WIDEST).ceil().max(1.0);
+        let pieces = ((to - from) / widest).ceil().max(1.0);
         cut.extend((0..pieces as usize).map(|m| from + (to - from) * m as f64 / pieces));
     }
     cut
@@ -184,7 +192,7 @@ mod tests {
 
     #[test]
     fn a_ridge_that_nobody_told_about_is_found() {
-        let mut sectors = Sectors::between(&[]);
+        let mut sectors = Sectors::between(&[], SIXTH);
         let (mut spokes, mut error) = (Vec::new(), 1.0);
         for _ in 0..40 {
             sectors.spokes(&mut spokes);
@@ -202,10 +210,10 @@ mod tests {
 
     #[test]
     fn sectors_wrap_round() {
-        let ends = sector_ends(&[0.1, -0.1, 0.1 + TAU, 2.0]);
-        assert!(ends.windows(2).all(|w| w[1] > w[0] && w[1] - w[0] <= WIDEST));
+        let ends = sector_ends(&[0.1, -0.1, 0.1 + TAU, 2.0], SIXTH);
+        assert!(ends.windows(2).all(|w| w[1] > w[0] && w[1] - w[0] <= SIXTH));
         let mut spokes = Vec::new();
-        Sectors::between(&[0.1, -0.1]).spokes(&mut spokes);
+        Sectors::between(&[0.1, -0.1], SIXTH).spokes(&mut spokes);
         assert!((spokes.iter().map(|s| s.fine).sum::<f64>() - TAU).abs() < 1e-14);
     }
 }

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use crate::fabrikant::ray::{Along, Overlap, RadialRule, RayLine};
-use crate::fabrikant::sectors::{Sectors, Spoke};
+use crate::fabrikant::sectors::{SIXTH, Sectors, Spoke};
 use crate::gap::Gap;
 
 /// One ray and the boundary on it.
@@ -57,7 +57,7 @@ impl<'a> Star<'a> {
             overlap,
             centre,
             f0: overlap.at(centre),
-            sectors: Sectors::between(&directions),
+            sectors: Sectors::between(&directions, SIXTH),
             rays: Vec::new(),
             kinks: Vec::new(),
             directions,
