@@ -1,5 +1,6 @@
 //! The approximate method against the paper, against closed forms, and against its own laws.
-#![allow(clippy::unwrap_used)]
+// Reference digits stand as they were computed.
+#![allow(clippy::unwrap_used, clippy::excessive_precision)]
 
 use std::f64::consts::{FRAC_2_PI, PI, TAU};
 
@@ -266,17 +267,17 @@ fn an_unsymmetric_polyhedron() {
     let punch =
         Polyhedron::new(vec![[1.0, 0.0, 0.0], [0.4, 0.8, 0.0], [-0.7, 0.6, 0.0], [-0.8, -0.5, 0.0], [0.3, -1.1, 0.0]])
             .unwrap();
-    let settings = Settings::with_tolerance(1e-8);
+    let settings = Settings::with_tolerance(1e-5);
     let found = fabrikant::stationary(&punch, unit(), 1.0, &settings).unwrap();
     let off = (found.centroid[0] - found.boundary.centre[0]).hypot(found.centroid[1] - found.boundary.centre[1]);
-    assert!(off < 1e-8, "{off}");
+    assert!(off < 1e-5, "{off}");
     assert!(found.boundary.centre[0].hypot(found.boundary.centre[1]) > 0.02, "the centroid is not the apex");
     let moved = Placed::new(punch.clone(), [3.0, -2.0], 0.7).unwrap();
     let again = fabrikant::stationary(&moved, unit(), 1.0, &settings).unwrap();
-    assert!(relative(again.force, found.force) < 1e-7, "{} {}", again.force, found.force);
+    assert!(relative(again.force, found.force) < 2e-5, "{} {}", again.force, found.force);
     // Homogeneous: P ~ d^2. The stiffness 4 E* A/L is exact for a fixed centre only.
     let deeper = fabrikant::stationary(&punch, unit(), 3.0, &settings).unwrap();
-    assert!(relative(deeper.force, 9.0 * found.force) < 3e-8, "the tolerance of the quadrature, and of the centre");
+    assert!(relative(deeper.force, 9.0 * found.force) < 2e-5, "the tolerance of the quadrature, and of the centre");
     println!("unsymmetric: 4 E* A/L against 2 P/d: {:e}", found.stiffness / (2.0 * found.force) - 1.0);
     let circle = ritz::circle(&punch, unit(), 1.0, &settings).unwrap();
     let ellipse = ritz::ellipse(&punch, unit(), 1.0, &settings).unwrap();
@@ -394,4 +395,27 @@ fn units_do_not_matter() {
             }
         }
     }
+}
+
+/// Driven by a force: one step for homogeneous gaps, and the depth comes back.
+#[test]
+fn depth_for_a_force() {
+    let gaps = [
+        AnyGap::new(pyramid(4)),
+        AnyGap::new(Paraboloid::new([1.0, 0.4]).unwrap()),
+        AnyGap::new(Polyhedron::truncated_pyramid(6, 0.5, 0.4).unwrap()),
+    ];
+    let settings = Settings::with_tolerance(1e-9);
+    for gap in &gaps {
+        for family in [Family::Stationary, Family::Ellipse] {
+            for depth in [1e-3, 0.4, 20.0] {
+                let force = fabrikant::solve(&**gap, unit(), depth, family, &settings).unwrap().force;
+                let (back, found) = fabrikant::at_force(&**gap, unit(), force, family, &settings).unwrap();
+                assert!(relative(back, depth) < 1e-8, "{family:?} {depth}: {back}");
+                assert!(relative(found.force, force) < 1e-9);
+            }
+        }
+    }
+    let error = fabrikant::at_force(&*gaps[0], unit(), -1.0, Family::Stationary, &settings).unwrap_err();
+    assert_eq!(error.verdict(), None);
 }

@@ -115,7 +115,9 @@ impl Star<'_> {
             for k in 0..self.rays.len() {
                 let ray = self.rays[k];
                 if sweep > PATIENT_SWEEPS {
-                    self.rays[k] = self.solve_ray(ray, d);
+                    if (ray.along.g_a - d).abs() > 0.1 * residual_allowed * d {
+                        self.rays[k] = self.solve_ray(ray, d);
+                    }
                     continue;
                 }
                 let y = match Hump::through(&ray, self.f0) {
