@@ -11,6 +11,7 @@ mod equilibrium;
 mod error;
 mod exact;
 mod extrapolate;
+pub mod fabrikant;
 pub mod gap;
 pub mod geometry;
 mod grid;
@@ -32,6 +33,7 @@ mod settings;
 mod solution;
 mod solve;
 pub mod symmetry;
+pub mod ritz;
 
 pub use contact::{Contact, Load, Loading};
 pub use discrete::{Discrete, DiscreteSolution, Residuals};

@@ -85,7 +85,8 @@ impl Polyhedron {
 
     fn highest(&self, x: f64, y: f64) -> &[f64; 3] {
         let height = |p: &[f64; 3]| p[0] * x + p[1] * y + p[2];
-        if let Some((faces, _)) = self.regular {
+        // With few faces it is quicker to look at them all.
+        if let Some((faces, _)) = self.regular.filter(|&(faces, _)| faces > 12) {
             // The face whose sector holds the point; neighbours guard against rounding.
             let k = (y.atan2(x) / TAU * faces as f64).round() as i64;
             let face = |k: i64| &self.planes[k.rem_euclid(faces as i64) as usize];

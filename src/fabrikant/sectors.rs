@@ -1,0 +1,219 @@
+//! Quadrature over the angle: where the rays lie, and the error that their sums leave.
+//!
+//! A gap that is smooth all round gets equally spaced rays (the trapezoid rule converges faster than any power for
+//! periodic functions). A gap with ridges gets Gauss-Kronrod rules on the sectors between them, halved where needed.
+
+use std::f64::consts::TAU;
+
+/// One ray of the rule: its angle, its weight, and its weight in the coarser rule nested in it.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Spoke {
+    pub angle: f64,
+    pub fine: f64,
+    pub coarse: f64,
+}
+
+/// Widest sector that starts as one panel, for stationary boundaries. That of a three-faced punch all but has a kink in
+/// the middle of each face: halves of its sectors reach 1e-6 at once.
+pub(crate) const SIXTH: f64 = TAU / 6.0 * (1.0 + 1e-9);
+/// The same for boundaries without such kinks (ellipses).
+pub(crate) const THIRD: f64 = TAU / 3.0 * (1.0 + 1e-9);
+
+/// Equally spaced rays beyond which the gap is taken to have ridges that nobody told about.
+const MOST_EQUAL: usize = 128;
+
+/// Rays on a panel.
+const PER_PANEL: usize = 15;
+
+#[derive(Debug, Clone)]
+enum Layout {
+    /// Equally spaced rays.
+    Equal(usize),
+    /// Parts of sectors: (sector, from, to) as fractions of the sector.
+    Panels(Vec<(usize, f64, f64)>),
+}
+
+/// The rule over [0, 2 pi).
+#[derive(Debug, Clone)]
+pub(crate) struct Sectors {
+    ends: Vec<f64>,
+    widest: f64,
+    layout: Layout,
+}
+
+impl Sectors {
+    /// Sectors between these directions (any order, any turn), none wider than `widest` at the start.
+    pub fn between(directions: &[f64], widest: f64) -> Self {
+        let ends = sector_ends(directions, widest);
+        let layout = match ends.len() {
+            0 => Layout::Equal(16),
+            n => Layout::Panels((0..n).map(|k| (k, 0.0, 1.0)).collect()),
+        };
+        Self { ends, widest, layout }
+    }
+
+    /// Equally spaced rays whatever the gap: cheap, for a first look.
+    pub fn equal(rays: usize) -> Self {
+        Self { ends: Vec::new(), widest: SIXTH, layout: Layout::Equal(rays) }
+    }
+
+    /// The same panels when the ridges have moved a little; fresh ones when their number has changed.
+    pub fn move_to(&mut self, directions: &[f64]) {
+        let fresh = Self::between(directions, self.widest);
+        if !directions.is_empty() && fresh.ends.len() == self.ends.len() {
+            self.ends = fresh.ends;
+        } else if !directions.is_empty() {
+            *self = fresh;
+        }
+    }
+
+    /// The rays, panel by panel, into `spokes`.
+    pub fn spokes(&self, spokes: &mut Vec<Spoke>) {
+        spokes.clear();
+        match &self.layout {
+            Layout::Equal(n) => spokes.extend((0..*n).map(|k| {
+                let fine = TAU / *n as f64;
+                Spoke { angle: fine * k as f64, fine, coarse: if k % 2 == 0 { 2.0 * fine } else { 0.0 } }
+            })),
+            Layout::Panels(panels) => {
+                for &(k, from, to) in panels {
+                    let width = (self.ends.get(k + 1).copied().unwrap_or(self.ends[0] + TAU)) - self.ends[k];
+                    let (middle, half) = (self.ends[k] + 0.5 * (from + to) * width, 0.5 * (to - from) * width);
+                    spokes.extend(kronrod().map(|[x, fine, coarse]| Spoke {
+                        angle: middle + half * x,
+                        fine: half * fine,
+                        coarse: half * coarse,
+                    }));
+                }
+            }
+        }
+    }
+
+    /// Error estimate of the sum of `values` (one a spoke).
+    pub fn error(&self, spokes: &[Spoke], values: &[f64]) -> f64 {
+        match &self.layout {
+            Layout::Equal(_) => difference(spokes, values).abs(),
+            Layout::Panels(panels) => (0..panels.len()).map(|p| panel_error(p, spokes, values)).sum(),
+        }
+    }
+
+    /// Refines where the error estimate is largest, so that it may fall to `allowed`. False when nothing can be refined
+    /// within `most_rays`.
+    pub fn refine(&mut self, spokes: &[Spoke], values: &[f64], allowed: f64, most_rays: usize) -> bool {
+        match &mut self.layout {
+            Layout::Equal(n) if 2 * *n <= MOST_EQUAL => *n *= 2,
+            Layout::Equal(_) => {
+                self.ends = (0..8).map(|k| TAU * f64::from(k) / 8.0).collect();
+                self.layout = Layout::Panels((0..8).map(|k| (k, 0.0, 1.0)).collect());
+            }
+            Layout::Panels(panels) => {
+                let share = allowed / panels.len() as f64;
+                let mut split = Vec::with_capacity(2 * panels.len());
+                for (p, &(k, from, to)) in panels.iter().enumerate() {
+                    if panel_error(p, spokes, values) > share {
+                        let middle = 0.5 * (from + to);
+                        split.extend([(k, from, middle), (k, middle, to)]);
+                    } else {
+                        split.push((k, from, to));
+                    }
+                }
+                if split.len() == panels.len() || split.len() * PER_PANEL > most_rays.max(panels.len() * PER_PANEL) {
+                    return false;
+                }
+                *panels = split;
+            }
+        }
+        true
+    }
+}
+
+/// Fine less coarse sum.
+fn difference(spokes: &[Spoke], values: &[f64]) -> f64 {
+    spokes.iter().zip(values).map(|(s, v)| (s.fine - s.coarse) * v).sum()
+}
+
+/// Error of one panel, as in QUADPACK: the difference of the two rules, sharpened where it is already small.
+fn panel_error(panel: usize, spokes: &[Spoke], values: &[f64]) -> f64 {
+    let range = panel * PER_PANEL..(panel + 1) * PER_PANEL;
+    let (spokes, values) = (&spokes[range.clone()], &values[range]);
+    let width: f64 = spokes.iter().map(|s| s.fine).sum();
+    let mean = spokes.iter().zip(values).map(|(s, v)| s.fine * v).sum::<f64>() / width;
+    let spread: f64 = spokes.iter().zip(values).map(|(s, v)| s.fine * (v - mean).abs()).sum();
+    let raw = difference(spokes, values).abs();
+    if spread > 0.0 { spread * (200.0 * raw / spread).powf(1.5).min(1.0) } else { raw }
+}
+
+/// Sector ends in [0, 2 pi), ascending, no sector wider than `widest`; none when nothing is known.
+fn sector_ends(directions: &[f64], widest: f64) -> Vec<f64> {
+    let mut ends: Vec<f64> = directions.iter().filter(|a| a.is_finite()).map(|a| a.rem_euclid(TAU)).collect();
+    ends.sort_by(f64::total_cmp);
+    ends.dedup_by(|b, a| *b - *a < 1e-10);
+    while ends.len() > 1 && ends[0] + TAU - ends[ends.len() - 1] < 1e-10 {
+        ends.pop();
+    }
+    let mut cut = Vec::with_capacity(ends.len());
+    for (k, &from) in ends.iter().enumerate() {
+        let to = ends.get(k + 1).copied().unwrap_or(ends[0] + TAU);
+        let pieces = ((to - from) / widest).ceil().max(1.0);
+        cut.extend((0..pieces as usize).map(|m| from + (to - from) * m as f64 / pieces));
+    }
+    cut
+}
+
+/// The 7-15 point Gauss-Kronrod rule on [-1, 1] as (node, Kronrod weight, Gauss weight), ascending (QUADPACK, dqk15).
+fn kronrod() -> impl Iterator<Item = [f64; 3]> {
+    const HALF: [[f64; 3]; 8] = [
+        [0.991_455_371_120_812_6, 0.022_935_322_010_529_225, 0.0],
+        [0.949_107_912_342_758_5, 0.063_092_092_629_978_55, 0.129_484_966_168_869_7],
+        [0.864_864_423_359_769_1, 0.104_790_010_322_250_18, 0.0],
+        [0.741_531_185_599_394_4, 0.140_653_259_715_525_92, 0.279_705_391_489_276_66],
+        [0.586_087_235_467_691_1, 0.169_004_726_639_267_9, 0.0],
+        [0.405_845_151_377_397_2, 0.190_350_578_064_785_4, 0.381_830_050_505_118_9],
+        [0.207_784_955_007_898_47, 0.204_432_940_075_298_9, 0.0],
+        [0.0, 0.209_482_141_084_727_83, 0.417_959_183_673_469_4],
+    ];
+    HALF.into_iter().map(|[x, k, g]| [-x, k, g]).chain(HALF.into_iter().rev().skip(1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn kronrod_integrates_polynomials() {
+        for power in 0..=22 {
+            let exact = if power % 2 == 0 { 2.0 / f64::from(power + 1) } else { 0.0 };
+            let sum: f64 = kronrod().map(|[x, k, _]| k * x.powi(power)).sum();
+            assert!((sum - exact).abs() < 1e-15, "{power}");
+            let coarse: f64 = kronrod().map(|[x, _, g]| g * x.powi(power)).sum();
+            assert!(power > 13 || (coarse - exact).abs() < 1e-15, "{power}");
+        }
+    }
+
+    #[test]
+    fn a_ridge_that_nobody_told_about_is_found() {
+        let mut sectors = Sectors::between(&[], SIXTH);
+        let (mut spokes, mut error) = (Vec::new(), 1.0);
+        for _ in 0..40 {
+            sectors.spokes(&mut spokes);
+            let values: Vec<f64> = spokes.iter().map(|s| (s.angle - 1.0).cos().abs()).collect();
+            error = sectors.error(&spokes, &values);
+            if error < 1e-10 {
+                let sum: f64 = spokes.iter().zip(&values).map(|(s, v)| s.fine * v).sum();
+                assert!((sum - 4.0).abs() < 1e-10);
+                return;
+            }
+            sectors.refine(&spokes, &values, 1e-10, 10_000);
+        }
+        panic!("error {error}");
+    }
+
+    #[test]
+    fn sectors_wrap_round() {
+        let ends = sector_ends(&[0.1, -0.1, 0.1 + TAU, 2.0], SIXTH);
+        assert!(ends.windows(2).all(|w| w[1] > w[0] && w[1] - w[0] <= SIXTH));
+        let mut spokes = Vec::new();
+        Sectors::between(&[0.1, -0.1], SIXTH).spokes(&mut spokes);
+        assert!((spokes.iter().map(|s| s.fine).sum::<f64>() - TAU).abs() < 1e-14);
+    }
+}

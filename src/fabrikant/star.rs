@@ -1,0 +1,272 @@
+//! A star of rays about one centre: the state that the boundary solvers share.
+
+use std::f64::consts::TAU;
+
+use crate::fabrikant::ray::{Along, Overlap, RadialRule, RayLine};
+use crate::fabrikant::sectors::{SIXTH, Sectors, Spoke};
+use crate::gap::Gap;
+
+/// One ray and the boundary on it.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Ray {
+    pub spoke: Spoke,
+    pub direction: [f64; 2],
+    /// Range in the shared list of kinks.
+    kinks: (usize, usize),
+    /// Where the boundary stands.
+    pub a: f64,
+    /// Where the material ends.
+    pub limit: f64,
+    /// Whether the safe search found G_a below D everywhere on the ray.
+    pub stuck: bool,
+    /// G and its derivatives at `a`.
+    pub along: Along,
+}
+
+impl Ray {
+    /// Whether the boundary is held back by the edge of the punch.
+    pub fn at_edge(&self) -> bool {
+        self.a >= self.limit
+    }
+}
+
+/// The rays about a centre with the quadrature over them. Built once a layout; sweeps over it allocate nothing.
+pub(crate) struct Star<'a> {
+    pub overlap: &'a Overlap<'a>,
+    pub centre: [f64; 2],
+    /// f at the centre.
+    pub f0: f64,
+    pub sectors: Sectors,
+    pub rays: Vec<Ray>,
+    kinks: Vec<f64>,
+    directions: Vec<f64>,
+    spokes: Vec<Spoke>,
+    values: Vec<f64>,
+    /// Place in the ladder of radial rules.
+    pub rung: usize,
+    /// Whether every step checks that there is material at the boundary, not only along the rays.
+    pub careful: bool,
+}
+
+impl<'a> Star<'a> {
+    /// Rays about `centre`, the boundary a circle of radius `start`.
+    pub fn about(overlap: &'a Overlap<'a>, centre: [f64; 2], start: f64, rung: usize) -> Self {
+        let mut directions = Vec::new();
+        overlap.gap.kink_directions(centre, &mut directions);
+        let mut star = Self {
+            overlap,
+            centre,
+            f0: overlap.at(centre),
+            sectors: Sectors::between(&directions, SIXTH),
+            rays: Vec::new(),
+            kinks: Vec::new(),
+            directions,
+            spokes: Vec::new(),
+            values: Vec::new(),
+            rung,
+            careful: false,
+        };
+        star.lay(&[[0.0, start]]);
+        star
+    }
+
+    /// The rule in use along the rays.
+    pub fn rule(&self) -> &'static RadialRule {
+        &RadialRule::ladder()[self.rung.min(RadialRule::ladder().len() - 1)]
+    }
+
+    /// The next finer rule, if there is one.
+    pub fn finer_rule(&self) -> Option<&'static RadialRule> {
+        RadialRule::ladder().get(self.rung + 1)
+    }
+
+    /// The geometry of one ray.
+    pub fn line(&self, ray: &Ray) -> RayLine<'_> {
+        RayLine { centre: self.centre, direction: ray.direction, kinks: &self.kinks[ray.kinks.0..ray.kinks.1] }
+    }
+
+    /// Angles and radii of the present boundary, ascending.
+    pub fn outline(&self) -> Vec<[f64; 2]> {
+        let mut outline: Vec<_> = self.rays.iter().map(|r| [r.spoke.angle.rem_euclid(TAU), r.a]).collect();
+        outline.sort_by(|p, q| p[0].total_cmp(&q[0]));
+        outline
+    }
+
+    /// Lays the rays of the present sectors, with the boundary taken over from `outline`.
+    pub fn lay(&mut self, outline: &[[f64; 2]]) {
+        let mut spokes = std::mem::take(&mut self.spokes);
+        self.sectors.spokes(&mut spokes);
+        self.rays.clear();
+        self.kinks.clear();
+        for &spoke in &spokes {
+            let ray = self.new_ray(spoke, radius_in(outline, spoke.angle));
+            self.rays.push(ray);
+        }
+        self.spokes = spokes;
+        self.values.resize(self.rays.len(), 0.0);
+    }
+
+    /// A ray that is not part of the quadrature.
+    pub fn extra_ray(&mut self, angle: f64, a: f64) -> Ray {
+        self.new_ray(Spoke { angle, fine: 0.0, coarse: 0.0 }, a)
+    }
+
+    fn new_ray(&mut self, spoke: Spoke, a: f64) -> Ray {
+        let (sin, cos) = spoke.angle.sin_cos();
+        let from = self.kinks.len();
+        self.overlap.gap.ray_kinks(self.centre, [cos, sin], &mut self.kinks);
+        self.kinks[from..].sort_by(f64::total_cmp);
+        let kinks = (from, self.kinks.len());
+        Ray { spoke, direction: [cos, sin], kinks, a, limit: f64::INFINITY, stuck: false, along: Along::default() }
+    }
+
+    /// Moves the centre and keeps the boundary, as far as it can.
+    pub fn move_to(&mut self, centre: [f64; 2]) {
+        let outline = self.outline();
+        self.centre = centre;
+        self.f0 = self.overlap.at(centre);
+        self.directions.clear();
+        self.overlap.gap.kink_directions(centre, &mut self.directions);
+        self.sectors.move_to(&self.directions);
+        self.lay(&outline);
+    }
+
+    /// Evaluates G at the boundary of one ray, which is pulled back to the edge of the material if it lies beyond.
+    pub fn measure(&self, mut ray: Ray) -> Ray {
+        ray.a = ray.a.min(ray.limit);
+        for _ in 0..400 {
+            ray.along = self.line(&ray).along(self.overlap, self.f0, ray.a, self.rule());
+            let Along { g, g_a, g_aa } = ray.along;
+            if (g + g_a + g_aa).is_finite() && (!self.careful || self.has_material(&ray)) {
+                return ray;
+            }
+            let inside = |r: f64| self.overlap.at(self.line(&ray).at(r)).is_finite();
+            if inside(ray.a) {
+                // Material everywhere, but its slope is infinite here (the rim of a sphere).
+                ray.a *= 1.0 - 1e-3;
+            } else {
+                let (mut lo, mut hi) = (0.0, ray.a);
+                while hi - lo > f64::EPSILON * hi {
+                    let middle = 0.5 * (lo + hi);
+                    if inside(middle) {
+                        lo = middle
+                    } else {
+                        hi = middle
+                    }
+                    if middle == lo && middle == hi {
+                        break;
+                    }
+                }
+                ray.limit = lo * (1.0 - f64::EPSILON);
+                ray.a = ray.limit;
+            }
+        }
+        ray
+    }
+
+    fn has_material(&self, ray: &Ray) -> bool {
+        self.overlap.at(self.line(ray).at(ray.a)).is_finite()
+    }
+
+    /// Whether there is material at the boundary on every ray; when not, steps are careful from now on.
+    pub fn on_material(&mut self) -> bool {
+        self.careful = self.careful || !self.rays.iter().all(|ray| self.has_material(ray));
+        !self.careful || self.rays.iter().all(|ray| self.has_material(ray))
+    }
+
+    /// Evaluates G on every ray.
+    pub fn measure_all(&mut self) {
+        for k in 0..self.rays.len() {
+            self.rays[k] = self.measure(self.rays[k]);
+        }
+    }
+
+    /// The sum over the rays with the weights of the fine rule.
+    pub fn sum(&self, value: impl Fn(&Ray) -> f64) -> f64 {
+        self.rays.iter().map(|r| r.spoke.fine * value(r)).sum()
+    }
+
+    /// int G / L, which is P/(2E*) of the present boundary (equation 12).
+    pub fn quotient(&self) -> f64 {
+        self.sum(|r| r.along.g) / self.sum(|r| r.a)
+    }
+
+    /// Centroid of the region, relative to the centre, and its area.
+    pub fn centroid_and_area(&self) -> ([f64; 2], f64) {
+        let (mut moment, mut twice) = ([0.0; 2], 0.0);
+        for r in &self.rays {
+            let aa = r.spoke.fine * r.a * r.a;
+            twice += aa;
+            moment[0] += aa * r.a * r.direction[0] / 3.0;
+            moment[1] += aa * r.a * r.direction[1] / 3.0;
+        }
+        (moment.map(|m| 2.0 * m / twice), 0.5 * twice)
+    }
+
+    /// Relative error of the quotient: that over the angles, that along the rays.
+    ///
+    /// The sum that matters is that of G - D a: at the stationary boundary it is smoother than the boundary.
+    pub fn errors(&mut self, quotient: f64) -> [f64; 2] {
+        let scale = quotient.abs() * self.sum(|r| r.a);
+        for (value, r) in self.values.iter_mut().zip(&self.rays) {
+            *value = r.along.g - quotient * r.a;
+        }
+        let angular = self.sectors.error(&self.spokes, &self.values) / scale;
+        let radial = self.finer_rule().map_or(f64::NAN, |finer| {
+            self.sum(|r| self.line(r).g(self.overlap, self.f0, r.a, finer) - r.along.g).abs() / scale
+        });
+        [angular, if radial.is_nan() { f64::EPSILON } else { radial }]
+    }
+
+    /// Makes the rule finer where `errors` (just computed) say so. False when that is not possible.
+    pub fn refine(&mut self, errors: [f64; 2], tolerance: f64, quotient: f64, most_rays: usize) -> bool {
+        let mut finer = false;
+        if errors[1] > 0.5 * tolerance && self.rung + 2 < RadialRule::ladder().len() {
+            self.rung += 1;
+            finer = true;
+        }
+        if errors[0] > 0.5 * tolerance {
+            let allowed = 0.5 * tolerance * quotient.abs() * self.sum(|r| r.a);
+            if self.sectors.refine(&self.spokes, &self.values, allowed, most_rays) {
+                let outline = self.outline();
+                self.lay(&outline);
+                finer = true;
+            }
+        }
+        finer
+    }
+
+    /// Whether the overlap comes back, along a ray, after having been lost: a second tip that the star does not hold.
+    /// Sampled out to `reach`: 12 points in 16 directions, or 48 in 64 when little is known of the gap.
+    pub fn second_part(&self, reach: f64, thorough: bool) -> Option<f64> {
+        let (directions, points) = if thorough { (64, 48) } else { (16, 12) };
+        (0..directions).map(|k| TAU * f64::from(k) / f64::from(directions)).find(|angle| {
+            let (sin, cos) = angle.sin_cos();
+            let line = RayLine { centre: self.centre, direction: [cos, sin], kinks: &[] };
+            let mut lost = false;
+            (1..=points).any(|k| {
+                let f = self.overlap.at(line.at(reach * f64::from(k) / f64::from(points)));
+                let back = lost && f > 0.0;
+                lost |= f <= 0.0;
+                back
+            })
+        })
+    }
+}
+
+/// Radius at an angle of the closed outline (angle, radius), 1/a linear in between.
+pub(crate) fn radius_in(outline: &[[f64; 2]], angle: f64) -> f64 {
+    let n = outline.len();
+    if n == 1 {
+        return outline[0][1];
+    }
+    let angle = angle.rem_euclid(TAU);
+    let after = outline.partition_point(|p| p[0] < angle);
+    let (p, q) = (outline[(after + n - 1) % n], outline[after % n]);
+    let span = (q[0] - p[0]).rem_euclid(TAU);
+    if span < 1e-14 {
+        return q[1];
+    }
+    let s = ((angle - p[0]).rem_euclid(TAU) / span).clamp(0.0, 1.0);
+    1.0 / ((1.0 - s) / p[1] + s / q[1])
+}
