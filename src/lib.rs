@@ -1,6 +1,8 @@
 //! Contact patch, force, stiffness and pressure of two bodies pressed together.
 
+mod by_approximation;
 mod by_formula;
+mod by_grid;
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod closed_form;
@@ -26,6 +28,7 @@ pub mod quadrature;
 pub mod recognise;
 #[cfg(feature = "scene")]
 pub mod report;
+pub mod ritz;
 pub mod scalar;
 #[cfg(feature = "scene")]
 pub mod scene;
@@ -33,7 +36,6 @@ mod settings;
 mod solution;
 mod solve;
 pub mod symmetry;
-pub mod ritz;
 
 pub use contact::{Contact, Load, Loading};
 pub use discrete::{Discrete, DiscreteSolution, Residuals};
