@@ -7,6 +7,7 @@ pub mod geometry;
 mod grid;
 pub mod influence;
 mod material;
+pub mod matrix_free;
 
 pub use discrete::{Discrete, DiscreteSolution, Residuals};
 pub use error::{InputError, Unsolved, Verdict};
