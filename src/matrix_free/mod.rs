@@ -74,10 +74,10 @@ pub fn solve(problem: &Discrete, start: Option<&[f64]>, settings: &Settings) -> 
 /// Calls `work` with room for as many threads as are asked for.
 fn with_threads<T: Send>(threads: usize, work: impl FnOnce(&mut Scratch) -> T + Send) -> T {
     #[cfg(feature = "parallel")]
-    if threads != 1 {
-        if let Ok(pool) = rayon::ThreadPoolBuilder::new().num_threads(threads).build() {
-            return pool.install(|| work(&mut Scratch::parallel()));
-        }
+    if threads != 1
+        && let Ok(pool) = rayon::ThreadPoolBuilder::new().num_threads(threads).build()
+    {
+        return pool.install(|| work(&mut Scratch::parallel()));
     }
     let _ = threads;
     work(&mut Scratch::new())

@@ -6,7 +6,7 @@
 //! While |beta| is not the larger, conjugate gradients on the face, cut at the first pressure that vanishes and followed by
 //! a projected step of fixed length 1/|A|; else a step along -beta.
 
-use super::faces::{Level, State, occupied};
+use super::faces::{Level, State, dot, occupied};
 use super::operator::Scratch;
 
 /// From p >= 0 with its residual to the tolerance: true. False when the limit of products is met first.
@@ -38,25 +38,22 @@ pub(super) fn minimise(level: &Level, state: &mut State, scratch: &mut Scratch) 
         }
         let proportional = chopped <= free;
         if proportional {
-            for k in 0..n {
-                work[k] = if state.p[k] > 0.0 { state.r[k] } else { 0.0 };
+            for ((w, p), r) in work.iter_mut().zip(&state.p).zip(&state.r) {
+                *w = if *p > 0.0 { *r } else { 0.0 };
             }
             let rows = occupied(&work, width);
-            level.preconditioner.apply(&work, rows.clone(), &mut z, rows.clone(), scratch);
-            let mut rz = 0.0;
-            for k in 0..n {
-                let inside = rows.contains(&(k / width)) && state.p[k] > 0.0;
-                z[k] = if inside { z[k] } else { 0.0 };
-                rz += z[k] * state.r[k];
-            }
+            z.fill(0.0);
+            level.preconditioner.apply(&work, rows.clone(), &mut z, rows, scratch);
+            // work is r on the face: its product with z leaves out the rest.
+            let rz = dot(&z, &work);
             let beta = if restart { 0.0 } else { rz / rz_old };
-            for k in 0..n {
-                d[k] = if state.p[k] > 0.0 { z[k] + beta * d[k] } else { 0.0 };
+            for ((d, z), p) in d.iter_mut().zip(&z).zip(&state.p) {
+                *d = if *p > 0.0 { z + beta * *d } else { 0.0 };
             }
             (rz_old, restart) = (rz, false);
         } else {
-            for k in 0..n {
-                d[k] = if state.p[k] > 0.0 { 0.0 } else { state.r[k].max(0.0) };
+            for ((d, p), r) in d.iter_mut().zip(&state.p).zip(&state.r) {
+                *d = if *p > 0.0 { 0.0 } else { r.max(0.0) };
             }
             restart = true;
         }
@@ -64,14 +61,12 @@ pub(super) fn minimise(level: &Level, state: &mut State, scratch: &mut Scratch) 
         state.products += 1;
         state.iterations += 1;
         since += 1;
-        let (mut dr, mut dad, mut feasible) = (0.0, 0.0, f64::INFINITY);
-        for k in 0..n {
-            dr += d[k] * state.r[k];
-            dad += d[k] * work[k];
-            if d[k] < 0.0 {
-                feasible = feasible.min(-state.p[k] / d[k]);
-            }
-        }
+        let (dr, dad) = (dot(&d, &state.r), dot(&d, &work));
+        let feasible = d
+            .iter()
+            .zip(&state.p)
+            .filter(|(d, _)| **d < 0.0)
+            .fold(f64::INFINITY, |least: f64, (d, p)| least.min(-p / d));
         if !(dad > 0.0 && dr > 0.0) {
             // Rounding has eaten the direction: start again from a fresh residual, or give up if it was fresh.
             if since == 1 {
@@ -82,9 +77,9 @@ pub(super) fn minimise(level: &Level, state: &mut State, scratch: &mut Scratch) 
             continue;
         }
         let alpha = (dr / dad).min(feasible);
-        for k in 0..n {
-            state.p[k] = (state.p[k] + alpha * d[k]).max(0.0);
-            state.r[k] -= alpha * work[k];
+        for (((p, r), d), ad) in state.p.iter_mut().zip(&mut state.r).zip(&d).zip(&work) {
+            *p = (*p + alpha * d).max(0.0);
+            *r -= alpha * ad;
         }
         if alpha == feasible {
             // Cells at the bound leave at once: projected step along the free gradient.

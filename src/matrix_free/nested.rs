@@ -85,7 +85,8 @@ fn coarser(fine: &Window) -> Option<Window> {
 
 /// Bilinear interpolation of the values at the centres of coarse cells, constant beyond the border.
 fn finer(coarse: &[f64], [cx, cy]: [usize; 2], [nx, ny]: [usize; 2]) -> Vec<f64> {
-    let neighbour = |i: usize, n: usize| if i % 2 == 0 { (i / 2).saturating_sub(1) } else { (i / 2 + 1).min(n - 1) };
+    let neighbour =
+        |i: usize, n: usize| if i.is_multiple_of(2) { (i / 2).saturating_sub(1) } else { (i / 2 + 1).min(n - 1) };
     let mut fine = Vec::with_capacity(nx * ny);
     for j in 0..ny {
         let near = &coarse[j / 2 * cx..][..cx];

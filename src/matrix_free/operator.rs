@@ -34,11 +34,11 @@ fn good_length(n: usize, even: bool) -> usize {
         .find(|&m| {
             let mut rest = m;
             for prime in [2, 3, 5, 7] {
-                while rest % prime == 0 {
+                while rest.is_multiple_of(prime) {
                     rest /= prime;
                 }
             }
-            rest == 1 && (m % 2 == 0 || !even)
+            rest == 1 && (m.is_multiple_of(2) || !even)
         })
         .unwrap_or(n)
 }
@@ -340,7 +340,7 @@ impl Operator {
     fn row_back(&self, lane: &mut Lane, u: &mut [f64]) {
         // Zero up to rounding; the transform wants it exactly.
         lane.spectrum[0].im = 0.0;
-        if let (true, Some(last)) = (self.length[0] % 2 == 0, lane.spectrum.last_mut()) {
+        if let (true, Some(last)) = (self.length[0].is_multiple_of(2), lane.spectrum.last_mut()) {
             last.im = 0.0;
         }
         let done = self.row_inverse.process_with_scratch(&mut lane.spectrum, &mut lane.row, &mut lane.fft);
