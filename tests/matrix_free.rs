@@ -46,7 +46,7 @@ fn random_problem(number: usize) -> Discrete {
             }
         })
         .collect();
-    let kernel = if number % 3 == 0 { Kernel::Collocation } else { Kernel::Galerkin };
+    let kernel = if number.is_multiple_of(3) { Kernel::Collocation } else { Kernel::Galerkin };
     Discrete { grid, kernel, overlap }
 }
 

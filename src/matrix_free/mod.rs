@@ -6,7 +6,8 @@
 //! can carry pressure.
 //!
 //! The error of an answer is the largest |f - A p| under pressure and the largest f - A p elsewhere, over the largest
-//! overlap. It is recomputed from the pressure, which is not negative anywhere, before an answer is given.
+//! overlap. It is recomputed from the pressure, which is not negative anywhere, before an answer is given. The displacement
+//! is returned for the box of the overlapping cells and is zero around it, where nothing can penetrate.
 
 mod faces;
 mod monotone;
