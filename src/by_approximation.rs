@@ -51,7 +51,7 @@ fn family_of(boundary: BoundaryFamily) -> Family {
 }
 
 fn dimensional(contact: &Contact, depth: f64, tilt: [f64; 2], settings: &Settings, found: Approximation) -> Solution {
-    let reference = contact.gap().centre();
+    let reference = contact.gap().reference();
     let polyline = found.boundary.polyline();
     let max_radius = polyline.iter().map(|p| (p[0] - reference[0]).hypot(p[1] - reference[1])).fold(0.0, f64::max);
     let mut remarks = vec![format!("boundary: {:?}", found.family)];

@@ -1,7 +1,7 @@
 //! The closed form of whatever the gap turns out to be.
 
 use crate::Contact;
-use crate::closed_form::{ClosedForm, FlatPunch, Hertz, Power, Quadratic, Sneddon};
+use crate::closed_form::{ClosedForm, FlatPunch, Hertz, Power, Quadratic, Sneddon, Sphere};
 use crate::error::{InputError, Unsolved, Verdict};
 use crate::gap::{AnyGap, Gap, Reach, extent};
 use crate::geometry::Rect;
@@ -54,9 +54,11 @@ pub fn at_depth(gap: &AnyGap, modulus: EffectiveModulus, depth: f64) -> Result<O
             let found = format!("a quadratic form with curvatures {a:.6e} and {b:.6e} (Hertz)");
             Ok(Some(Formula { contact: at(contact, depth), found, left_out: vec![no_grid] }))
         }
-        Recognised::FlatEllipse { centre, lowest, semi_axes, rotation } => {
+        Recognised::FlatEllipse { centre, lowest, slope, semi_axes, rotation } => {
             let punch = FlatPunch::ellipse(modulus, semi_axes).map_err(refused)?;
-            let contact = punch.at_depth(depth - lowest).map_err(refused)?.placed(centre, rotation);
+            let (sin, cos) = rotation.sin_cos();
+            let tilt = [-cos * slope[0] - sin * slope[1], sin * slope[0] - cos * slope[1]];
+            let contact = punch.at_tilted_depth(depth - lowest, tilt)?.placed(centre, rotation);
             let found = format!("a flat ellipse with semi-axes {:.6e} and {:.6e}", semi_axes[0], semi_axes[1]);
             Ok(Some(Formula { contact: at(contact, depth), found, left_out: vec![no_grid] }))
         }
@@ -93,6 +95,12 @@ fn revolution(
             return Ok(Formula { contact: at(contact, depth), found, left_out });
         }
     }
+    if let Some(radius) = sphere_radius(gap, centre, lowest, 0.5 * reach.size()[0], depth - lowest) {
+        let contact = Sphere::new(modulus, radius).and_then(|s| s.at_depth(depth - lowest)).map_err(refused)?;
+        let found = format!("a sphere of radius {radius:.6e}");
+        let left_out = vec!["the grid: no cell is needed".to_owned()];
+        return Ok(Formula { contact: at(contact.placed(centre, 0.0), depth), found, left_out });
+    }
     let mut kinks = Vec::new();
     gap.ray_kinks(centre, [1.0, 0.0], &mut kinks);
     kinks.retain(|&r| r.is_finite() && r > 0.0);
@@ -112,6 +120,22 @@ fn revolution(
         found: "a gap of revolution whose contact is a disc (Sneddon 1965)".to_owned(),
         left_out: vec!["the surface grid: two integrals along the radius are enough".to_owned()],
     })
+}
+
+/// R of a gap of revolution that is R - sqrt(R^2 - r^2), as far as the contact can reach.
+fn sphere_radius(gap: &dyn Gap, [x, y]: [f64; 2], lowest: f64, reach: f64, overlap: f64) -> Option<f64> {
+    let profile = |r: f64| gap.gap(x + r, y) - lowest;
+    // (R - g)^2 = R^2 - r^2.
+    let g = profile(0.5 * reach);
+    let radius = 0.5 * (0.25 * reach * reach / g + g);
+    let off = |k: i32| {
+        let rho = reach * f64::from(k) / 64.0 / radius;
+        let sphere = radius * rho * rho / (1.0 + ((1.0 - rho) * (1.0 + rho)).max(0.0).sqrt());
+        (profile(reach * f64::from(k) / 64.0) - sphere).abs()
+    };
+    // The rim of a whole ball, where the slope has no end, is left to rounding.
+    let round = reach <= radius * (1.0 + 1e-12) && (0..64).all(|k| off(k) <= 1e-12 * overlap);
+    (radius.is_finite() && round).then_some(radius)
 }
 
 /// Radius at which the material ends, infinite when it does not within the reach.
@@ -146,7 +170,7 @@ pub(crate) fn solution(
     };
     let ellipse = form.patch;
     let outputs = settings.outputs;
-    let reference = contact.gap().centre();
+    let reference = contact.gap().reference();
     let [a, b] = ellipse.semi_axes;
     let boundary = ellipse.boundary(BOUNDARY_POINTS);
     let farthest = boundary.iter().map(|p| (p[0] - reference[0]).hypot(p[1] - reference[1])).fold(0.0, f64::max);

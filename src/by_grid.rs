@@ -61,7 +61,7 @@ fn dimensional(
     };
     let grid = state.problem.grid;
     let values = &state.solution.pressure;
-    let mut patch = patch::of(&state.problem, &state.solution, door.gap.inward(contact.gap().centre()));
+    let mut patch = patch::of(&state.problem, &state.solution, door.gap.inward(contact.gap().reference()));
     patch.area *= length * length;
     patch.max_radius *= length;
     patch.centroid = patch.centroid.map(|c| door.gap.outward(c));

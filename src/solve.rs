@@ -99,11 +99,23 @@ struct Engine<'a> {
 
 impl Respond for Engine<'_> {
     fn respond(&mut self, depth: f64, tilt: [f64; 2], quick: bool) -> Result<Solution, Unsolved> {
-        if !quick {
-            return respond(self.contact, depth, tilt, self.settings, self.with_matrix);
+        if quick {
+            let rough = Settings { tolerance: 0.02, cells: None, outputs: Outputs::default(), ..*self.settings };
+            return respond(self.contact, depth, tilt, &rough, false);
         }
-        let rough = Settings { tolerance: 0.02, cells: None, outputs: Outputs::default(), ..*self.settings };
-        respond(self.contact, depth, tilt, &rough, false)
+        if !self.with_matrix {
+            return respond(self.contact, depth, tilt, self.settings, false);
+        }
+        if self.settings.method == Method::Auto && self.settings.cells.is_none() {
+            let formula = Settings { method: Method::ClosedForm, ..*self.settings };
+            match respond(self.contact, depth, tilt, &formula, true) {
+                Err(e) if e.verdict == Verdict::NoClosedForm => {}
+                answered => return answered,
+            }
+        }
+        // One resolution for all tilts: refinement that differs from one to the next would be noise to Newton's method.
+        let cells = self.settings.cells.unwrap_or((2.0 / self.settings.tolerance.sqrt()).clamp(32.0, 512.0) as usize);
+        respond(self.contact, depth, tilt, &Settings { cells: Some(cells), ..*self.settings }, true)
     }
 }
 
@@ -148,7 +160,7 @@ fn at_force(
 fn close(settings: &Settings) -> f64 {
     match settings.method {
         Method::ClosedForm => 1e-12,
-        _ => 0.05 * settings.tolerance,
+        _ => 0.3 * settings.tolerance,
     }
 }
 
