@@ -22,6 +22,7 @@ pub mod influence;
 mod material;
 pub mod matrix_free;
 pub mod patch;
+mod plan;
 #[cfg(feature = "qp")]
 pub mod qp;
 pub mod quadrature;
@@ -44,6 +45,7 @@ pub use gap::Gap;
 pub use grid::{Grid, Kernel, Pressure};
 pub use influence::InfluenceTable;
 pub use material::{Body, EffectiveModulus};
+pub use plan::{Plan, plan};
 #[cfg(feature = "scene")]
 pub use scene::Scene;
 pub use settings::{BoundaryFamily, Method, Outputs, Settings};
