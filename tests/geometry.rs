@@ -6,8 +6,8 @@ use std::f64::consts::PI;
 use approx::assert_relative_eq;
 use contact_patch::closed_form::{Hertz, Quadratic};
 use contact_patch::gap::{
-    AnyGap, Cone, Flat, Formula, Gap, HeightMap, Heights, Minimum, Outline, Paraboloid, Placed, Polyhedron, Power, Sphere, Sum,
-    Surface, Zero,
+    AnyGap, Cone, Flat, Formula, Gap, HeightMap, Heights, Minimum, Outline, Paraboloid, Placed, Polyhedron, Power,
+    Sphere, Sum, Surface, Zero,
 };
 use contact_patch::{Contact, EffectiveModulus, Loading, Method, Settings, Solution, plan, solve};
 
@@ -44,7 +44,8 @@ fn a_formula_is_taken_for_what_it_is() {
     ];
     for (named, expression, depth) in pairs {
         let written = Formula::new(expression).unwrap();
-        let plans = [&named, &AnyGap::new(written.clone())].map(|gap| plan(&contact(gap.clone(), depth), &settings).unwrap());
+        let plans =
+            [&named, &AnyGap::new(written.clone())].map(|gap| plan(&contact(gap.clone(), depth), &settings).unwrap());
         assert_eq!(plans[0].method, plans[1].method, "{expression}");
         let (a, b) = (solved(named, depth, &settings), solved(written, depth, &settings));
         assert_relative_eq!(a.force, b.force, max_relative = 1e-9);
