@@ -5,6 +5,7 @@ mod by_formula;
 pub mod cli;
 pub mod closed_form;
 mod contact;
+pub mod curve;
 mod discrete;
 mod domain;
 mod equilibrium;
@@ -26,6 +27,7 @@ pub mod quadrature;
 pub mod recognise;
 #[cfg(feature = "scene")]
 pub mod report;
+pub mod ritz;
 pub mod scalar;
 #[cfg(feature = "scene")]
 pub mod scene;
@@ -33,9 +35,9 @@ mod settings;
 mod solution;
 mod solve;
 pub mod symmetry;
-pub mod ritz;
 
 pub use contact::{Contact, Load, Loading};
+pub use curve::{Curve, CurveRange};
 pub use discrete::{Discrete, DiscreteSolution, Residuals};
 pub use error::{InputError, Unsolved, Verdict};
 pub use gap::Gap;

@@ -324,7 +324,7 @@ fn apart(method: Method, depth: f64, tilt: [f64; 2]) -> Solution {
 }
 
 /// A solved grid in the user's units.
-fn dimensional(
+pub(crate) fn dimensional(
     contact: &Contact,
     door: &Door,
     refined: &Refined,

@@ -5,6 +5,7 @@
 
 mod batch;
 mod completions;
+mod curve;
 mod schema;
 mod solve;
 
@@ -31,6 +32,7 @@ struct Arguments {
 enum Command {
     Solve(solve::Solve),
     Batch(batch::Batch),
+    Curve(curve::CurveCommand),
     Schema(schema::SchemaCommand),
     Completions(completions::Completions),
 }
@@ -103,6 +105,7 @@ pub fn run() -> ExitCode {
     let result = match Arguments::parse().command {
         Command::Solve(command) => command.run(),
         Command::Batch(command) => command.run(),
+        Command::Curve(command) => command.run(),
         Command::Schema(command) => command.run(),
         Command::Completions(command) => command.run(),
     };
