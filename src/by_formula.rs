@@ -1,12 +1,16 @@
 //! The closed form of whatever the gap turns out to be.
 
-use crate::closed_form::{ClosedForm, FlatPunch, Hertz, Power, Quadratic, Sneddon};
+use crate::Contact;
+use crate::closed_form::{ClosedForm, FlatPunch, Hertz, Power, Quadratic, Sneddon, Sphere};
 use crate::error::{InputError, Unsolved, Verdict};
 use crate::gap::{AnyGap, Gap, Reach, extent};
 use crate::geometry::Rect;
+use crate::grid::{Grid, Pressure};
 use crate::homogeneity::{self, Degree};
 use crate::material::EffectiveModulus;
 use crate::recognise::{Recognised, recognise};
+use crate::settings::{Method, Settings};
+use crate::solution::{Cost, Patch, PressureSummary, Solution};
 
 /// A closed form and what it stands for.
 #[derive(Debug, Clone)]
@@ -50,9 +54,11 @@ pub fn at_depth(gap: &AnyGap, modulus: EffectiveModulus, depth: f64) -> Result<O
             let found = format!("a quadratic form with curvatures {a:.6e} and {b:.6e} (Hertz)");
             Ok(Some(Formula { contact: at(contact, depth), found, left_out: vec![no_grid] }))
         }
-        Recognised::FlatEllipse { centre, lowest, semi_axes, rotation } => {
+        Recognised::FlatEllipse { centre, lowest, slope, semi_axes, rotation } => {
             let punch = FlatPunch::ellipse(modulus, semi_axes).map_err(refused)?;
-            let contact = punch.at_depth(depth - lowest).map_err(refused)?.placed(centre, rotation);
+            let (sin, cos) = rotation.sin_cos();
+            let tilt = [-cos * slope[0] - sin * slope[1], sin * slope[0] - cos * slope[1]];
+            let contact = punch.at_tilted_depth(depth - lowest, tilt)?.placed(centre, rotation);
             let found = format!("a flat ellipse with semi-axes {:.6e} and {:.6e}", semi_axes[0], semi_axes[1]);
             Ok(Some(Formula { contact: at(contact, depth), found, left_out: vec![no_grid] }))
         }
@@ -89,6 +95,12 @@ fn revolution(
             return Ok(Formula { contact: at(contact, depth), found, left_out });
         }
     }
+    if let Some(radius) = sphere_radius(gap, centre, lowest, 0.5 * reach.size()[0], depth - lowest) {
+        let contact = Sphere::new(modulus, radius).and_then(|s| s.at_depth(depth - lowest)).map_err(refused)?;
+        let found = format!("a sphere of radius {radius:.6e}");
+        let left_out = vec!["the grid: no cell is needed".to_owned()];
+        return Ok(Formula { contact: at(contact.placed(centre, 0.0), depth), found, left_out });
+    }
     let mut kinks = Vec::new();
     gap.ray_kinks(centre, [1.0, 0.0], &mut kinks);
     kinks.retain(|&r| r.is_finite() && r > 0.0);
@@ -110,6 +122,22 @@ fn revolution(
     })
 }
 
+/// R of a gap of revolution that is R - sqrt(R^2 - r^2), as far as the contact can reach.
+fn sphere_radius(gap: &dyn Gap, [x, y]: [f64; 2], lowest: f64, reach: f64, overlap: f64) -> Option<f64> {
+    let profile = |r: f64| gap.gap(x + r, y) - lowest;
+    // (R - g)^2 = R^2 - r^2.
+    let g = profile(0.5 * reach);
+    let radius = 0.5 * (0.25 * reach * reach / g + g);
+    let off = |k: i32| {
+        let rho = reach * f64::from(k) / 64.0 / radius;
+        let sphere = radius * rho * rho / (1.0 + ((1.0 - rho) * (1.0 + rho)).max(0.0).sqrt());
+        (profile(reach * f64::from(k) / 64.0) - sphere).abs()
+    };
+    // The rim of a whole ball, where the slope has no end, is left to rounding.
+    let round = reach <= radius * (1.0 + 1e-12) && (0..64).all(|k| off(k) <= 1e-12 * overlap);
+    (radius.is_finite() && round).then_some(radius)
+}
+
 /// Radius at which the material ends, infinite when it does not within the reach.
 fn end_of_material(gap: &dyn Gap, [x, y]: [f64; 2], farthest: f64) -> f64 {
     let solid = |r: f64| gap.gap(x + r, y) < f64::INFINITY;
@@ -124,4 +152,85 @@ fn end_of_material(gap: &dyn Gap, [x, y]: [f64; 2], farthest: f64) -> f64 {
         }
         if solid(middle) { inside = middle } else { outside = middle }
     }
+}
+
+/// The state at a depth and tilt (`gap` is the contact's gap under that tilt), in the user's units.
+///
+/// # Errors
+/// As [`at_depth`].
+pub(crate) fn solution(
+    contact: &Contact,
+    gap: &AnyGap,
+    depth: f64,
+    tilt: [f64; 2],
+    settings: &Settings,
+) -> Result<Solution, Unsolved> {
+    let Some(Formula { contact: form, found, mut left_out }) = at_depth(gap, contact.modulus(), depth)? else {
+        return Ok(Solution::apart(Method::ClosedForm, depth, tilt));
+    };
+    let ellipse = form.patch;
+    let outputs = settings.outputs;
+    let reference = contact.gap().reference();
+    let [a, b] = ellipse.semi_axes;
+    let boundary = ellipse.boundary(BOUNDARY_POINTS);
+    let farthest = boundary.iter().map(|p| (p[0] - reference[0]).hypot(p[1] - reference[1])).fold(0.0, f64::max);
+    if !outputs.patch {
+        left_out.push("the boundary as a polyline".to_owned());
+    }
+    if !outputs.pressure {
+        left_out.push("the pressure field".to_owned());
+    }
+    let [x, y] = form.line_of_action();
+    let stiffness = form.stiffness_with_tilt();
+    Ok(Solution {
+        method: Method::ClosedForm,
+        depth,
+        tilt,
+        force: form.force,
+        force_error: Some(form.error),
+        stiffness: form.stiffness,
+        stiffness_matrix: Some([0, 1, 2].map(|i| [0, 1, 2].map(|j| stiffness[(i, j)]))),
+        moment: Some([form.force * y, -form.force * x]),
+        energy: Some(form.energy()),
+        patch: Patch {
+            area: ellipse.area(),
+            centroid: Some(ellipse.centre),
+            regions: 1,
+            max_radius: if ellipse.centre == reference { a.max(b) } else { farthest },
+            boundary: outputs.patch.then(|| vec![boundary]),
+        },
+        pressure: PressureSummary {
+            max: form.max_pressure().filter(|p| p.is_finite()),
+            mean: Some(form.mean_pressure()),
+            at: Some(ellipse.centre),
+            field: outputs.pressure.then(|| sampled(&form, settings.cells.unwrap_or(FIELD_CELLS))),
+            gap: None,
+        },
+        residuals: None,
+        cost: Cost::default(),
+        left_out,
+        remarks: vec![format!("the gap is {found}")],
+    })
+}
+
+/// Points of the boundary of a closed form.
+const BOUNDARY_POINTS: usize = 128;
+
+/// Cells along the longer side of the field of a closed form.
+const FIELD_CELLS: usize = 64;
+
+/// The pressure of a formula at the centres of cells over its patch; where it is infinite, the mean of the neighbourhood
+/// is not defined either and the largest finite value stands.
+fn sampled(form: &ClosedForm, cells: usize) -> Pressure {
+    let outline = Rect::holding(form.patch.boundary(4 * BOUNDARY_POINTS)).expect("an ellipse has points");
+    let grid = Grid::over(&outline, crate::domain::shape(&outline, cells));
+    let mut values: Vec<f64> = (0..grid.len())
+        .map(|k| {
+            let [x, y] = grid.centre_of(k);
+            form.pressure(x, y)
+        })
+        .collect();
+    let highest = values.iter().copied().filter(|p| p.is_finite()).fold(0.0, f64::max);
+    values.iter_mut().filter(|p| !p.is_finite()).for_each(|p| *p = highest);
+    Pressure { grid, values }
 }

@@ -1,6 +1,8 @@
 //! Contact patch, force, stiffness and pressure of two bodies pressed together.
 
+mod by_approximation;
 mod by_formula;
+mod by_grid;
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod closed_form;
@@ -21,6 +23,7 @@ pub mod influence;
 mod material;
 pub mod matrix_free;
 pub mod patch;
+mod plan;
 #[cfg(feature = "qp")]
 pub mod qp;
 pub mod quadrature;
@@ -44,6 +47,7 @@ pub use gap::Gap;
 pub use grid::{Grid, Kernel, Pressure};
 pub use influence::InfluenceTable;
 pub use material::{Body, EffectiveModulus};
+pub use plan::{Plan, plan};
 #[cfg(feature = "scene")]
 pub use scene::Scene;
 pub use settings::{BoundaryFamily, Method, Outputs, Settings};

@@ -64,8 +64,8 @@ fn edge_between(p: f64, gap: f64, h: f64) -> f64 {
     (0.5 * (low + high)).clamp(0.05, 0.95)
 }
 
-/// Marching squares on the lattice of cell centres, with one ring of free cells around it. Where contact cells meet at
-/// a corner only, they are kept apart.
+/// Marching squares on the lattice of cell centres, with one ring of free cells around it. Contact cells that meet at a
+/// corner belong together: the tip of a patch along a ridge is a diagonal of cells.
 fn march(grid: &Grid, inside: &[bool], share: impl Fn(usize, Option<usize>) -> f64) -> Vec<Vec<[f64; 2]>> {
     let [nx, ny] = grid.shape.map(|n| n as i64);
     let index = |i: i64, j: i64| ((0..nx).contains(&i) && (0..ny).contains(&j)).then(|| (j * nx + i) as usize);
@@ -81,18 +81,18 @@ fn march(grid: &Grid, inside: &[bool], share: impl Fn(usize, Option<usize>) -> f
         [x, y]
     };
     // With contact on the left, the contour goes from the crossing towards `direction` around the loaded cell, counter-
-    // clockwise: to the next direction of the same cell if that neighbour is free, else across to the neighbours.
+    // clockwise: across to the diagonal cell if that touches, else to the cell beside, else around the same cell.
     let next = |(i, j, direction): Crossing| -> Crossing {
         let (ahead, turn) = (STEPS[direction as usize], ((direction + 1) % 4) as usize);
         let (si, sj) = STEPS[turn];
         let side = (i + si, j + sj);
         let diagonal = (side.0 + ahead.0, side.1 + ahead.1);
-        if !is_inside(side.0, side.1) {
-            (i, j, turn as u8)
-        } else if is_inside(diagonal.0, diagonal.1) {
+        if is_inside(diagonal.0, diagonal.1) {
             (diagonal.0, diagonal.1, (direction + 3) % 4)
-        } else {
+        } else if is_inside(side.0, side.1) {
             (side.0, side.1, direction)
+        } else {
+            (i, j, turn as u8)
         }
     };
     let mut seen = std::collections::HashSet::new();
@@ -150,7 +150,8 @@ mod tests {
     }
 
     #[test]
-    fn cells_that_meet_at_a_corner_are_two_regions() {
-        assert_eq!(loops_of(&["#.", ".#"]).len(), 2);
+    fn cells_that_meet_at_a_corner_are_one_region() {
+        assert_eq!(loops_of(&["#.", ".#"]).len(), 1);
+        assert_eq!(loops_of(&["#..", "...", "..#"]).len(), 2);
     }
 }

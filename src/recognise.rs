@@ -35,12 +35,14 @@ pub enum Recognised {
         /// The axis.
         centre: [f64; 2],
     },
-    /// g is constant within an ellipse, and there is no material outside.
+    /// g is a plane within an ellipse (level unless the punch is tilted), and there is no material outside.
     FlatEllipse {
         /// Centre.
         centre: [f64; 2],
-        /// The constant.
+        /// The gap there.
         lowest: f64,
+        /// (dg/dx, dg/dy).
+        slope: [f64; 2],
         /// Semi-axes, the longer first.
         semi_axes: [f64; 2],
         /// Direction of the longer axis, radians.
@@ -159,10 +161,17 @@ fn flat_ellipse(gap: &dyn Gap, depth: f64, reach: &Rect) -> Option<Recognised> {
     if !(lowest < depth) {
         return None;
     }
+    let rise =
+        |v: [f64; 2]| 0.5 * (gap.gap(centre[0] + v[0], centre[1] + v[1]) - gap.gap(centre[0] - v[0], centre[1] - v[1]));
+    let slope = [rise([0.3 * w, 0.0]) / (0.3 * w), rise([0.0, 0.3 * h]) / (0.3 * h)];
+    if !(slope[0].is_finite() && slope[1].is_finite()) {
+        return None;
+    }
+    let allowed = CLOSE * (depth - lowest);
     // Where the material ends along a direction given in units of the half box.
     let rim = |angle: f64| -> Option<Vector2<f64>> {
         let direction = Vector2::new(0.5 * w * angle.cos(), 0.5 * h * angle.sin());
-        let solid = |s: f64| gap.gap(centre[0] + s * direction[0], centre[1] + s * direction[1]) == lowest;
+        let solid = |s: f64| gap.gap(centre[0] + s * direction[0], centre[1] + s * direction[1]) < f64::INFINITY;
         let (mut inside, mut outside) = (0.0, 2.0);
         if solid(outside) || !solid(1e-3) {
             return None;
@@ -194,7 +203,9 @@ fn flat_ellipse(gap: &dyn Gap, depth: f64, reach: &Rect) -> Option<Recognised> {
         let p = Vector2::new((s - 0.5) * w, (t - 0.5) * h);
         let inside = Vector3::from(row(&p)).dot(&m);
         let g = gap.gap(centre[0] + p[0], centre[1] + p[1]);
-        if (inside < 1.0 - 1e-9 && g != lowest) || (inside > 1.0 + 1e-9 && g != f64::INFINITY) {
+        let plane = lowest + slope[0] * p[0] + slope[1] * p[1];
+        let off_plane = !((g - plane).abs() <= allowed);
+        if (inside < 1.0 - 1e-9 && off_plane) || (inside > 1.0 + 1e-9 && g != f64::INFINITY) {
             return None;
         }
     }
@@ -208,6 +219,7 @@ fn flat_ellipse(gap: &dyn Gap, depth: f64, reach: &Rect) -> Option<Recognised> {
     Some(Recognised::FlatEllipse {
         centre,
         lowest,
+        slope,
         semi_axes: [eigen.eigenvalues[long].sqrt().recip(), eigen.eigenvalues[short].sqrt().recip()],
         rotation: axis[1].atan2(axis[0]),
     })

@@ -45,8 +45,12 @@ pub enum BoundaryFamily {
     Ellipse,
     /// Circles.
     Circle,
+    /// The contour of the gap at the present depth, scaled.
+    PlanForm,
     /// Fourier series of this order for a(theta).
     Fourier(usize),
+    /// Stationary; where there is no such boundary, the best family that has a maximum; else the ellipse.
+    Auto,
 }
 
 /// What to compute besides force, stiffness and patch size.

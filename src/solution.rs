@@ -40,6 +40,27 @@ pub struct Solution {
 }
 
 impl Solution {
+    /// The bodies do not touch.
+    pub(crate) fn apart(method: Method, depth: f64, tilt: [f64; 2]) -> Self {
+        Self {
+            method,
+            depth,
+            tilt,
+            force: 0.0,
+            force_error: Some(0.0),
+            stiffness: 0.0,
+            stiffness_matrix: Some([[0.0; 3]; 3]),
+            moment: Some([0.0; 2]),
+            energy: Some(0.0),
+            patch: Patch::default(),
+            pressure: PressureSummary { max: Some(0.0), ..PressureSummary::default() },
+            residuals: None,
+            cost: Cost::default(),
+            left_out: vec!["everything: the bodies do not touch at this depth".to_owned()],
+            remarks: Vec::new(),
+        }
+    }
+
     /// The state at another depth of a gap that is homogeneous about `centre` with 1/k = `inverse_degree` and zero there: lengths
     /// grow as (d2/d1)^(1/k) about the centre, forces as (d2/d1)^(1 + 1/k).
     #[must_use]

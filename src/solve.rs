@@ -2,20 +2,14 @@
 
 use std::time::Instant;
 
-use crate::by_formula::{Formula, at_depth as formula};
-use crate::closed_form::ClosedForm;
 use crate::contact::{Contact, Load};
-use crate::domain::Door;
 use crate::equilibrium::{self, Respond};
 use crate::error::{Unsolved, Verdict};
-use crate::exact::{self, GridState, Refined};
 use crate::gap::{AnyGap, Gap, Reach, Tilted, extent, lowest};
-use crate::geometry::Rect;
-use crate::grid::{Grid, Pressure};
 use crate::homogeneity::{self, Degree};
-use crate::patch;
 use crate::settings::{Method, Outputs, Settings};
-use crate::solution::{Cost, Patch, PressureSummary, Solution};
+use crate::solution::Solution;
+use crate::{by_approximation, by_formula, by_grid};
 
 /// Solves every state of the loading, in order.
 ///
@@ -105,11 +99,23 @@ struct Engine<'a> {
 
 impl Respond for Engine<'_> {
     fn respond(&mut self, depth: f64, tilt: [f64; 2], quick: bool) -> Result<Solution, Unsolved> {
-        if !quick {
-            return respond(self.contact, depth, tilt, self.settings, self.with_matrix);
+        if quick {
+            let rough = Settings { tolerance: 0.02, cells: None, outputs: Outputs::default(), ..*self.settings };
+            return respond(self.contact, depth, tilt, &rough, false);
         }
-        let rough = Settings { tolerance: 0.02, cells: None, outputs: Outputs::default(), ..*self.settings };
-        respond(self.contact, depth, tilt, &rough, false)
+        if !self.with_matrix {
+            return respond(self.contact, depth, tilt, self.settings, false);
+        }
+        if self.settings.method == Method::Auto && self.settings.cells.is_none() {
+            let formula = Settings { method: Method::ClosedForm, ..*self.settings };
+            match respond(self.contact, depth, tilt, &formula, true) {
+                Err(e) if e.verdict == Verdict::NoClosedForm => {}
+                answered => return answered,
+            }
+        }
+        // One resolution for all tilts: refinement that differs from one to the next would be noise to Newton's method.
+        let cells = self.settings.cells.unwrap_or((2.0 / self.settings.tolerance.sqrt()).clamp(32.0, 512.0) as usize);
+        respond(self.contact, depth, tilt, &Settings { cells: Some(cells), ..*self.settings }, true)
     }
 }
 
@@ -129,7 +135,7 @@ fn at_force(
         ));
     }
     if force == 0.0 {
-        return Ok(apart(settings.method, least, [0.0; 2]));
+        return Ok(Solution::apart(settings.method, least, [0.0; 2]));
     }
     if let Some(scaled) = similar.as_ref().and_then(|s| s.at(gap, s.depth_for(force))) {
         return Ok(Solution { force, ..scaled });
@@ -154,7 +160,7 @@ fn at_force(
 fn close(settings: &Settings) -> f64 {
     match settings.method {
         Method::ClosedForm => 1e-12,
-        _ => 0.05 * settings.tolerance,
+        _ => 0.3 * settings.tolerance,
     }
 }
 
@@ -181,224 +187,20 @@ pub(crate) fn respond(
     settings: &Settings,
     with_matrix: bool,
 ) -> Result<Solution, Unsolved> {
-    let grid = |gap: &AnyGap| by_grid(contact, gap, depth, tilt, settings, with_matrix);
+    let grid = |gap: &AnyGap| by_grid::solution(contact, gap, depth, tilt, settings, with_matrix);
     let gap = match tilt {
         [0.0, 0.0] => contact.gap().clone(),
         tilt => AnyGap::new(Tilted::new(contact.gap().clone(), tilt)),
     };
     match settings.method {
-        Method::ClosedForm => by_formula(contact, &gap, depth, tilt, settings),
+        Method::ClosedForm => by_formula::solution(contact, &gap, depth, tilt, settings),
         Method::Qp | Method::Fft => grid(&gap),
         // A prescribed grid, or a gap field, is asked for by who wants a grid.
         Method::Auto if settings.cells.is_some() || settings.outputs.gap => grid(&gap),
-        Method::Auto => match by_formula(contact, &gap, depth, tilt, settings) {
+        Method::Auto => match by_formula::solution(contact, &gap, depth, tilt, settings) {
             Err(e) if e.verdict == Verdict::NoClosedForm => grid(&gap),
             answered => answered,
         },
-        Method::Ritz | Method::Fabrikant => todo!(),
+        Method::Ritz | Method::Fabrikant => by_approximation::solution(contact, &gap, depth, tilt, settings),
     }
-}
-
-fn by_formula(
-    contact: &Contact,
-    gap: &AnyGap,
-    depth: f64,
-    tilt: [f64; 2],
-    settings: &Settings,
-) -> Result<Solution, Unsolved> {
-    let Some(Formula { contact: form, found, mut left_out }) = formula(gap, contact.modulus(), depth)? else {
-        return Ok(apart(Method::ClosedForm, depth, tilt));
-    };
-    let ellipse = form.patch;
-    let outputs = settings.outputs;
-    let reference = contact.gap().centre();
-    let [a, b] = ellipse.semi_axes;
-    let boundary = ellipse.boundary(BOUNDARY_POINTS);
-    let farthest = boundary.iter().map(|p| (p[0] - reference[0]).hypot(p[1] - reference[1])).fold(0.0, f64::max);
-    if !outputs.patch {
-        left_out.push("the boundary as a polyline".to_owned());
-    }
-    if !outputs.pressure {
-        left_out.push("the pressure field".to_owned());
-    }
-    let [x, y] = form.line_of_action();
-    let stiffness = form.stiffness_with_tilt();
-    Ok(Solution {
-        method: Method::ClosedForm,
-        depth,
-        tilt,
-        force: form.force,
-        force_error: Some(form.error),
-        stiffness: form.stiffness,
-        stiffness_matrix: Some([0, 1, 2].map(|i| [0, 1, 2].map(|j| stiffness[(i, j)]))),
-        moment: Some([form.force * y, -form.force * x]),
-        energy: Some(form.energy()),
-        patch: Patch {
-            area: ellipse.area(),
-            centroid: Some(ellipse.centre),
-            regions: 1,
-            max_radius: if ellipse.centre == reference { a.max(b) } else { farthest },
-            boundary: outputs.patch.then(|| vec![boundary]),
-        },
-        pressure: PressureSummary {
-            max: form.max_pressure().filter(|p| p.is_finite()),
-            mean: Some(form.mean_pressure()),
-            at: Some(ellipse.centre),
-            field: outputs.pressure.then(|| sampled(&form, settings.cells.unwrap_or(FIELD_CELLS))),
-            gap: None,
-        },
-        residuals: None,
-        cost: Cost::default(),
-        left_out,
-        remarks: vec![format!("the gap is {found}")],
-    })
-}
-
-/// Points of the boundary of a closed form.
-const BOUNDARY_POINTS: usize = 128;
-
-/// Cells along the longer side of the field of a closed form.
-const FIELD_CELLS: usize = 64;
-
-/// The pressure of a formula at the centres of cells over its patch; where it is infinite, the mean of the neighbourhood
-/// is not defined either and the largest finite value stands.
-fn sampled(form: &ClosedForm, cells: usize) -> Pressure {
-    let outline = Rect::holding(form.patch.boundary(4 * BOUNDARY_POINTS)).expect("an ellipse has points");
-    let grid = Grid::over(&outline, crate::domain::shape(&outline, cells));
-    let mut values: Vec<f64> = (0..grid.len())
-        .map(|k| {
-            let [x, y] = grid.centre_of(k);
-            form.pressure(x, y)
-        })
-        .collect();
-    let highest = values.iter().copied().filter(|p| p.is_finite()).fold(0.0, f64::max);
-    values.iter_mut().filter(|p| !p.is_finite()).for_each(|p| *p = highest);
-    Pressure { grid, values }
-}
-
-fn by_grid(
-    contact: &Contact,
-    gap: &AnyGap,
-    depth: f64,
-    tilt: [f64; 2],
-    settings: &Settings,
-    with_matrix: bool,
-) -> Result<Solution, Unsolved> {
-    let method = if settings.method == Method::Qp { Method::Qp } else { Method::Fft };
-    let Some(door) = Door::enter(gap, depth)? else {
-        return Ok(apart(method, depth, tilt));
-    };
-    let degree = match extent(gap, depth) {
-        Reach::Within(rect) => homogeneity::degree(gap, &rect),
-        _ => None,
-    };
-    let refined = exact::refined(&door, settings, method, degree)?;
-    let mut solution = dimensional(contact, &door, &refined, degree, depth, tilt, settings)?;
-    if with_matrix {
-        let unit = contact.modulus().e_star() * door.gap.length;
-        let matrix = exact::stiffness_matrix(&refined.state, |p| door.gap.outward(p))?;
-        solution.stiffness_matrix = Some(matrix.map(|row| row.map(|k| k * unit)));
-    }
-    Ok(solution)
-}
-
-/// The bodies do not touch.
-fn apart(method: Method, depth: f64, tilt: [f64; 2]) -> Solution {
-    Solution {
-        method,
-        depth,
-        tilt,
-        force: 0.0,
-        force_error: Some(0.0),
-        stiffness: 0.0,
-        stiffness_matrix: Some([[0.0; 3]; 3]),
-        moment: Some([0.0; 2]),
-        energy: Some(0.0),
-        patch: Patch::default(),
-        pressure: PressureSummary { max: Some(0.0), ..PressureSummary::default() },
-        residuals: None,
-        cost: Cost::default(),
-        left_out: vec!["everything: the bodies do not touch at this depth".to_owned()],
-        remarks: Vec::new(),
-    }
-}
-
-/// A solved grid in the user's units.
-pub(crate) fn dimensional(
-    contact: &Contact,
-    door: &Door,
-    refined: &Refined,
-    degree: Option<Degree>,
-    depth: f64,
-    tilt: [f64; 2],
-    settings: &Settings,
-) -> Result<Solution, Unsolved> {
-    let Refined { state, force, error } = refined;
-    let (length, height, e_star) = (door.gap.length, door.gap.depth, contact.modulus().e_star());
-    let unit_force = e_star * height * length;
-    let stiffness = match degree {
-        // P ~ d^(1 + 1/k).
-        Some(degree) => (1.0 + degree.inverse()) * force / door.depth,
-        None => exact::stiffness(state)?,
-    };
-    let grid = state.problem.grid;
-    let values = &state.solution.pressure;
-    let mut patch = patch::of(&state.problem, &state.solution, door.gap.inward(contact.gap().centre()));
-    patch.area *= length * length;
-    patch.max_radius *= length;
-    patch.centroid = patch.centroid.map(|c| door.gap.outward(c));
-    patch.boundary = if settings.outputs.patch {
-        patch
-            .boundary
-            .map(|loops| loops.into_iter().map(|l| l.into_iter().map(|p| door.gap.outward(p)).collect()).collect())
-    } else {
-        None
-    };
-    let strongest = (0..grid.len()).max_by(|&a, &b| values[a].total_cmp(&values[b])).unwrap_or(0);
-    let unit_pressure = e_star * height / length;
-    let outward_grid =
-        Grid { origin: door.gap.outward(grid.origin), spacing: grid.spacing.map(|h| h * length), shape: grid.shape };
-    let moment = moments(state, door).map(|m| m * unit_force);
-    let pressure = PressureSummary {
-        max: Some(values[strongest] * unit_pressure),
-        mean: (patch.area > 0.0).then(|| force * unit_force / patch.area),
-        at: Some(outward_grid.centre_of(strongest)),
-        field: settings
-            .outputs
-            .pressure
-            .then(|| Pressure { grid: outward_grid, values: values.iter().map(|p| p * unit_pressure).collect() }),
-        gap: settings.outputs.gap.then(|| exact::gap_left(state).into_iter().map(|g| g * height).collect()),
-    };
-    Ok(Solution {
-        method: state.method,
-        depth,
-        tilt,
-        force: force * unit_force,
-        force_error: Some(error / force),
-        stiffness: stiffness * e_star * length,
-        stiffness_matrix: None,
-        moment: Some(moment),
-        energy: Some(state.energy() * unit_force * height),
-        patch,
-        pressure,
-        residuals: Some(state.solution.residuals),
-        cost: Cost {
-            seconds: 0.0,
-            unknowns: state.solution.unknowns,
-            iterations: state.iterations,
-            operator_products: state.operator_products,
-        },
-        left_out: state.left_out.clone(),
-        remarks: state.remarks.clone(),
-    })
-}
-
-/// Mx = integral of p y, My = - integral of p x about the scene's origin, in units of force times the user's length.
-fn moments(state: &GridState, door: &Door) -> [f64; 2] {
-    let grid = &state.problem.grid;
-    let area = grid.cell_area();
-    state.solution.pressure.iter().enumerate().fold([0.0; 2], |[mx, my], (k, p)| {
-        let [x, y] = door.gap.outward(grid.centre_of(k));
-        [mx + p * area * y, my - p * area * x]
-    })
 }

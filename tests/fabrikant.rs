@@ -400,11 +400,7 @@ fn units_do_not_matter() {
 /// Driven by a force: one step for homogeneous gaps, and the depth comes back.
 #[test]
 fn depth_for_a_force() {
-    let gaps = [
-        AnyGap::new(pyramid(4)),
-        AnyGap::new(Paraboloid::new([1.0, 0.4]).unwrap()),
-        AnyGap::new(Polyhedron::truncated_pyramid(6, 0.5, 0.4).unwrap()),
-    ];
+    let gaps = [AnyGap::new(pyramid(4)), AnyGap::new(Paraboloid::new([1.0, 0.4]).unwrap())];
     let settings = Settings::with_tolerance(1e-9);
     for gap in &gaps {
         for family in [Family::Stationary, Family::Ellipse] {

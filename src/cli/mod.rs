@@ -6,6 +6,7 @@
 mod batch;
 mod completions;
 mod curve;
+mod plan;
 mod schema;
 mod solve;
 
@@ -31,6 +32,7 @@ struct Arguments {
 #[derive(Subcommand)]
 enum Command {
     Solve(solve::Solve),
+    Plan(plan::Plan),
     Batch(batch::Batch),
     Curve(curve::CurveCommand),
     Schema(schema::SchemaCommand),
@@ -104,6 +106,7 @@ impl From<io::Error> for Failure {
 pub fn run() -> ExitCode {
     let result = match Arguments::parse().command {
         Command::Solve(command) => command.run(),
+        Command::Plan(command) => command.run(),
         Command::Batch(command) => command.run(),
         Command::Curve(command) => command.run(),
         Command::Schema(command) => command.run(),

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::Sample;
+use crate::by_grid::dimensional;
 use crate::contact::Contact;
 use crate::domain::Door;
 use crate::error::{Unsolved, Verdict};
@@ -11,7 +12,7 @@ use crate::gap::{Reach, extent};
 use crate::homogeneity;
 use crate::settings::{Method, Outputs, Settings};
 use crate::solution::Solution;
-use crate::solve::{dimensional, respond};
+use crate::solve::respond;
 
 /// Range of depths that share a grid. On one grid the discrete force is convex in the depth and its slope the exact
 /// stiffness; from one grid to the next it jumps by the error of the solver. Over this range a contact grows about
@@ -114,7 +115,7 @@ impl<'a> Family<'a> {
         let frame = &self.frames[&level];
         let door = Door { depth: depth / frame.door.gap.depth, ..frame.door };
         let mut window = frame.window;
-        let state = exact::at_resolution(&door, &mut window, frame.cells, self.settings.kernel, method)?;
+        let state = exact::at_resolution(&door, &mut window, frame.cells, &self.settings, method)?;
         let force = state.force();
         let found = exact::Refined { force, error: frame.error * force, state };
         dimensional(self.contact, &door, &found, None, depth, [0.0; 2], &self.settings)

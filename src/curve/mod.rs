@@ -150,7 +150,9 @@ impl Curve {
         self.first_touch + self.spline.knots.last().map_or(0.0, |k| k.overlap)
     }
 
-    /// Estimate (not a bound) of the largest relative error of interpolation; the error of the solver comes on top.
+    /// Estimate (not a bound) of the largest relative error of interpolation, from one state inside each interval; the error of
+    /// the solver comes on top. On a grid the stiffness jumps as cells come into contact; one state an interval does not see this,
+    /// and the true error can be many times the estimate (measured: 2.5e-3 against 9e-5, truncated pyramid, 96 cells).
     #[must_use]
     pub fn interpolation_error(&self) -> f64 {
         self.interpolation_error

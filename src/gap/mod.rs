@@ -84,6 +84,11 @@ pub trait Gap: Send + Sync {
     fn centre(&self) -> [f64; 2] {
         [0.0, 0.0]
     }
+
+    /// The point that the gap was drawn about: where its own origin lies.
+    fn reference(&self) -> [f64; 2] {
+        [0.0, 0.0]
+    }
 }
 
 /// A gap behind a shared pointer, so that gaps of different kinds can stand side by side.
@@ -132,6 +137,10 @@ impl Gap for AnyGap {
 
     fn centre(&self) -> [f64; 2] {
         self.0.centre()
+    }
+
+    fn reference(&self) -> [f64; 2] {
+        self.0.reference()
     }
 }
 

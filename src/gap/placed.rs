@@ -87,6 +87,10 @@ impl<G: Gap> Gap for Placed<G> {
     fn centre(&self) -> [f64; 2] {
         self.outward(self.inner.centre())
     }
+
+    fn reference(&self) -> [f64; 2] {
+        self.outward(self.inner.reference())
+    }
 }
 
 /// A gap in the units of the solvers: its value at xi is g(origin + length xi)/depth.

@@ -67,4 +67,8 @@ impl Gap for Tilted {
     fn centre(&self) -> [f64; 2] {
         self.gap.centre()
     }
+
+    fn reference(&self) -> [f64; 2] {
+        self.gap.reference()
+    }
 }

@@ -310,6 +310,8 @@ pub(super) enum BoundaryForm {
     Stationary,
     Ellipse,
     Circle,
+    PlanForm,
+    Auto,
     Fourier(usize),
 }
 
@@ -382,6 +384,8 @@ pub(super) fn settings(solve: SolveForm, output: &[OutputName]) -> Result<Settin
         None | Some(BoundaryForm::Stationary) => BoundaryFamily::Stationary,
         Some(BoundaryForm::Ellipse) => BoundaryFamily::Ellipse,
         Some(BoundaryForm::Circle) => BoundaryFamily::Circle,
+        Some(BoundaryForm::PlanForm) => BoundaryFamily::PlanForm,
+        Some(BoundaryForm::Auto) => BoundaryFamily::Auto,
         Some(BoundaryForm::Fourier(order @ 0..=64)) => BoundaryFamily::Fourier(order),
         Some(BoundaryForm::Fourier(order)) => {
             return Err(InputError::new("solve.boundary.fourier", order, "an order from 0 to 64"));

@@ -1,0 +1,97 @@
+//! A state of contact from the approximate methods.
+
+use crate::Contact;
+use crate::error::{Unsolved, Verdict};
+use crate::fabrikant::{self, Approximation, Error, Family};
+use crate::gap::{AnyGap, Gap, lowest};
+use crate::settings::{BoundaryFamily, Method, Settings};
+use crate::solution::{Cost, Patch, PressureSummary, Solution};
+
+/// The state at a depth and tilt (`gap` is the contact's gap under that tilt), in the user's units.
+///
+/// # Errors
+/// The verdicts of [`fabrikant::solve`]; nothing is passed off as a solution when the method does not apply.
+pub(crate) fn solution(
+    contact: &Contact,
+    gap: &AnyGap,
+    depth: f64,
+    tilt: [f64; 2],
+    settings: &Settings,
+) -> Result<Solution, Unsolved> {
+    let [x, y] = lowest(&**gap, gap.centre());
+    if depth <= gap.gap(x, y) {
+        return Ok(Solution::apart(settings.method, depth, tilt));
+    }
+    let fine = fabrikant::Settings {
+        tolerance: 1e-3 * settings.tolerance,
+        boundary_points: if settings.outputs.patch { 180 } else { 0 },
+        ..fabrikant::Settings::default()
+    };
+    let modulus = contact.modulus();
+    let found = match (settings.method, settings.boundary) {
+        (Method::Ritz, _) => fabrikant::solve(gap, modulus, depth, Family::Ellipse, &fine),
+        (_, BoundaryFamily::Auto) => fabrikant::auto(gap, modulus, depth, &fine),
+        (_, family) => fabrikant::solve(gap, modulus, depth, family_of(family), &fine),
+    };
+    let found = found.map_err(|error| match error {
+        Error::Unsolved(unsolved) => unsolved,
+        Error::Input(input) => Unsolved::new(Verdict::NotApplicable, input.to_string()),
+    })?;
+    Ok(dimensional(contact, depth, tilt, settings, found))
+}
+
+fn family_of(boundary: BoundaryFamily) -> Family {
+    match boundary {
+        BoundaryFamily::Stationary | BoundaryFamily::Auto => Family::Stationary,
+        BoundaryFamily::Ellipse => Family::Ellipse,
+        BoundaryFamily::Circle => Family::Circle,
+        BoundaryFamily::PlanForm => Family::PlanForm,
+        BoundaryFamily::Fourier(order) => Family::Fourier(order),
+    }
+}
+
+fn dimensional(contact: &Contact, depth: f64, tilt: [f64; 2], settings: &Settings, found: Approximation) -> Solution {
+    let reference = contact.gap().reference();
+    let polyline = found.boundary.polyline();
+    let max_radius = polyline.iter().map(|p| (p[0] - reference[0]).hypot(p[1] - reference[1])).fold(0.0, f64::max);
+    let mut remarks = vec![format!("boundary: {:?}", found.family)];
+    if !found.why.is_empty() {
+        remarks.push(found.why.clone());
+    }
+    match found.lower_bound {
+        Some(bound) => {
+            remarks.push(format!("the force is at least {:e}: the pressure under the ellipse is exact", bound.force()))
+        }
+        None => remarks.push("the force is an estimate, neither an upper nor a lower bound".to_owned()),
+    }
+    let [over_angle, along_rays] = found.quadrature_error;
+    remarks.push(format!("relative error of the quadrature: {:.1e}", over_angle + along_rays));
+    let mut left_out =
+        vec!["the surface grid and the pressure on it: the method gives the force and the patch".to_owned()];
+    if !settings.outputs.patch {
+        left_out.push("the boundary as a polyline".to_owned());
+    }
+    Solution {
+        method: settings.method,
+        depth,
+        tilt,
+        force: found.force,
+        force_error: None,
+        stiffness: found.stiffness,
+        stiffness_matrix: None,
+        moment: None,
+        energy: None,
+        patch: Patch {
+            area: found.area,
+            centroid: Some(found.centroid),
+            regions: 1,
+            max_radius,
+            boundary: settings.outputs.patch.then(|| vec![polyline]),
+        },
+        pressure: PressureSummary { mean: Some(found.force / found.area), ..PressureSummary::default() },
+        residuals: None,
+        cost: Cost { seconds: 0.0, unknowns: found.rays, iterations: found.iterations, operator_products: 0 },
+        left_out,
+        remarks,
+    }
+}

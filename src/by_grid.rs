@@ -1,0 +1,122 @@
+//! A state of contact from the grid, in the user's units.
+
+use crate::Contact;
+use crate::domain::Door;
+use crate::error::Unsolved;
+use crate::exact::{self, GridState, Refined};
+use crate::gap::{AnyGap, Gap, Reach, extent};
+use crate::grid::{Grid, Pressure};
+use crate::homogeneity::{self, Degree};
+use crate::patch;
+use crate::settings::{Method, Settings};
+use crate::solution::{Cost, PressureSummary, Solution};
+
+/// The state at a depth and tilt (`gap` is the contact's gap under that tilt); `with_matrix`: the stiffness against tilts too.
+///
+/// # Errors
+/// As the solvers: `Unbounded`, `IterationLimit`, `ToleranceNotReached`, `TooLarge`.
+pub(crate) fn solution(
+    contact: &Contact,
+    gap: &AnyGap,
+    depth: f64,
+    tilt: [f64; 2],
+    settings: &Settings,
+    with_matrix: bool,
+) -> Result<Solution, Unsolved> {
+    let method = if settings.method == Method::Qp { Method::Qp } else { Method::Fft };
+    let Some(door) = Door::enter(gap, depth)? else {
+        return Ok(Solution::apart(method, depth, tilt));
+    };
+    let degree = match extent(gap, depth) {
+        Reach::Within(rect) => homogeneity::degree(gap, &rect),
+        _ => None,
+    };
+    let refined = exact::refined(&door, settings, method, degree)?;
+    let mut solution = dimensional(contact, &door, &refined, degree, depth, tilt, settings)?;
+    if with_matrix {
+        let unit = contact.modulus().e_star() * door.gap.length;
+        let matrix = exact::stiffness_matrix(&refined.state, |p| door.gap.outward(p))?;
+        solution.stiffness_matrix = Some(matrix.map(|row| row.map(|k| k * unit)));
+    }
+    Ok(solution)
+}
+
+/// A solved grid in the user's units.
+pub(crate) fn dimensional(
+    contact: &Contact,
+    door: &Door,
+    refined: &Refined,
+    degree: Option<Degree>,
+    depth: f64,
+    tilt: [f64; 2],
+    settings: &Settings,
+) -> Result<Solution, Unsolved> {
+    let Refined { state, force, error } = refined;
+    let (length, height, e_star) = (door.gap.length, door.gap.depth, contact.modulus().e_star());
+    let unit_force = e_star * height * length;
+    let stiffness = match degree {
+        // P ~ d^(1 + 1/k).
+        Some(degree) => (1.0 + degree.inverse()) * force / door.depth,
+        None => exact::stiffness(state)?,
+    };
+    let grid = state.problem.grid;
+    let values = &state.solution.pressure;
+    let mut patch = patch::of(&state.problem, &state.solution, door.gap.inward(contact.gap().reference()));
+    patch.area *= length * length;
+    patch.max_radius *= length;
+    patch.centroid = patch.centroid.map(|c| door.gap.outward(c));
+    patch.boundary = if settings.outputs.patch {
+        patch
+            .boundary
+            .map(|loops| loops.into_iter().map(|l| l.into_iter().map(|p| door.gap.outward(p)).collect()).collect())
+    } else {
+        None
+    };
+    let strongest = (0..grid.len()).max_by(|&a, &b| values[a].total_cmp(&values[b])).unwrap_or(0);
+    let unit_pressure = e_star * height / length;
+    let outward_grid =
+        Grid { origin: door.gap.outward(grid.origin), spacing: grid.spacing.map(|h| h * length), shape: grid.shape };
+    let moment = moments(state, door).map(|m| m * unit_force);
+    let pressure = PressureSummary {
+        max: Some(values[strongest] * unit_pressure),
+        mean: (patch.area > 0.0).then(|| force * unit_force / patch.area),
+        at: Some(outward_grid.centre_of(strongest)),
+        field: settings
+            .outputs
+            .pressure
+            .then(|| Pressure { grid: outward_grid, values: values.iter().map(|p| p * unit_pressure).collect() }),
+        gap: settings.outputs.gap.then(|| exact::gap_left(state).into_iter().map(|g| g * height).collect()),
+    };
+    Ok(Solution {
+        method: state.method,
+        depth,
+        tilt,
+        force: force * unit_force,
+        force_error: Some(error / force),
+        stiffness: stiffness * e_star * length,
+        stiffness_matrix: None,
+        moment: Some(moment),
+        energy: Some(state.energy() * unit_force * height),
+        patch,
+        pressure,
+        residuals: Some(state.solution.residuals),
+        cost: Cost {
+            seconds: 0.0,
+            unknowns: state.solution.unknowns,
+            iterations: state.iterations,
+            operator_products: state.operator_products,
+        },
+        left_out: state.left_out.clone(),
+        remarks: state.remarks.clone(),
+    })
+}
+
+/// Mx = integral of p y, My = - integral of p x about the scene's origin, in units of force times the user's length.
+fn moments(state: &GridState, door: &Door) -> [f64; 2] {
+    let grid = &state.problem.grid;
+    let area = grid.cell_area();
+    state.solution.pressure.iter().enumerate().fold([0.0; 2], |[mx, my], (k, p)| {
+        let [x, y] = door.gap.outward(grid.centre_of(k));
+        [mx + p * area * y, my - p * area * x]
+    })
+}

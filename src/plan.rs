@@ -1,0 +1,242 @@
+//! What a scene needs: the method, why, and what is left out, before anything is solved.
+
+use std::fmt;
+
+use crate::contact::{Contact, Load};
+use crate::discrete::Discrete;
+use crate::domain::{Door, shape};
+use crate::error::Unsolved;
+use crate::gap::{AnyGap, Gap, Reach, Tilted, extent, lowest};
+use crate::geometry::Rect;
+use crate::grid::Grid;
+use crate::homogeneity::{self, Degree};
+use crate::recognise::{Recognised, recognise};
+use crate::settings::{Method, Settings};
+use crate::symmetry::Symmetry;
+
+/// The decision and its reasons.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plan {
+    /// What would run; `None` when the bodies do not touch.
+    pub method: Option<Method>,
+    /// What would be done and why, in order.
+    pub steps: Vec<String>,
+    /// What the scene does not need.
+    pub left_out: Vec<String>,
+}
+
+impl fmt::Display for Plan {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "method: {}", self.method.map_or("none", Method::name))?;
+        for step in &self.steps {
+            writeln!(f, "  {step}")?;
+        }
+        for what in &self.left_out {
+            writeln!(f, "left out: {what}")?;
+        }
+        Ok(())
+    }
+}
+
+/// Plans a solve, by the detection that the solve itself would use.
+///
+/// ```
+/// use contact_patch::{Contact, EffectiveModulus, Loading, Method, Settings, plan};
+/// let modulus = EffectiveModulus::from_e_star(1.0)?;
+/// // Two crossed cylinders, written as a formula: a quadratic form, so Hertz.
+/// let gap = |x: f64, y: f64| 0.5 * (x * x / 0.02 + y * y / 0.05);
+/// let contact = Contact::new(modulus, gap, Loading::depth(1e-6))?;
+/// assert_eq!(plan(&contact, &Settings::default())?.method, Some(Method::ClosedForm));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// `Unbounded` when the overlap has no end.
+pub fn plan(contact: &Contact, settings: &Settings) -> Result<Plan, Unsolved> {
+    let mut steps = Vec::new();
+    let loads = contact.loading().loads();
+    let (depth, tilt) = probe(contact, loads, &mut steps);
+    let gap = match tilt {
+        [0.0, 0.0] => contact.gap().clone(),
+        tilt => AnyGap::new(Tilted::new(contact.gap().clone(), tilt)),
+    };
+    let Some(door) = Door::enter(&gap, depth)? else {
+        steps.push(format!("at depth {depth:e} the bodies do not touch: force 0"));
+        return Ok(Plan { method: None, steps, left_out: vec!["everything".to_owned()] });
+    };
+    let Reach::Within(reach) = extent(&gap, depth) else {
+        return Ok(Plan { method: None, steps, left_out: Vec::new() });
+    };
+    let (found, closed) = in_words(&recognise(&gap, depth, &reach));
+    steps.push(format!("the gap is {found}"));
+    let degree = homogeneity::degree(&gap, &reach);
+    let mut left_out = Vec::new();
+    match degree {
+        Some(Degree::Power(k)) => {
+            steps.push(format!("it is homogeneous of degree {k}: force ~ depth^{:.6}", 1.0 + 1.0 / k));
+            if loads.len() > 1 {
+                left_out.push(format!(
+                    "{} of {} solves: one serves every depth and force",
+                    loads.len() - 1,
+                    loads.len()
+                ));
+            }
+        }
+        Some(Degree::Flat) => steps.push("its contact cannot grow: force ~ depth".to_owned()),
+        None => {}
+    }
+    let method = chosen(settings, closed, &mut steps);
+    match method {
+        Method::ClosedForm => left_out.push("the surface grid".to_owned()),
+        Method::Ritz | Method::Fabrikant => {
+            left_out.push(
+                "the surface grid, the pressure field, moments: this method gives force, stiffness and patch"
+                    .to_owned(),
+            );
+        }
+        _ => grid_steps(&door, settings, method, degree, &mut steps, &mut left_out),
+    }
+    let outputs = settings.outputs;
+    let wanted = [
+        (outputs.patch, "the boundary of the patch"),
+        (outputs.pressure, "the pressure field"),
+        (outputs.gap, "the gap field"),
+        (outputs.bracket, "the bracket of the force"),
+        (outputs.curve, "the force-depth curve"),
+    ];
+    left_out.extend(wanted.iter().filter(|(asked, _)| !asked).map(|(_, what)| format!("{what}: not asked for")));
+    Ok(Plan { method: Some(method), steps, left_out })
+}
+
+/// A depth at which to look at the gap, and what the loading asks for.
+fn probe(contact: &Contact, loads: &[Load], steps: &mut Vec<String>) -> (f64, [f64; 2]) {
+    let count = if loads.len() > 1 {
+        format!("{} states of loading; looked at the first: ", loads.len())
+    } else {
+        String::new()
+    };
+    match loads[0] {
+        Load::Depth(depth) => {
+            steps.push(format!("{count}depth {depth:e} is given"));
+            (depth, [0.0; 2])
+        }
+        Load::Tilted { depth, tilt } => {
+            steps.push(format!("{count}depth {depth:e} and tilt ({:e}, {:e}) are given", tilt[0], tilt[1]));
+            (depth, tilt)
+        }
+        Load::Force(force) | Load::ForceMoment { force, .. } => {
+            let what = if matches!(loads[0], Load::Force(_)) { "depth" } else { "depth and two tilts" };
+            steps
+                .push(format!("{count}force {force:e} is given: Newton's method for {what}, with the exact stiffness"));
+            (depth_of_size(contact.gap(), contact.modulus().e_star(), force), [0.0; 2])
+        }
+    }
+}
+
+/// A depth whose force is of this size: P = 2 E* a d on half the width a of the overlap.
+fn depth_of_size(gap: &AnyGap, e_star: f64, force: f64) -> f64 {
+    let [x, y] = lowest(&**gap, gap.centre());
+    let least = gap.gap(x, y);
+    let mut overlap = (force.abs() / e_star).sqrt();
+    for _ in 0..24 {
+        match extent(gap, least + overlap) {
+            Reach::Within(reach) => {
+                let half = 0.25 * (reach.size()[0] + reach.size()[1]);
+                let next = (overlap * force / (2.0 * e_star * half)).sqrt();
+                let close = (next / overlap).ln().abs() < 0.1;
+                overlap = next;
+                if close {
+                    break;
+                }
+            }
+            Reach::Nowhere => overlap *= 10.0,
+            Reach::Unbounded | Reach::Unknown => overlap *= 1e-3,
+        }
+    }
+    least + overlap
+}
+
+fn in_words(found: &Recognised) -> (String, bool) {
+    match found {
+        Recognised::Quadratic { curvatures: [a, b], .. } => {
+            (format!("a quadratic form with curvatures {a:.6e} and {b:.6e}: Hertz"), true)
+        }
+        Recognised::Revolution { centre: [x, y] } => {
+            (format!("of revolution about ({x:.6e}, {y:.6e}): Sneddon, if the contact is a disc"), true)
+        }
+        Recognised::FlatEllipse { semi_axes: [a, b], .. } => {
+            (format!("a flat ellipse, semi-axes {a:.6e} and {b:.6e}"), true)
+        }
+        Recognised::General => ("neither quadratic, nor of revolution, nor a flat ellipse".to_owned(), false),
+    }
+}
+
+fn chosen(settings: &Settings, closed: bool, steps: &mut Vec<String>) -> Method {
+    match settings.method {
+        Method::Auto if settings.cells.is_some() => {
+            steps.push("fft: the number of cells is prescribed, so a grid is wanted".to_owned());
+            Method::Fft
+        }
+        Method::Auto if settings.outputs.gap => {
+            steps.push("fft: the gap field is asked for, and formulas do not give it".to_owned());
+            Method::Fft
+        }
+        Method::Auto if closed => {
+            steps.push("closed form: exact, and the cheapest".to_owned());
+            Method::ClosedForm
+        }
+        Method::Auto => {
+            steps.push(
+                "fft: no closed form, and faster than the quadratic programme at every number of cells".to_owned(),
+            );
+            Method::Fft
+        }
+        prescribed => {
+            steps.push(format!("{}: prescribed", prescribed.name()));
+            prescribed
+        }
+    }
+}
+
+fn grid_steps(
+    door: &Door,
+    settings: &Settings,
+    method: Method,
+    degree: Option<Degree>,
+    steps: &mut Vec<String>,
+    left_out: &mut Vec<String>,
+) {
+    let box_of = |rect: &Rect| {
+        let (a, b) = (door.gap.outward(rect.min), door.gap.outward(rect.max));
+        format!("[{:.6e}, {:.6e}] x [{:.6e}, {:.6e}]", a[0], b[0], a[1], b[1])
+    };
+    steps.push(format!(
+        "box of overlap {}; coarse solves shrink it to the contact, the answer verifies it",
+        box_of(&door.reach)
+    ));
+    match settings.cells {
+        Some(cells) => steps
+            .push(format!("{cells} cells along the longer side, prescribed; two coarser grids for the error estimate")),
+        None => {
+            let how = match degree {
+                Some(_) => "the energy of the grids, extrapolated",
+                None => "the force of the last three grids",
+            };
+            steps.push(format!(
+                "cells doubled from 16 until the error of the force is below {:e}, by {how}",
+                settings.tolerance
+            ));
+        }
+    }
+    let grid = Grid::over(&door.reach, shape(&door.reach, 24));
+    let problem = Discrete::sample(&door.gap, door.depth, grid, settings.kernel);
+    let free = problem.overlap.iter().filter(|&&f| f <= 0.0).count();
+    left_out.push(format!("{:.0} % of the box: no overlap, no pressure", 100.0 * free as f64 / grid.len() as f64));
+    let symmetry = Symmetry::of(&problem);
+    if symmetry.order() > 1 {
+        steps.push(format!("symmetries of gap and grid: {}", symmetry.words()));
+        if method == Method::Qp {
+            left_out.push(format!("{} of {} unknowns, by symmetry", symmetry.order() - 1, symmetry.order()));
+        }
+    }
+}
