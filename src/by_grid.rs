@@ -42,7 +42,7 @@ pub(crate) fn solution(
 }
 
 /// A solved grid in the user's units.
-fn dimensional(
+pub(crate) fn dimensional(
     contact: &Contact,
     door: &Door,
     refined: &Refined,

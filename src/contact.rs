@@ -126,6 +126,12 @@ impl Contact {
         Ok(Self { modulus, gap, loading })
     }
 
+    /// The same bodies under another loading, known to be valid.
+    #[cfg(feature = "cli")]
+    pub(crate) fn under(&self, loading: Loading) -> Self {
+        Self { loading, ..self.clone() }
+    }
+
     /// E* of the pair.
     #[must_use]
     pub fn modulus(&self) -> EffectiveModulus {

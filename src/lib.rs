@@ -7,6 +7,7 @@ mod by_grid;
 pub mod cli;
 pub mod closed_form;
 mod contact;
+pub mod curve;
 mod discrete;
 mod domain;
 mod equilibrium;
@@ -39,6 +40,7 @@ mod solve;
 pub mod symmetry;
 
 pub use contact::{Contact, Load, Loading};
+pub use curve::{Curve, CurveRange};
 pub use discrete::{Discrete, DiscreteSolution, Residuals};
 pub use error::{InputError, Unsolved, Verdict};
 pub use gap::Gap;

@@ -5,6 +5,7 @@
 
 mod batch;
 mod completions;
+mod curve;
 mod plan;
 mod schema;
 mod solve;
@@ -33,6 +34,7 @@ enum Command {
     Solve(solve::Solve),
     Plan(plan::Plan),
     Batch(batch::Batch),
+    Curve(curve::CurveCommand),
     Schema(schema::SchemaCommand),
     Completions(completions::Completions),
 }
@@ -106,6 +108,7 @@ pub fn run() -> ExitCode {
         Command::Solve(command) => command.run(),
         Command::Plan(command) => command.run(),
         Command::Batch(command) => command.run(),
+        Command::Curve(command) => command.run(),
         Command::Schema(command) => command.run(),
         Command::Completions(command) => command.run(),
     };
