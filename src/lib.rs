@@ -1,4 +1,38 @@
 //! Contact patch, force, stiffness and pressure of two bodies pressed together.
+//!
+//! ```
+//! use contact_patch::{Body, Contact, EffectiveModulus, Loading, Settings, gap::Polyhedron, solve};
+//!
+//! let modulus = EffectiveModulus::of_pair(Body::elastic(2.1e11, 0.3)?, Body::RIGID)?;
+//! let punch = Polyhedron::pyramid(3, 45f64.to_radians())?;
+//! let contact = Contact::new(modulus, punch, Loading::depth(1e-6))?;
+//! let solution = solve(&contact, &Settings::default()).remove(0)?;
+//! let group = solution.force / (modulus.e_star() * 1e-12);
+//! assert!((group / 0.882412 - 1.0).abs() < 1e-3);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # The way of the data
+//!
+//! ```text
+//! scene file -> Contact (gap, effective modulus, loading; checked) -> plan (what this scene needs)
+//!   -> closed_form | fabrikant, ritz | qp, matrix_free  -> Solution -> report
+//! ```
+//!
+//! [`gap`] knows geometry only; [`Contact`] knows nothing of files; the solvers see a problem without units ([`Discrete`], E* = 1)
+//! and nothing of how it was loaded; loads are balanced by one Newton method that drives any of them; [`Solution`] is what all
+//! of them return, in the user's units, and an [`Unsolved`] is what they return instead when they have no answer.
+//!
+//! | question | where |
+//! |---|---|
+//! | influence coefficients (Love 1929) | [`influence`] |
+//! | the quadratic programme | `qp` (feature `qp`) |
+//! | the same on millions of cells | [`matrix_free`] |
+//! | equations (10) to (25) of Barber & Billings | [`fabrikant`], [`ritz`] |
+//! | Hertz, Sneddon and other formulas | [`closed_form`] |
+//! | what a gap is, whatever it was written as | [`recognise`] |
+//!
+#![doc = include_str!("theory.md")]
 
 mod by_approximation;
 mod by_formula;
