@@ -5,6 +5,7 @@ use crate::domain::Door;
 use crate::error::Unsolved;
 use crate::exact::{self, GridState, Refined};
 use crate::gap::{AnyGap, Gap, Reach, extent};
+use crate::geometry::Rect;
 use crate::grid::{Grid, Pressure};
 use crate::homogeneity::{self, Degree};
 use crate::patch;
@@ -32,14 +33,57 @@ pub(crate) fn solution(
         _ => None,
     };
     let refined = exact::refined(&door, settings, method, degree)?;
-    let mut solution = dimensional(contact, &door, &refined, degree, depth, tilt, settings)?;
-    if with_matrix {
-        let unit = contact.modulus().e_star() * door.gap.length;
-        let matrix = exact::stiffness_matrix(&refined.state, |p| door.gap.outward(p))?;
-        solution.stiffness_matrix = Some(matrix.map(|row| row.map(|k| k * unit)));
-    }
-    Ok(solution)
+    let solution = dimensional(contact, &door, &refined, degree, depth, tilt, settings)?;
+    if with_matrix { with_stiffness_matrix(contact, &door, &refined.state, solution) } else { Ok(solution) }
 }
+
+fn with_stiffness_matrix(
+    contact: &Contact,
+    door: &Door,
+    state: &GridState,
+    solution: Solution,
+) -> Result<Solution, Unsolved> {
+    let unit = contact.modulus().e_star() * door.gap.length;
+    let matrix = exact::stiffness_matrix(state, |p| door.gap.outward(p))?;
+    Ok(Solution { stiffness_matrix: Some(matrix.map(|row| row.map(|k| k * unit))), ..solution })
+}
+
+/// The state at a depth and tilt on one grid that stays where it is from one tilt to the next, with its stiffness
+/// matrix: force and moments are then the exact derivatives of one convex energy. `frame` is the box of that grid in the
+/// user's units; found when `None`, enlarged when the contact outgrows it.
+///
+/// # Errors
+/// As [`solution`].
+pub(crate) fn in_frame(
+    contact: &Contact,
+    gap: &AnyGap,
+    depth: f64,
+    tilt: [f64; 2],
+    settings: &Settings,
+    cells: usize,
+    frame: &mut Option<Rect>,
+) -> Result<Solution, Unsolved> {
+    let method = if settings.method == Method::Qp { Method::Qp } else { Method::Fft };
+    let Some(door) = Door::enter(gap, depth)? else {
+        return Ok(Solution::apart(method, depth, tilt));
+    };
+    let inward = |r: &Rect| Rect { min: door.gap.inward(r.min), max: door.gap.inward(r.max) };
+    let outward = |r: &Rect| Rect { min: door.gap.outward(r.min), max: door.gap.outward(r.max) };
+    let mut window = match frame {
+        Some(rect) => inward(rect),
+        None => crate::domain::locate(&door)?.scaled(ROOM),
+    };
+    let state = exact::at_resolution(&door, &mut window, cells, settings, method)?;
+    *frame = Some(outward(&window));
+    let force = state.force();
+    let error = exact::other_kernel(&door, &state)? - force;
+    let refined = Refined { force, error: error.abs(), state };
+    let solution = dimensional(contact, &door, &refined, None, depth, tilt, settings)?;
+    with_stiffness_matrix(contact, &door, &refined.state, solution)
+}
+
+/// What the box of an upright contact is enlarged by before the punch tilts.
+const ROOM: f64 = 1.3;
 
 /// A solved grid in the user's units.
 pub(crate) fn dimensional(

@@ -128,7 +128,6 @@ pub(crate) fn under_moment(
     let mut state = engine.respond(start.depth, [0.0; 2], false)?;
     let potential =
         |s: &Solution| s.energy.unwrap_or(f64::NAN) - target.dot(&Vector3::new(s.depth, s.tilt[0], s.tilt[1]));
-    let mut best_error = f64::INFINITY;
     for step in 0..MOST_STEPS {
         let (Some(moment), Some(stiffness)) = (state.moment, state.stiffness_matrix) else {
             return Err(Unsolved::new(Verdict::NotApplicable, "the method does not give moments of the pressure"));
@@ -147,7 +146,7 @@ pub(crate) fn under_moment(
         let change = scale * factor.solve(&(scale * missing));
         // Convexity: the potential falls along the step; halve it until it does, within what the grid can tell.
         let before = potential(&state);
-        let allowed = 1e-3 * close.max(1e-12) * state.energy.unwrap_or(0.0).abs();
+        let allowed = 1e-7 * state.energy.unwrap_or(0.0).abs();
         let mut length = 1.0;
         let next = loop {
             let depth = state.depth + length * change[0];
@@ -164,11 +163,8 @@ pub(crate) fn under_moment(
         if steep || !next.depth.is_finite() {
             return Err(nowhere(step, &next));
         }
-        best_error = error.min(best_error);
         state = next;
     }
-    if best_error < 1e2 * close {
-        return Ok(state);
-    }
-    Err(nowhere(MOST_STEPS, &state))
+    let reason = format!("force and moments are not balanced to {close:.0e} after {MOST_STEPS} steps");
+    Err(Unsolved::new(Verdict::IterationLimit, reason))
 }

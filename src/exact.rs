@@ -157,7 +157,7 @@ pub(crate) fn refined(
 }
 
 /// The force on the same grid by the other kernel.
-fn other_kernel(door: &Door, state: &GridState) -> Result<f64, Unsolved> {
+pub(crate) fn other_kernel(door: &Door, state: &GridState) -> Result<f64, Unsolved> {
     let kernel = match state.problem.kernel {
         Kernel::Galerkin => Kernel::Collocation,
         Kernel::Collocation => Kernel::Galerkin,

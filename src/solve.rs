@@ -6,6 +6,7 @@ use crate::contact::{Contact, Load};
 use crate::equilibrium::{self, Respond};
 use crate::error::{Unsolved, Verdict};
 use crate::gap::{AnyGap, Gap, Reach, Tilted, extent, lowest};
+use crate::geometry::Rect;
 use crate::homogeneity::{self, Degree};
 use crate::settings::{Method, Outputs, Settings};
 use crate::solution::Solution;
@@ -95,6 +96,8 @@ struct Engine<'a> {
     contact: &'a Contact,
     settings: &'a Settings,
     with_matrix: bool,
+    /// The box of the grid that all tilts share.
+    frame: Option<Rect>,
 }
 
 impl Respond for Engine<'_> {
@@ -106,16 +109,29 @@ impl Respond for Engine<'_> {
         if !self.with_matrix {
             return respond(self.contact, depth, tilt, self.settings, false);
         }
-        if self.settings.method == Method::Auto && self.settings.cells.is_none() {
+        let method = self.settings.method;
+        if matches!(method, Method::Ritz | Method::Fabrikant | Method::ClosedForm) {
+            return respond(self.contact, depth, tilt, self.settings, true);
+        }
+        if method == Method::Auto && self.settings.cells.is_none() {
             let formula = Settings { method: Method::ClosedForm, ..*self.settings };
             match respond(self.contact, depth, tilt, &formula, true) {
                 Err(e) if e.verdict == Verdict::NoClosedForm => {}
                 answered => return answered,
             }
         }
-        // One resolution for all tilts: refinement that differs from one to the next would be noise to Newton's method.
+        // One grid for all tilts: what differs from one to the next would be noise to Newton's method.
         let cells = self.settings.cells.unwrap_or((2.0 / self.settings.tolerance.sqrt()).clamp(32.0, 512.0) as usize);
-        respond(self.contact, depth, tilt, &Settings { cells: Some(cells), ..*self.settings }, true)
+        let gap = tilted(self.contact, tilt);
+        by_grid::in_frame(self.contact, &gap, depth, tilt, self.settings, cells, &mut self.frame)
+    }
+}
+
+/// The gap of the contact under a tilt.
+fn tilted(contact: &Contact, tilt: [f64; 2]) -> AnyGap {
+    match tilt {
+        [0.0, 0.0] => contact.gap().clone(),
+        tilt => AnyGap::new(Tilted::new(contact.gap().clone(), tilt)),
     }
 }
 
@@ -140,7 +156,7 @@ fn at_force(
     if let Some(scaled) = similar.as_ref().and_then(|s| s.at(gap, s.depth_for(force))) {
         return Ok(Solution { force, ..scaled });
     }
-    let mut engine = Engine { contact, settings, with_matrix: false };
+    let mut engine = Engine { contact, settings, with_matrix: false, frame: None };
     // Forces are of the size E* times length squared: begin with that length as overlap.
     let scale = (force / contact.modulus().e_star()).sqrt();
     let first = equilibrium::under_force(&mut engine, force, least, scale, close(settings))?;
@@ -175,8 +191,8 @@ fn at_moment(contact: &Contact, force: f64, moment: [f64; 2], settings: &Setting
     }
     let size = (upright.patch.area / std::f64::consts::PI).sqrt();
     // The last linear step of a force-driven solve has no place here: the state is solved anew at every tilt.
-    let mut engine = Engine { contact, settings, with_matrix: true };
-    equilibrium::under_moment(&mut engine, force, moment, upright, size, 0.1 * settings.tolerance)
+    let mut engine = Engine { contact, settings, with_matrix: true, frame: None };
+    equilibrium::under_moment(&mut engine, force, moment, upright, size, 0.01 * settings.tolerance)
 }
 
 /// The state at a prescribed depth and tilt, by the method that the settings ask for.
@@ -188,10 +204,7 @@ pub(crate) fn respond(
     with_matrix: bool,
 ) -> Result<Solution, Unsolved> {
     let grid = |gap: &AnyGap| by_grid::solution(contact, gap, depth, tilt, settings, with_matrix);
-    let gap = match tilt {
-        [0.0, 0.0] => contact.gap().clone(),
-        tilt => AnyGap::new(Tilted::new(contact.gap().clone(), tilt)),
-    };
+    let gap = tilted(contact, tilt);
     match settings.method {
         Method::ClosedForm => by_formula::solution(contact, &gap, depth, tilt, settings),
         Method::Qp | Method::Fft => grid(&gap),

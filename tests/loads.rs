@@ -3,7 +3,7 @@
 
 use std::process::Command;
 
-use contact_patch::gap::{AnyGap, Cone, Gap, Paraboloid, Polyhedron};
+use contact_patch::gap::{AnyGap, Cone, Flat, Gap, Outline, Paraboloid, Polyhedron};
 use contact_patch::{
     Contact, Curve, CurveRange, EffectiveModulus, Load, Loading, Method, Settings, Solution, Unsolved, Verdict, solve,
 };
@@ -153,4 +153,39 @@ fn files_of_a_spring() {
         let row: Vec<f64> = line.split(' ').map(|t| t.parse().unwrap()).collect();
         assert_eq!(curve.force(row[0]), Some(row[1]));
     }
+}
+
+#[test]
+fn a_square_punch_has_a_symmetric_positive_stiffness() {
+    let square = Outline::polygon(&[[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]).unwrap();
+    let load = Load::ForceMoment { force: 1.0, moment: [0.1, 0.0] };
+    let state = one(Flat::new(square), load, &fft(32)).unwrap();
+    let k = state.stiffness_matrix.unwrap();
+    for i in 0..3 {
+        for j in 0..3 {
+            assert!((k[i][j] - k[j][i]).abs() < 1e-6 * k[0][0], "{k:?}");
+        }
+    }
+    // Leading minors; by symmetry depth and the two tilts do not couple.
+    assert!(k[0][0] > 0.0 && k[1][1] > 0.0 && k[2][2] > 0.0 && k[0][1].abs().max(k[0][2].abs()) < 1e-6 * k[0][0]);
+    // Whole contact: linear, so ay = Mx/K.
+    assert!((state.tilt[1] * k[2][2] / 0.1 - 1.0).abs() < 1e-3 && state.tilt[0].abs() < 1e-6, "{:?}", state.tilt);
+    let beyond = Load::ForceMoment { force: 1.0, moment: [0.0, -1.2] };
+    let square = Outline::polygon(&[[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]).unwrap();
+    assert_eq!(one(Flat::new(square), beyond, &fft(32)).unwrap_err().verdict, Verdict::NoEquilibrium);
+}
+
+#[test]
+fn a_load_that_walks_to_the_rim_empties_the_other_side() {
+    let mut before = f64::NEG_INFINITY;
+    for x in [0.0, 0.2, 0.4, 0.6] {
+        let Loading::Single(load) = Loading::force_through(0.5, [x, 0.0]) else { unreachable!() };
+        let state = one(blunt(), load, &fft(48)).unwrap();
+        let centre = -state.moment.unwrap()[1] / state.force;
+        assert!((centre - x).abs() < 2e-3, "{centre} for {x}");
+        let middle = state.patch.centroid.unwrap()[0];
+        assert!(middle >= before - 1e-3, "{middle} after {before}");
+        before = middle;
+    }
+    assert!(before > 0.1, "{before}");
 }
