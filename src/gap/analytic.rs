@@ -15,13 +15,21 @@ pub struct Paraboloid {
 }
 
 impl Paraboloid {
-    /// Relative radii of curvature R1 along x and R2 along y, both greater than zero.
+    /// Relative radii of curvature R1 along x and R2 along y, both greater than zero. An infinite radius is a straight
+    /// generator: `[0.02, f64::INFINITY]` is a cylinder of radius 0.02 whose axis lies along y.
     ///
     /// # Errors
-    /// Names the radius that is not a finite number greater than zero.
+    /// Names the radius that is not greater than zero.
     pub fn new(radii: [f64; 2]) -> Result<Self, InputError> {
-        positive("radii[0]", radii[0])?;
-        positive("radii[1]", radii[1])?;
+        for (path, radius) in [("radii[0]", radii[0]), ("radii[1]", radii[1])] {
+            if radius.is_nan() || radius <= 0.0 {
+                return Err(InputError::new(
+                    path,
+                    radius,
+                    "a number greater than 0, infinite for a straight generator",
+                ));
+            }
+        }
         Ok(Self { radii })
     }
 
@@ -45,6 +53,9 @@ impl Gap for Paraboloid {
     fn reach(&self, depth: f64) -> Reach {
         if depth <= 0.0 {
             return Reach::Nowhere;
+        }
+        if self.radii.contains(&f64::INFINITY) {
+            return Reach::Unbounded;
         }
         Reach::Within(Rect::around([0.0; 2], self.radii.map(|r| (2.0 * r).sqrt() * depth.sqrt())))
     }

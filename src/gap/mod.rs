@@ -4,14 +4,31 @@
 //! With depth d the undeformed bodies overlap by f = d - g, the paper's f.
 
 mod analytic;
+mod combine;
+mod descent;
+mod flat;
+#[cfg(feature = "formula")]
+mod formula;
+mod height_map;
 mod mean;
+mod outline;
 mod placed;
 mod polyhedron;
+mod revolved;
+mod search;
 mod tilted;
 
 pub use analytic::{Cone, Paraboloid, Power, Sphere};
+pub use combine::{Minimum, Sum};
+pub use flat::Flat;
+#[cfg(feature = "formula")]
+pub use formula::Formula;
+pub use height_map::{HeightMap, Heights, MapFormat, Surface, Zero};
+pub use outline::Outline;
 pub use placed::{Placed, Scaled};
 pub use polyhedron::Polyhedron;
+pub use revolved::Revolved;
+pub use search::extent;
 pub use tilted::Tilted;
 
 use std::sync::Arc;

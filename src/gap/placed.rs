@@ -65,9 +65,10 @@ impl<G: Gap> Gap for Placed<G> {
     }
 
     fn mean(&self, cell: &Rect) -> f64 {
-        if self.turn.matrix()[(0, 0)] == 1.0 {
-            let shift = |p: [f64; 2]| [p[0] - self.at[0], p[1] - self.at[1]];
-            return self.inner.mean(&Rect { min: shift(cell.min), max: shift(cell.max) });
+        // Quarter turns take rectangles to rectangles.
+        if self.turn.matrix().iter().any(|&entry| entry == 0.0) {
+            let corners = [self.inward(cell.min), self.inward(cell.max)];
+            return Rect::holding(corners).map_or(f64::INFINITY, |cell| self.inner.mean(&cell));
         }
         super::mean::by_quadrature(|x, y| self.gap(x, y), cell)
     }

@@ -1,0 +1,64 @@
+//! Flat punches.
+
+use super::{Gap, Outline, Reach};
+use crate::geometry::Rect;
+
+/// Gap zero inside an outline, no material outside: a flat punch with a sharp edge.
+///
+/// ```
+/// use contact_patch::gap::{Flat, Gap, Outline};
+/// let punch = Flat::new(Outline::disc(1e-3)?);
+/// assert_eq!(punch.gap(0.5e-3, 0.0), 0.0);
+/// assert_eq!(punch.gap(1.5e-3, 0.0), f64::INFINITY);
+/// # Ok::<(), contact_patch::InputError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Flat {
+    outline: Outline,
+    centre: [f64; 2],
+}
+
+impl Flat {
+    /// The flat punch of this plan-form.
+    #[must_use]
+    pub fn new(outline: Outline) -> Self {
+        let centre = outline.inner_point();
+        Self { outline, centre }
+    }
+
+    /// The plan-form.
+    #[must_use]
+    pub fn outline(&self) -> &Outline {
+        &self.outline
+    }
+}
+
+impl Gap for Flat {
+    fn gap(&self, x: f64, y: f64) -> f64 {
+        if self.outline.contains([x, y]) { 0.0 } else { f64::INFINITY }
+    }
+
+    fn gradient(&self, x: f64, y: f64) -> Option<[f64; 2]> {
+        self.outline.contains([x, y]).then_some([0.0; 2])
+    }
+
+    fn reach(&self, depth: f64) -> Reach {
+        if depth > 0.0 { Reach::Within(self.outline.bounds()) } else { Reach::Nowhere }
+    }
+
+    fn mean(&self, cell: &Rect) -> f64 {
+        if self.outline.covers(cell) { 0.0 } else { f64::INFINITY }
+    }
+
+    fn ray_kinks(&self, from: [f64; 2], direction: [f64; 2], kinks: &mut Vec<f64>) {
+        self.outline.crossings(from, direction, kinks);
+    }
+
+    fn kink_directions(&self, from: [f64; 2], angles: &mut Vec<f64>) {
+        self.outline.corner_directions(from, angles);
+    }
+
+    fn centre(&self) -> [f64; 2] {
+        self.centre
+    }
+}

@@ -1,0 +1,320 @@
+//! Measured surfaces: gaps given by heights on a regular grid.
+
+mod heights;
+mod npy;
+mod text;
+
+pub use heights::{Heights, MapFormat};
+
+use super::{Gap, Reach};
+use crate::error::InputError;
+use crate::geometry::Rect;
+
+/// Rounding that does not take a point off the map, in steps of the map.
+const ROUNDING: f64 = 1e-9;
+
+/// Which surface was measured. Heights count upwards.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Surface {
+    /// The underside of the upper body, seen in the same frame: where it is high the gap is wide.
+    Upper,
+    /// The top of the lower body: its peaks touch first.
+    Lower,
+}
+
+/// What depth zero means.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Zero {
+    /// The bodies just touch: the least gap is zero.
+    #[default]
+    FirstTouch,
+    /// Heights are gaps as they stand.
+    AsIs,
+}
+
+/// A gap given at the nodes of a regular grid, bilinear in between: continuous, with kinks at the lines of the grid.
+///
+/// A hole (a node without a value) leaves the up to four cells around it without material; there is none outside the
+/// map either. Means over rectangles are exact for the interpolated surface. A smooth surface is met to second order in
+/// the spacing.
+///
+/// ```
+/// use contact_patch::gap::{Gap, HeightMap, Heights, Surface, Zero};
+/// // One asperity on the lower body, 1e-6 apart.
+/// let heights = Heights::from_text("0 0 0\n0 2e-9 0\n0 0 0\n", [1e-6, 1e-6])?;
+/// let gap = HeightMap::new(&heights, Surface::Lower, Zero::FirstTouch)?;
+/// assert_eq!(gap.gap(0.0, 0.0), 0.0);
+/// assert_eq!(gap.gap(0.5e-6, 0.0), 1e-9);
+/// # Ok::<(), contact_patch::InputError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct HeightMap {
+    shape: [usize; 2],
+    spacing: [f64; 2],
+    origin: [f64; 2],
+    /// Gap at the nodes, x fastest; infinite in holes.
+    gaps: Vec<f64>,
+    centre: [f64; 2],
+}
+
+impl HeightMap {
+    /// One measured surface against a plane.
+    ///
+    /// # Errors
+    /// When no cell of the map has heights at all four corners.
+    pub fn new(heights: &Heights, surface: Surface, zero: Zero) -> Result<Self, InputError> {
+        let sign = match surface {
+            Surface::Upper => 1.0,
+            Surface::Lower => -1.0,
+        };
+        Self::build(heights, heights.values().iter().map(|z| sign * z).collect(), zero)
+    }
+
+    /// Two measured surfaces against each other: gap = upper - lower. Both maps have the same nodes.
+    ///
+    /// # Errors
+    /// Names `lower` when its shape, spacing or origin differs from the upper one's; otherwise as [`HeightMap::new`].
+    pub fn pair(upper: &Heights, lower: &Heights, zero: Zero) -> Result<Self, InputError> {
+        let allowed = |what: &str, of: String| format!("the {what} of the upper map, {of}");
+        if lower.shape() != upper.shape() {
+            let given = format!("a map of {} x {} nodes", lower.shape()[0], lower.shape()[1]);
+            let of = format!("{} x {} nodes", upper.shape()[0], upper.shape()[1]);
+            return Err(InputError::new("lower", given, allowed("shape", of)));
+        }
+        for m in 0..2 {
+            let step = upper.spacing()[m];
+            if (lower.spacing()[m] - step).abs() > 1e-6 * step {
+                let given = format!("a spacing of {}", lower.spacing()[m]);
+                return Err(InputError::new("lower", given, allowed("spacing", step.to_string())));
+            }
+            if (lower.origin()[m] - upper.origin()[m]).abs() > 1e-3 * step {
+                let given = format!("a first node at {:?}", lower.origin());
+                return Err(InputError::new("lower", given, allowed("first node", format!("{:?}", upper.origin()))));
+            }
+        }
+        Self::build(upper, upper.values().iter().zip(lower.values()).map(|(u, l)| u - l).collect(), zero)
+    }
+
+    fn build(frame: &Heights, mut gaps: Vec<f64>, zero: Zero) -> Result<Self, InputError> {
+        for gap in &mut gaps {
+            if !gap.is_finite() {
+                *gap = f64::INFINITY;
+            }
+        }
+        let (shape, spacing, origin) = (frame.shape(), frame.spacing(), frame.origin());
+        let mut map = Self { shape, spacing, origin, gaps, centre: [0.0; 2] };
+        let least = (0..shape[1] - 1)
+            .flat_map(|j| (0..shape[0] - 1).map(move |i| [i, j]))
+            .filter_map(|[i, j]| map.corners(i, j))
+            .flatten()
+            .fold(f64::INFINITY, f64::min);
+        if least == f64::INFINITY {
+            return Err(InputError::new(
+                "file",
+                "a map of holes",
+                "at least one cell with heights at its four corners",
+            ));
+        }
+        if zero == Zero::FirstTouch {
+            map.gaps.iter_mut().for_each(|gap| *gap -= least);
+        }
+        map.centre = map.lowest_node();
+        Ok(map)
+    }
+
+    /// Number of nodes along x and y.
+    #[must_use]
+    pub fn shape(&self) -> [usize; 2] {
+        self.shape
+    }
+
+    /// Steps between nodes along x and y.
+    #[must_use]
+    pub fn spacing(&self) -> [f64; 2] {
+        self.spacing
+    }
+
+    /// The rectangle from the first node to the last.
+    #[must_use]
+    pub fn extent(&self) -> Rect {
+        Rect { min: self.origin, max: self.node(self.shape[0] - 1, self.shape[1] - 1) }
+    }
+
+    fn node(&self, i: usize, j: usize) -> [f64; 2] {
+        [self.origin[0] + i as f64 * self.spacing[0], self.origin[1] + j as f64 * self.spacing[1]]
+    }
+
+    /// Gaps at the corners of cell (i, j): lower left, lower right, upper left, upper right. `None` with a hole.
+    fn corners(&self, i: usize, j: usize) -> Option<[f64; 4]> {
+        let k = j * self.shape[0] + i;
+        let corners = [k, k + 1, k + self.shape[0], k + self.shape[0] + 1].map(|k| self.gaps[k]);
+        corners.iter().all(|g| g.is_finite()).then_some(corners)
+    }
+
+    /// The lowest node; the middle of several next to each other.
+    fn lowest_node(&self) -> [f64; 2] {
+        let [nx, ny] = self.shape;
+        let touches = |i: usize, j: usize| {
+            let (left, below) = (i.saturating_sub(1), j.saturating_sub(1));
+            (below..=j.min(ny - 2)).any(|j| (left..=i.min(nx - 2)).any(|i| self.corners(i, j).is_some()))
+        };
+        let mut least: Option<(f64, [usize; 2])> = None;
+        for (k, &gap) in self.gaps.iter().enumerate() {
+            let (i, j) = (k % nx, k / nx);
+            if least.is_none_or(|l| gap < l.0) && touches(i, j) {
+                least = Some((gap, [i, j]));
+            }
+        }
+        let Some((gap, [i, j])) = least else { return self.extent().centre() };
+        let east = i + 1 < nx && self.gaps[j * nx + i + 1] == gap;
+        let north = j + 1 < ny && self.gaps[(j + 1) * nx + i] == gap;
+        let both = east && north && self.corners(i, j).is_some_and(|c| c.iter().all(|&g| g == gap));
+        let [x, y] = self.node(i, j);
+        let half = [0.5 * self.spacing[0], 0.5 * self.spacing[1]];
+        match (both, east, north) {
+            (true, ..) => [x + half[0], y + half[1]],
+            (_, true, _) => [x + half[0], y],
+            (_, _, true) => [x, y + half[1]],
+            _ => [x, y],
+        }
+    }
+
+    /// The cells that hold a coordinate, with its place in them in [0, 1]; two on a line of the grid.
+    fn holding(&self, m: usize, v: f64) -> impl Iterator<Item = (usize, f64)> + use<> {
+        let last = self.shape[m] - 2;
+        let u = (v - self.origin[m]) / self.spacing[m];
+        let on_map = u >= -ROUNDING && u <= (last + 1) as f64 + ROUNDING;
+        let u = u.clamp(0.0, (last + 1) as f64);
+        let cell = (u.floor() as usize).min(last);
+        let t = u - cell as f64;
+        let before = (t == 0.0 && cell > 0).then(|| (cell - 1, 1.0));
+        on_map.then_some((cell, t)).into_iter().chain(before.filter(|_| on_map))
+    }
+
+    /// The cell with material that holds a point, and the place in it.
+    fn locate(&self, x: f64, y: f64) -> Option<([f64; 4], [f64; 2])> {
+        self.holding(1, y).find_map(|(j, t)| {
+            self.holding(0, x).find_map(|(i, s)| self.corners(i, j).map(|corners| (corners, [s, t])))
+        })
+    }
+
+    /// Cells over which an interval extends, with the interval's part in each; `None` if it leaves the map.
+    fn pieces(&self, m: usize, from: f64, to: f64) -> Option<Vec<(usize, f64, f64)>> {
+        let (a, b) = ((from - self.origin[m]) / self.spacing[m], (to - self.origin[m]) / self.spacing[m]);
+        let last = (self.shape[m] - 1) as f64;
+        let slack = ROUNDING * (1.0 + (b - a));
+        if !(a >= -slack && b <= last + slack) {
+            return None;
+        }
+        let (a, b) = (a.clamp(0.0, last), b.clamp(0.0, last));
+        let (first, end) = ((a + ROUNDING).floor() as usize, (b - ROUNDING).ceil() as usize);
+        let piece = |k: usize| (k, a.max(k as f64) - k as f64, b.min((k + 1) as f64) - k as f64);
+        Some((first..end).map(piece).collect())
+    }
+}
+
+fn bilinear([a, b, c, d]: [f64; 4], [s, t]: [f64; 2]) -> f64 {
+    (1.0 - t) * (a * (1.0 - s) + b * s) + t * (c * (1.0 - s) + d * s)
+}
+
+impl Gap for HeightMap {
+    fn gap(&self, x: f64, y: f64) -> f64 {
+        self.locate(x, y).map_or(f64::INFINITY, |(corners, at)| bilinear(corners, at))
+    }
+
+    fn gradient(&self, x: f64, y: f64) -> Option<[f64; 2]> {
+        let ([a, b, c, d], [s, t]) = self.locate(x, y)?;
+        let along_x = ((b - a) * (1.0 - t) + (d - c) * t) / self.spacing[0];
+        Some([along_x, ((c - a) * (1.0 - s) + (d - b) * s) / self.spacing[1]])
+    }
+
+    fn reach(&self, depth: f64) -> Reach {
+        // In a cell a level line runs from edge to edge and is monotone: the edges alone bound what it encloses.
+        let mut held: Option<Rect> = None;
+        for j in 0..self.shape[1] - 1 {
+            for i in 0..self.shape[0] - 1 {
+                let Some([a, b, c, d]) = self.corners(i, j) else { continue };
+                if a.min(b).min(c).min(d) >= depth {
+                    continue;
+                }
+                for (low, high, p, q) in [
+                    (a, b, [0.0, 0.0], [1.0, 0.0]),
+                    (c, d, [0.0, 1.0], [1.0, 1.0]),
+                    (a, c, [0.0, 0.0], [0.0, 1.0]),
+                    (b, d, [1.0, 0.0], [1.0, 1.0]),
+                ] {
+                    let cross = (depth - low) / (high - low);
+                    let span = match (low < depth, high < depth) {
+                        (true, true) => [0.0, 1.0],
+                        (true, false) => [0.0, cross],
+                        (false, true) => [cross, 1.0],
+                        (false, false) => continue,
+                    };
+                    let ends = span.map(|t| [0, 1].map(|m| p[m] + t * (q[m] - p[m])));
+                    let ends = ends.map(|[s, t]| {
+                        let [x, y] = self.node(i, j);
+                        [x + s * self.spacing[0], y + t * self.spacing[1]]
+                    });
+                    let edge = Rect { min: ends[0], max: ends[1] };
+                    held = Some(held.map_or(edge, |held| held.union(&edge)));
+                }
+            }
+        }
+        held.map_or(Reach::Nowhere, |rect| {
+            let [w, h] = self.spacing.map(|step| ROUNDING * step);
+            let wider = Rect { min: [rect.min[0] - w, rect.min[1] - h], max: [rect.max[0] + w, rect.max[1] + h] };
+            Reach::Within(wider.intersection(&self.extent()).unwrap_or(wider))
+        })
+    }
+
+    fn mean(&self, cell: &Rect) -> f64 {
+        let (Some(columns), Some(rows)) =
+            (self.pieces(0, cell.min[0], cell.max[0]), self.pieces(1, cell.min[1], cell.max[1]))
+        else {
+            return f64::INFINITY;
+        };
+        let (mut volume, mut area) = (0.0, 0.0);
+        for &(j, t0, t1) in &rows {
+            for &(i, s0, s1) in &columns {
+                let Some(corners) = self.corners(i, j) else { return f64::INFINITY };
+                // The mean of a bilinear function over a rectangle is its value in the middle.
+                let part = (s1 - s0) * (t1 - t0);
+                volume += part * bilinear(corners, [0.5 * (s0 + s1), 0.5 * (t0 + t1)]);
+                area += part;
+            }
+        }
+        if area > 0.0 {
+            return volume / area;
+        }
+        let [x, y] = cell.centre();
+        self.gap(x, y)
+    }
+
+    fn ray_kinks(&self, from: [f64; 2], direction: [f64; 2], kinks: &mut Vec<f64>) {
+        for m in 0..2 {
+            if direction[m] != 0.0 {
+                let line = |k: usize| (self.origin[m] + k as f64 * self.spacing[m] - from[m]) / direction[m];
+                kinks.extend((0..self.shape[m]).map(line).filter(|r| *r > 0.0 && r.is_finite()));
+            }
+        }
+    }
+
+    fn kink_directions(&self, from: [f64; 2], angles: &mut Vec<f64>) {
+        // On a line of the grid: along it. Nodes further out are too many to name.
+        let on_line = |m: usize| {
+            let u = (from[m] - self.origin[m]) / self.spacing[m];
+            (u - u.round()).abs() < ROUNDING
+        };
+        let (quarter, half) = (std::f64::consts::FRAC_PI_2, std::f64::consts::PI);
+        if on_line(1) {
+            angles.extend([0.0, half]);
+        }
+        if on_line(0) {
+            angles.extend([quarter, -quarter]);
+        }
+    }
+
+    fn centre(&self) -> [f64; 2] {
+        self.centre
+    }
+}

@@ -1,0 +1,314 @@
+//! Looking for the place where a gap is less than a depth, when nothing but its values is known.
+
+use super::descent::{along, descend, magnitudes, spread};
+use super::{Gap, Reach};
+use crate::geometry::Rect;
+
+/// A ray that stays inside for so many times the shortest one is taken to have no end.
+const LONGEST: f64 = 1e12;
+
+/// Rays from a seed, before the peaks between them are refined.
+const RAYS: usize = 48;
+
+/// Points a side at which the border of the rectangle found is probed.
+const PROBES: usize = 48;
+
+/// Pieces of contact that are followed one by one; more of them share a rectangle that is grown as a whole.
+const MOST_SEEDS: usize = 40;
+
+/// What the rectangle found is enlarged by, relative to its sides: rays and refined peaks are good to about 1e-6.
+const MARGIN: f64 = 1e-3;
+
+/// Where the gap is less than `depth`: what the gap says, and where it cannot tell, what a search finds.
+///
+/// The search needs no scale and no first guess but [`Gap::centre`]: it looks along rays over all magnitudes of f64,
+/// slides down to the lowest place if it meets none, follows the tips of slender contacts (up to 1e6 : 1, at any
+/// angle), and probes the border of the rectangle until nothing passes through it. It samples: of several separate
+/// contacts it finds those that are seen under about a tenth of a radian from the centre or from one another.
+///
+/// ```
+/// use contact_patch::gap::{Reach, extent};
+/// let ball = |x: f64, y: f64| 0.5 * ((x - 3.0).powi(2) + y * y);
+/// let Reach::Within(rect) = extent(&ball, 1e-6) else { panic!("bounded") };
+/// assert!((rect.min[0] - (3.0 - 2e-6f64.sqrt())).abs() < 1e-5);
+/// assert_eq!(extent(&|x: f64, _: f64| x * x, 1.0), Reach::Unbounded);
+/// ```
+pub fn extent(gap: &dyn Gap, depth: f64) -> Reach {
+    match gap.reach(depth) {
+        Reach::Unknown => search(&|x, y| gap.gap(x, y), depth, gap.centre()),
+        known => known,
+    }
+}
+
+/// Where `gap` is less than `depth`, starting from `centre`; never [`Reach::Unknown`].
+pub(super) fn search(gap: &dyn Fn(f64, f64) -> f64, depth: f64, centre: [f64; 2]) -> Reach {
+    let inside = |p: [f64; 2]| gap(p[0], p[1]) < depth;
+    let Some(seed) = first_seed(gap, depth, centre) else { return Reach::Nowhere };
+    let Some(mut rect) = piece(&inside, seed) else { return Reach::Unbounded };
+    for _ in 1..MOST_SEEDS {
+        let Some(next) = seed_outside(gap, depth, centre, seed, &rect) else { return Reach::Within(rect) };
+        match piece(&inside, next) {
+            Some(more) if !within(&more, &rect) => rect = rect.union(&more),
+            Some(_) => rect = rect.scaled(2.0),
+            None => return Reach::Unbounded,
+        }
+    }
+    // Very many pieces, or one of a shape that rays do not follow: grow until the border is clear.
+    for _ in 0..LONGEST.log2() as usize {
+        if border_seed(gap, depth, &rect).is_none() {
+            return Reach::Within(rect);
+        }
+        rect = rect.scaled(2.0);
+    }
+    Reach::Unbounded
+}
+
+fn within(inner: &Rect, outer: &Rect) -> bool {
+    outer.contains(inner.min) && outer.contains(inner.max)
+}
+
+/// A point inside: the centre, or one seen from it, or the lowest place that can be slid to.
+fn first_seed(gap: &dyn Fn(f64, f64) -> f64, depth: f64, centre: [f64; 2]) -> Option<[f64; 2]> {
+    let mut best = (gap(centre[0], centre[1]), centre, 0.0);
+    if best.0 < depth {
+        return Some(centre);
+    }
+    for (directions, step) in [(8, 2), (64, 1)] {
+        for angle in spread(directions) {
+            for r in magnitudes(centre, step) {
+                let p = along(centre, angle, r);
+                let value = gap(p[0], p[1]);
+                if value < depth {
+                    return Some(p);
+                }
+                if value < best.0 || best.0.is_nan() {
+                    best = (value, p, r);
+                }
+            }
+        }
+        if best.2 > 0.0 && best.0.is_finite() {
+            let (p, value) = descend(gap, best.1, 0.5 * best.2, depth);
+            if value < depth {
+                return Some(p);
+            }
+        }
+    }
+    None
+}
+
+/// A point inside that the rectangle does not hold: on its border, or further out as seen from the centre.
+fn seed_outside(
+    gap: &dyn Fn(f64, f64) -> f64,
+    depth: f64,
+    centre: [f64; 2],
+    seed: [f64; 2],
+    rect: &Rect,
+) -> Option<[f64; 2]> {
+    if let Some(p) = border_seed(gap, depth, rect) {
+        return Some(p);
+    }
+    let [w, h] = rect.size();
+    let outside = |p: &[f64; 2]| !rect.contains(*p) && gap(p[0], p[1]) < depth;
+    for from in [seed, centre] {
+        for angle in spread(RAYS) {
+            let near = 0.3 * w.min(h);
+            let found = (0..96).map(|k| along(from, angle, near * (0.25 * f64::from(k)).exp2())).find(outside);
+            if found.is_some() {
+                return found;
+            }
+        }
+    }
+    // The neighbourhood, evenly.
+    let wide = Rect::around(rect.centre(), [2.0 * w, 2.0 * h]);
+    (0..PROBES * PROBES)
+        .map(|k| {
+            let t = [k % PROBES, k / PROBES].map(|i| (i as f64 + 0.5) / PROBES as f64);
+            [wide.min[0] + t[0] * 4.0 * w, wide.min[1] + t[1] * 4.0 * h]
+        })
+        .find(outside)
+}
+
+/// A point inside on the border of the rectangle, the lowest places between the probes included.
+fn border_seed(gap: &dyn Fn(f64, f64) -> f64, depth: f64, rect: &Rect) -> Option<[f64; 2]> {
+    let corners = rect.corners();
+    for k in 0..4 {
+        let (a, b) = (corners[k], corners[(k + 1) % 4]);
+        let at = |t: f64| [a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])];
+        let value = |t: f64| {
+            let [x, y] = at(t);
+            gap(x, y)
+        };
+        let values: Vec<f64> = (0..=PROBES).map(|i| value(i as f64 / PROBES as f64)).collect();
+        for i in 0..=PROBES {
+            if values[i] < depth {
+                return Some(at(i as f64 / PROBES as f64));
+            }
+            let (before, after) = (values[i.saturating_sub(1)], values[(i + 1).min(PROBES)]);
+            if values[i] <= before && values[i] <= after && (values[i] < before || values[i] < after) {
+                let cell = [i.saturating_sub(1), (i + 1).min(PROBES)].map(|i| i as f64 / PROBES as f64);
+                let t = peak(|t| -value(t), cell, 40);
+                if value(t) < depth {
+                    return Some(at(t));
+                }
+            }
+        }
+    }
+    None
+}
+
+/// The rectangle around the piece of contact that holds `seed`, as far as rays from it see; `None` without an end.
+fn piece(inside: &dyn Fn([f64; 2]) -> bool, seed: [f64; 2]) -> Option<Rect> {
+    let size = |r: f64| along(seed, 0.1, r) != seed;
+    // The nearest edge sets the scale; look for it over all magnitudes along a few rays.
+    let nearest = spread(7)
+        .filter_map(|angle| magnitudes(seed, 2).filter(|&r| size(r)).find(|&r| !inside(along(seed, angle, r))))
+        .fold(f64::INFINITY, f64::min);
+    if nearest == f64::INFINITY {
+        return None;
+    }
+    let exit = |angle: f64| leave(|r| inside(along(seed, angle, r)), nearest);
+    let radii: Vec<(f64, f64)> = spread(RAYS).map(|angle| (angle, exit(angle))).collect();
+    let shortest = radii.iter().map(|r| r.1).fold(f64::INFINITY, f64::min).max(f64::MIN_POSITIVE);
+    let step = std::f64::consts::TAU / RAYS as f64;
+    let mut rect = Rect { min: seed, max: seed };
+    // The tips: peaks of the radius itself, and of how far it reaches along either axis.
+    let reaches: [&dyn Fn(f64, f64) -> f64; 5] =
+        [&|_, r| r, &|a, r| r * a.cos(), &|a, r| r * a.sin(), &|a, r| -r * a.cos(), &|a, r| -r * a.sin()];
+    for &(angle, r) in &radii {
+        rect = rect.union(&Rect { min: along(seed, angle, r), max: along(seed, angle, r) });
+    }
+    for reach in reaches {
+        for k in 0..RAYS {
+            let value = |k: usize| reach(radii[k % RAYS].0, radii[k % RAYS].1);
+            if !(value(k) > 0.0 && value(k) >= value(k + RAYS - 1) && value(k) >= value(k + 1)) {
+                continue;
+            }
+            let middle = radii[k].0;
+            let angle = peak(|a| reach(a, exit(a)), [middle - step, middle + step], 76);
+            let r = exit(angle);
+            if r > LONGEST * shortest || !r.is_finite() {
+                return None;
+            }
+            let tip = along(seed, angle, r);
+            rect = rect.union(&Rect { min: tip, max: tip });
+        }
+    }
+    let [w, h] = rect.size();
+    // A margin along each side, and never a rectangle without inside.
+    let slack = |side: f64, other: f64| MARGIN * side + 1e-9 * other;
+    let grown = Rect::around(rect.centre(), [0.5 * w + slack(w, h), 0.5 * h + slack(h, w)]);
+    Some(grown)
+}
+
+/// The distance at which a ray leaves, to 1e-7: doubled or halved from `guess`, then bisected.
+fn leave(inside: impl Fn(f64) -> bool, guess: f64) -> f64 {
+    let (mut within, mut beyond) = (0.0, guess);
+    if inside(guess) {
+        while inside(beyond) {
+            within = beyond;
+            beyond *= 2.0;
+            if beyond > 4.0 * LONGEST * guess {
+                return f64::INFINITY;
+            }
+        }
+    } else {
+        for _ in 0..60 {
+            within = 0.5 * beyond;
+            if inside(within) {
+                break;
+            }
+            beyond = within;
+        }
+    }
+    for _ in 0..24 {
+        let middle = 0.5 * (within + beyond);
+        *if inside(middle) { &mut within } else { &mut beyond } = middle;
+    }
+    beyond
+}
+
+/// Golden-section search for the largest value.
+fn peak(value: impl Fn(f64) -> f64, [mut a, mut b]: [f64; 2], steps: usize) -> f64 {
+    const GOLDEN: f64 = 0.618_033_988_749_894_8;
+    let (mut c, mut d) = (b - GOLDEN * (b - a), a + GOLDEN * (b - a));
+    let (mut at_c, mut at_d) = (value(c), value(d));
+    for _ in 0..steps {
+        if at_c >= at_d {
+            (b, d, at_d) = (d, c, at_c);
+            c = b - GOLDEN * (b - a);
+            at_c = value(c);
+        } else {
+            (a, c, at_c) = (c, d, at_d);
+            d = a + GOLDEN * (b - a);
+            at_d = value(d);
+        }
+    }
+    if at_c >= at_d { c } else { d }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Tilted ellipse with semi-axes a, b about c: exact half sides of its bounding box.
+    fn ellipse(a: f64, b: f64, turn: f64) -> [f64; 2] {
+        let (sin, cos) = turn.sin_cos();
+        [(a * cos).hypot(b * sin), (a * sin).hypot(b * cos)]
+    }
+
+    #[test]
+    fn bounding_box_of_slender_turned_ellipses_anywhere_at_any_scale() {
+        for scale in [1e-280, 1e-9, 1.0, 1e120] {
+            for ratio in [1.0, 30.0, 1e4, 1e6] {
+                for (k, turn) in [0.0, 0.3, 0.5, 1.1, 2.9].into_iter().enumerate() {
+                    for offset in [0.0, 2.7] {
+                        let (sin, cos) = f64::sin_cos(turn);
+                        let c = [offset * (k as f64 - 1.0), -offset];
+                        let gap = |x: f64, y: f64| {
+                            let (x, y) = (x / scale - c[0], y / scale - c[1]);
+                            (x * cos + y * sin).powi(2) + ((y * cos - x * sin) * ratio).powi(2) - 1.0
+                        };
+                        let half = ellipse(1.0, 1.0 / ratio, turn).map(|h| h * scale);
+                        let exact = Rect::around(c.map(|c| c * scale), half);
+                        let Reach::Within(found) = search(&gap, 0.0, [0.0; 2]) else {
+                            panic!("{scale} {ratio} {turn} {offset}: {:?}", search(&gap, 0.0, [0.0; 2]))
+                        };
+                        // Inside the margin, and not much larger than need be.
+                        assert!(within(&exact, &found), "{scale} {ratio} {turn} {offset}: {found:?} {exact:?}");
+                        let excess = [0, 1].map(|m| found.size()[m] / exact.size()[m]);
+                        assert!(excess.iter().all(|&e| e < 2.1), "{scale} {ratio} {turn} {offset}: {excess:?}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn strips_have_no_end_and_high_ground_no_inside() {
+        for turn in [0.0f64, 0.2, 1.0, 2.3] {
+            let strip = |x: f64, y: f64| (x * turn.cos() + y * turn.sin() - 0.3).powi(2);
+            assert_eq!(search(&strip, 1e-6, [0.0; 2]), Reach::Unbounded);
+            assert_eq!(search(&strip, -1e-6, [0.0; 2]), Reach::Nowhere);
+        }
+        assert_eq!(search(&|_, _| 0.0, 1.0, [0.0; 2]), Reach::Unbounded);
+        assert_eq!(search(&|_, _| f64::NAN, 1.0, [0.0; 2]), Reach::Nowhere);
+        assert_eq!(search(&|_, _| f64::INFINITY, 1.0, [0.0; 2]), Reach::Nowhere);
+        assert_eq!(search(&|x, y| -x * x - y * y, 1.0, [0.0; 2]), Reach::Unbounded);
+    }
+
+    #[test]
+    fn separate_tips_and_re_entrant_contacts_are_all_held() {
+        let tips = |x: f64, y: f64| {
+            let one = |cx: f64, cy: f64, r: f64| 0.5 * ((x - cx).powi(2) + (y - cy).powi(2)) / r;
+            one(-1.0, 0.0, 1.0).min(one(4.0, 3.0, 0.5)).min(one(0.0, -6.0, 2.0))
+        };
+        let Reach::Within(found) = search(&tips, 0.1, [0.0; 2]) else { panic!("bounded") };
+        let exact =
+            Rect { min: [-1.0 - 0.2f64.sqrt(), -6.0 - 0.4f64.sqrt()], max: [4.0 + 0.1f64.sqrt(), 3.0 + 0.1f64.sqrt()] };
+        assert!(within(&exact, &found) && found.size()[0] < 2.5 * exact.size()[0], "{found:?}");
+        // Three quarters of a ring: the seed sees a part of it only.
+        let hook = |x: f64, y: f64| if x > 0.0 && y > 0.0 { 1.0 } else { (x.hypot(y) - 1.0).abs() };
+        let Reach::Within(found) = search(&hook, 0.05, [0.0; 2]) else { panic!("bounded") };
+        assert!(within(&Rect { min: [-1.05, -1.05], max: [1.05, 1.05] }, &found), "{found:?}");
+    }
+}
