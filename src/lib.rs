@@ -1,5 +1,6 @@
 //! Contact patch, force, stiffness and pressure of two bodies pressed together.
 
+pub mod bracket;
 mod contact;
 mod discrete;
 mod domain;
@@ -12,6 +13,7 @@ mod grid;
 mod homogeneity;
 pub mod influence;
 mod material;
+pub mod matrix_free;
 pub mod patch;
 #[cfg(feature = "qp")]
 pub mod qp;
@@ -25,6 +27,7 @@ pub use discrete::{Discrete, DiscreteSolution, Residuals};
 pub use error::{InputError, Unsolved, Verdict};
 pub use gap::Gap;
 pub use grid::{Grid, Kernel, Pressure};
+pub use influence::InfluenceTable;
 pub use material::{Body, EffectiveModulus};
 pub use settings::{BoundaryFamily, Method, Outputs, Settings};
 pub use solution::{Cost, Patch, PressureSummary, Solution};

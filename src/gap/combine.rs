@@ -94,6 +94,26 @@ impl Gap for Sum {
         self.parts.iter().try_fold([0.0; 2], |sum, part| part.gradient(x, y).map(|g| [sum[0] + g[0], sum[1] + g[1]]))
     }
 
+    fn range(&self, rect: &Rect, slope: [f64; 2]) -> Option<[f64; 2]> {
+        // Each part less its own slope in the middle; what is left of the slope goes to the first.
+        let [x, y] = rect.centre();
+        let own: Vec<[f64; 2]> = self.parts.iter().map(|part| part.gradient(x, y).unwrap_or_default()).collect();
+        let finite = own.iter().flatten().all(|s| s.is_finite());
+        let mut bounds = [0.0; 2];
+        for (k, part) in self.parts.iter().enumerate() {
+            let mut share = if finite { own[k] } else { [0.0; 2] };
+            if k == 0 {
+                for m in 0..2 {
+                    let others: f64 = if finite { own[1..].iter().map(|s| s[m]).sum() } else { 0.0 };
+                    share[m] = slope[m] - others;
+                }
+            }
+            let [low, high] = part.range(rect, share)?;
+            bounds = [bounds[0] + low, bounds[1] + high];
+        }
+        Some(bounds.map(|b| if b.is_nan() { f64::INFINITY } else { b }))
+    }
+
     fn reach(&self, depth: f64) -> Reach {
         let proved = self.proved(depth);
         if proved == Reach::Nowhere {
@@ -174,6 +194,12 @@ impl Gap for Minimum {
 
     fn gradient(&self, x: f64, y: f64) -> Option<[f64; 2]> {
         self.parts[self.least([x, y])].gradient(x, y)
+    }
+
+    fn range(&self, rect: &Rect, slope: [f64; 2]) -> Option<[f64; 2]> {
+        self.parts.iter().try_fold([f64::INFINITY; 2], |[low, high], part| {
+            part.range(rect, slope).map(|[a, b]| [low.min(a), high.min(b)])
+        })
     }
 
     fn reach(&self, depth: f64) -> Reach {

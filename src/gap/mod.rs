@@ -14,6 +14,7 @@ mod mean;
 mod outline;
 mod placed;
 mod polyhedron;
+mod range;
 mod revolved;
 mod search;
 mod tilted;
@@ -71,6 +72,15 @@ pub trait Gap: Send + Sync {
         mean::by_quadrature(|x, y| self.gap(x, y), cell)
     }
 
+    /// Bounds of g(x) - slope . (x - c) over a rectangle with centre c: nowhere less than the first, nowhere more than the
+    /// second (infinite where any part has no material). `None` when the gap cannot prove any.
+    ///
+    /// The bounds hold up to the rounding of [`Gap::gap`] itself. They may be wider than need be; the closer they are,
+    /// the narrower a proved bracket of the force ([`crate::bracket`]).
+    fn range(&self, _rect: &Rect, _slope: [f64; 2]) -> Option<[f64; 2]> {
+        None
+    }
+
     /// Appends the distances r > 0 at which the gap along the ray `from + r direction` has a kink
     /// (a jump of its slope). `direction` is a unit vector. Order does not matter.
     fn ray_kinks(&self, _from: [f64; 2], _direction: [f64; 2], _kinks: &mut Vec<f64>) {}
@@ -119,6 +129,10 @@ impl Gap for AnyGap {
 
     fn mean(&self, cell: &Rect) -> f64 {
         self.0.mean(cell)
+    }
+
+    fn range(&self, rect: &Rect, slope: [f64; 2]) -> Option<[f64; 2]> {
+        self.0.range(rect, slope)
     }
 
     fn ray_kinks(&self, from: [f64; 2], direction: [f64; 2], kinks: &mut Vec<f64>) {

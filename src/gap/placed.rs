@@ -55,6 +55,13 @@ impl<G: Gap> Gap for Placed<G> {
         self.inner.gradient(x, y).map(|g| (self.turn * Vector2::from(g)).into())
     }
 
+    fn range(&self, rect: &Rect, slope: [f64; 2]) -> Option<[f64; 2]> {
+        let slope = self.turn.inverse() * Vector2::from(slope);
+        // The turned rectangle lies within the upright one around its corners, which has the same centre.
+        let held = Rect::holding(rect.corners().map(|c| self.inward(c)))?;
+        self.inner.range(&held, slope.into())
+    }
+
     fn reach(&self, depth: f64) -> Reach {
         match self.inner.reach(depth) {
             Reach::Within(rect) => {
@@ -127,6 +134,12 @@ impl Gap for Scaled<'_> {
     fn gradient(&self, x: f64, y: f64) -> Option<[f64; 2]> {
         let [x, y] = self.outward([x, y]);
         self.gap.gradient(x, y).map(|g| g.map(|g| g / self.depth * self.length))
+    }
+
+    fn range(&self, rect: &Rect, slope: [f64; 2]) -> Option<[f64; 2]> {
+        let outward = Rect { min: self.outward(rect.min), max: self.outward(rect.max) };
+        let bounds = self.gap.range(&outward, slope.map(|s| s * self.depth / self.length))?;
+        Some(bounds.map(|b| b / self.depth))
     }
 
     fn reach(&self, depth: f64) -> Reach {

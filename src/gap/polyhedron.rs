@@ -200,6 +200,19 @@ impl Gap for Polyhedron {
         Some([p[0], p[1]])
     }
 
+    fn range(&self, rect: &Rect, slope: [f64; 2]) -> Option<[f64; 2]> {
+        let (c, [w, h]) = (rect.centre(), rect.size());
+        // A plane over the rectangle: its value in the middle, and half its variation.
+        let plane = |p: &[f64; 3]| {
+            let half = 0.5 * ((p[0] - slope[0]).abs() * w + (p[1] - slope[1]).abs() * h);
+            (p[0] * c[0] + p[1] * c[1] + p[2], half)
+        };
+        // Planes that lie below the highest one everywhere do not count; of many planes few are left.
+        Some(self.planes.iter().map(plane).fold([f64::NEG_INFINITY; 2], |[low, high], (middle, half)| {
+            [low.max(middle - half), high.max(middle + half)]
+        }))
+    }
+
     fn reach(&self, depth: f64) -> Reach {
         if let Some((faces, slope)) = self.regular {
             if depth <= 0.0 {

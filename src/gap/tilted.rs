@@ -31,6 +31,12 @@ impl Gap for Tilted {
         self.gap.gradient(x, y).map(|[gx, gy]| [gx - self.tilt[0], gy - self.tilt[1]])
     }
 
+    fn range(&self, rect: &Rect, slope: [f64; 2]) -> Option<[f64; 2]> {
+        let [x, y] = rect.centre();
+        let bounds = self.gap.range(rect, [slope[0] + self.tilt[0], slope[1] + self.tilt[1]])?;
+        Some(bounds.map(|b| b - self.rise(x, y)))
+    }
+
     fn reach(&self, depth: f64) -> Reach {
         // {g < depth + tilt . x} lies in {g < depth + s} where s is the largest rise over its own box: grow until it does.
         let mut rise = 0.0;

@@ -23,7 +23,7 @@ impl Reduced {
     pub fn assemble(problem: &Discrete, orbits: Orbits) -> Self {
         let grid = &problem.grid;
         let table = InfluenceTable::new(problem.kernel, grid.spacing, grid.shape);
-        let own = table.at(0, 0);
+        let own = table.get(0, 0);
         let nx = grid.shape[0];
         let n = orbits.members.len();
         let position: Vec<Vec<(usize, usize)>> =
@@ -34,7 +34,7 @@ impl Reduced {
             for row in column..n {
                 // Every cell of one group sees the other group alike: one of them stands for all.
                 let sum: f64 =
-                    position[row].iter().map(|&(i, j)| table.at(i.abs_diff(from.0), j.abs_diff(from.1))).sum();
+                    position[row].iter().map(|&(i, j)| table.get(i.abs_diff(from.0), j.abs_diff(from.1))).sum();
                 let share = position[column].len() as f64 / position[row].len() as f64;
                 let value = sum * share.sqrt() / own;
                 matrix[(row, column)] = value;
@@ -74,7 +74,7 @@ impl Reduced {
         let displacement = (0..grid.len())
             .map(|k| {
                 let (i, j) = (k % nx, k / nx);
-                loaded.iter().map(|&(a, b, p)| p * self.table.at(i.abs_diff(a), j.abs_diff(b))).sum()
+                loaded.iter().map(|&(a, b, p)| p * self.table.get(i.abs_diff(a), j.abs_diff(b))).sum()
             })
             .collect();
         (pressure, displacement)

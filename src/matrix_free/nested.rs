@@ -1,0 +1,99 @@
+//! From coarse grids to fine ones: each starts from the pressure of the one before.
+//!
+//! A coarse cell is two by two fine ones and its overlap the mean of theirs: for cell means (Galerkin) that is the coarse
+//! problem itself, for values at centres it is close, and a start is all that is wanted of it. One table of influence
+//! coefficients serves all grids.
+
+use super::{Settings, Window, no_contact, with_threads};
+use crate::discrete::{Discrete, DiscreteSolution};
+use crate::error::Unsolved;
+use crate::influence::InfluenceTable;
+
+/// Error of the gap on the grids before the last, relative to the depth: their own distance from the next grid.
+const COARSE_TOLERANCE: f64 = 1e-3;
+
+/// Cells along the longer side of the coarsest grid.
+const COARSEST: usize = 12;
+
+/// Solves from a coarse grid up: the call for a problem without a good start.
+///
+/// # Errors
+/// [`crate::Verdict::IterationLimit`] when the tolerance is not reached on the last grid within the products allowed.
+///
+/// ```
+/// use contact_patch::{Discrete, Grid, Kernel, geometry::Rect, matrix_free};
+///
+/// // A cone, d = tan(alpha) = 1: P = 2/pi E* d^2/tan(alpha) (Sneddon 1965).
+/// let grid = Grid::over(&Rect { min: [-1.0, -1.0], max: [1.0, 1.0] }, [200, 200]);
+/// let problem = Discrete::sample(&|x: f64, y: f64| x.hypot(y), 1.0, grid, Kernel::Galerkin);
+/// let solution = matrix_free::solve_nested(&problem, &matrix_free::Settings::default())?;
+/// let force = solution.pressure.iter().sum::<f64>() * grid.cell_area();
+/// assert!((force * std::f64::consts::FRAC_PI_2 - 1.0).abs() < 1e-4);
+/// # Ok::<(), contact_patch::Unsolved>(())
+/// ```
+pub fn solve_nested(problem: &Discrete, settings: &Settings) -> Result<DiscreteSolution, Unsolved> {
+    with_threads(settings.threads, |scratch| {
+        let Some(window) = Window::of(problem) else { return Ok(no_contact(problem)) };
+        let table = InfluenceTable::new(problem.kernel, problem.grid.spacing, window.shape);
+        let mut grids = vec![window];
+        while let Some(coarser) = grids.last().and_then(coarser) {
+            grids.push(coarser);
+        }
+        grids.iter_mut().for_each(Window::bound);
+        let mut start: Option<Vec<f64>> = None;
+        for (level, grid) in grids.iter().enumerate().rev() {
+            let spacing = problem.grid.spacing.map(|h| h * f64::from(1_u32 << level));
+            let (tolerance, limit) = match level {
+                0 => (settings.tolerance, settings.products),
+                _ => (COARSE_TOLERANCE.max(settings.tolerance), 60),
+            };
+            let left = grid.solve(&table, spacing, start.take(), tolerance, limit, scratch);
+            if level == 0 {
+                return grid.finish(problem, left, settings);
+            }
+            start = Some(finer(&left.state.p, grid.shape, grids[level - 1].shape));
+        }
+        Ok(no_contact(problem))
+    })
+}
+
+/// Two by two cells made one. `None` when the grid is coarse enough or nothing overlaps on the next.
+fn coarser(fine: &Window) -> Option<Window> {
+    let [nx, ny] = fine.shape;
+    if nx.max(ny) < 2 * COARSEST || nx.min(ny) < 4 {
+        return None;
+    }
+    let shape = [nx.div_ceil(2), ny.div_ceil(2)];
+    let mut overlap = vec![f64::NEG_INFINITY; shape[0] * shape[1]];
+    for (k, mean) in overlap.iter_mut().enumerate() {
+        let (i, j) = (2 * (k % shape[0]), 2 * (k / shape[0]));
+        let (mut sum, mut cells) = (0.0, 0);
+        for (i, j) in [(i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1)] {
+            if i < nx && j < ny && fine.overlap[j * nx + i].is_finite() {
+                sum += fine.overlap[j * nx + i];
+                cells += 1;
+            }
+        }
+        // Where half of the cell has no material the other half decides.
+        if cells >= 2 {
+            *mean = sum / f64::from(cells);
+        }
+    }
+    let deepest = overlap.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    (deepest > 0.0).then_some(Window { corner: [0, 0], shape, overlap, deepest })
+}
+
+/// Bilinear interpolation of the values at the centres of coarse cells, constant beyond the border.
+fn finer(coarse: &[f64], [cx, cy]: [usize; 2], [nx, ny]: [usize; 2]) -> Vec<f64> {
+    let neighbour = |i: usize, n: usize| if i % 2 == 0 { (i / 2).saturating_sub(1) } else { (i / 2 + 1).min(n - 1) };
+    let mut fine = Vec::with_capacity(nx * ny);
+    for j in 0..ny {
+        let near = &coarse[j / 2 * cx..][..cx];
+        let other = &coarse[neighbour(j, cy) * cx..][..cx];
+        for i in 0..nx {
+            let (a, b) = (i / 2, neighbour(i, cx));
+            fine.push(0.75 * (0.75 * near[a] + 0.25 * near[b]) + 0.25 * (0.75 * other[a] + 0.25 * other[b]));
+        }
+    }
+    fine
+}
