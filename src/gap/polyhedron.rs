@@ -207,7 +207,6 @@ impl Gap for Polyhedron {
             let half = 0.5 * ((p[0] - slope[0]).abs() * w + (p[1] - slope[1]).abs() * h);
             (p[0] * c[0] + p[1] * c[1] + p[2], half)
         };
-        // Planes that lie below the highest one everywhere do not count; of many planes few are left.
         Some(self.planes.iter().map(plane).fold([f64::NEG_INFINITY; 2], |[low, high], (middle, half)| {
             [low.max(middle - half), high.max(middle + half)]
         }))
