@@ -12,7 +12,7 @@ use super::kernel;
 const BLOCK: usize = 8;
 
 /// Tiles along a sub-square for the range of a neighbour's kernel.
-const TILES: usize = 24;
+const TILES: usize = 16;
 
 /// Bounds for one grid and one pressure, for all sub-squares of a lattice.
 pub(super) struct Between {
@@ -37,9 +37,9 @@ impl Between {
         // A convolution of positive numbers: rounding can take it below, never by more than this.
         let rounding = 1e-12 * far.iter().copied().fold(0.0, f64::max);
         let smooth = far.iter().zip(&jumps).map(|(far, jump)| half_square * (far + rounding + jump)).collect();
-        let touching = (0..per_cell * per_cell)
-            .map(|k| touching(h, half, [k % per_cell, k / per_cell].map(|s| (s as f64 + 0.5) / per_cell as f64 - 0.5)))
-            .collect();
+        let touching = mirrored(per_cell, |sub| {
+            touching(h, half, sub.map(|s| (s as f64 + 0.5) / per_cell as f64 - 0.5))
+        });
         Self { shape, per_cell, smooth, touching, uniform: uniform(h, half) }
     }
 
@@ -93,6 +93,26 @@ fn uniform(h: [f64; 2], half: [f64; 2]) -> f64 {
     let across = 2.0 / near[0].hypot(near[1]) - 2.0 / far[0].hypot(far[1]);
     let [a, b] = half;
     0.5 * std::f64::consts::FRAC_1_PI * (along(0) * a * a + 2.0 * across * a * b + along(1) * b * b)
+}
+
+/// The values of all sub-squares from those with the lower indices: the others are their mirror images.
+fn mirrored(per_cell: usize, values: impl Fn([usize; 2]) -> [f64; 9]) -> Vec<[f64; 9]> {
+    let mut all = vec![[0.0; 9]; per_cell * per_cell];
+    for t in 0..per_cell.div_ceil(2) {
+        for s in 0..per_cell.div_ceil(2) {
+            let unit = values([s, t]);
+            for (t, down) in [(t, false), (per_cell - 1 - t, true)] {
+                for (s, left) in [(s, false), (per_cell - 1 - s, true)] {
+                    for (k, value) in unit.iter().enumerate() {
+                        let i = if left { 2 - k % 3 } else { k % 3 };
+                        let j = if down { 2 - k / 3 } else { k / 3 };
+                        all[t * per_cell + s][3 * j + i] = *value;
+                    }
+                }
+            }
+        }
+    }
+    all
 }
 
 /// The distance from the tangent plane over the sub-square at `at` (cells from the middle of the cell), by unit pressure

@@ -41,8 +41,7 @@ pub(super) fn spills(frame: &Frame, q: &[f64]) -> Vec<Spill> {
         if f <= 0.0 {
             continue;
         }
-        let u = loads.iter().map(|(load, block)| load / furthest(&rect, block)).sum::<f64>() * (1.0 - 1e-12)
-            / std::f64::consts::PI;
+        let u = loads.iter().map(|load| load.least(&rect)).sum::<f64>() * (1.0 - 1e-12);
         if f <= u {
             continue;
         }
@@ -61,23 +60,44 @@ pub(super) fn spills(frame: &Frame, q: &[f64]) -> Vec<Spill> {
     spills
 }
 
-/// The load in blocks of cells, each with the rectangle it lies in.
-fn gathered(frame: &Frame, q: &[f64]) -> Vec<(f64, Rect)> {
-    let (grid, [nx, ny]) = (&frame.grid, frame.grid.shape);
-    let [bx, by] = [nx.div_ceil(BLOCKS), ny.div_ceil(BLOCKS)];
-    let mut blocks: Vec<(f64, Option<Rect>)> = vec![(0.0, None); nx.div_ceil(bx) * ny.div_ceil(by)];
-    for (k, &q) in q.iter().enumerate().filter(|(_, q)| **q > 0.0) {
-        let (i, j) = (k % nx, k / nx);
-        let block = &mut blocks[(j / by) * nx.div_ceil(bx) + i / bx];
-        let cell = grid.cell(i, j);
-        block.0 += q * grid.cell_area();
-        block.1 = Some(block.1.map_or(cell, |r| r.union(&cell)));
-    }
-    blocks.into_iter().filter_map(|(load, rect)| Some((load, rect?))).collect()
+/// The load of a block of cells: its force, where it acts, and its mean square distance from there.
+struct Load {
+    force: f64,
+    at: [f64; 2],
+    spread: f64,
 }
 
-/// Largest distance between points of two rectangles.
-fn furthest(a: &Rect, b: &Rect) -> f64 {
-    let along = |m: usize| (a.max[m] - b.min[m]).max(b.max[m] - a.min[m]);
-    along(0).hypot(along(1))
+impl Load {
+    /// Lower bound of the displacement over a rectangle: 1/r is a convex function of r^2, so that its mean over the load is at
+    /// least that of the mean of r^2 (Jensen).
+    fn least(&self, rect: &Rect) -> f64 {
+        let along = |m: usize| (rect.max[m] - self.at[m]).max(self.at[m] - rect.min[m]);
+        let square = along(0).powi(2) + along(1).powi(2) + self.spread;
+        self.force / square.sqrt() * std::f64::consts::FRAC_1_PI
+    }
+}
+
+fn gathered(frame: &Frame, q: &[f64]) -> Vec<Load> {
+    let (grid, [nx, ny]) = (&frame.grid, frame.grid.shape);
+    let [bx, by] = [nx.div_ceil(BLOCKS), ny.div_ceil(BLOCKS)];
+    let own = (grid.spacing[0].powi(2) + grid.spacing[1].powi(2)) / 12.0;
+    let mut loads = Vec::new();
+    for j in (0..ny).step_by(by) {
+        for i in (0..nx).step_by(bx) {
+            let cells = || {
+                (j..(j + by).min(ny)).flat_map(move |b| (i..(i + bx).min(nx)).map(move |a| (a, b)))
+                    .map(|(a, b)| (q[b * nx + a], grid.centre(a, b)))
+                    .filter(|c| c.0 > 0.0)
+            };
+            let sum: f64 = cells().map(|c| c.0).sum();
+            if sum <= 0.0 {
+                continue;
+            }
+            let at = [0, 1].map(|m| cells().map(|(q, c)| q / sum * c[m]).sum::<f64>());
+            let square = |c: [f64; 2]| (c[0] - at[0]).powi(2) + (c[1] - at[1]).powi(2);
+            let spread = cells().map(|(q, c)| q / sum * square(c)).sum::<f64>() + own;
+            loads.push(Load { force: sum * grid.cell_area(), at, spread });
+        }
+    }
+    loads
 }
