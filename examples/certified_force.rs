@@ -46,7 +46,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             ];
             let [a, b, c, d] = brackets.each_ref().map(|b| 100.0 * b.relative_width());
             let [s, t, u, v] = brackets.each_ref().map(|b| b.cost().seconds / solve);
-            print!("{name:<11}{cells:>6} | {a:>11.3}{b:>11.3}{c:>11.3}p{d:>11.3}p | {s:>11.1}{t:>11.1}{u:>11.1}p{v:>11.1}p");
+            print!(
+                "{name:<11}{cells:>6} | {a:>11.3}{b:>11.3}{c:>11.3}p{d:>11.3}p | {s:>11.1}{t:>11.1}{u:>11.1}p{v:>11.1}p"
+            );
             println!(" | [{:.6}, {:.6}]", brackets[1].lower(), brackets[1].upper());
             for bracket in &brackets {
                 assert!(bracket.contains(force), "{force} is not in [{}, {}]", bracket.lower(), bracket.upper());

@@ -31,15 +31,14 @@ impl Between {
         let half = h.map(|h| 0.5 * h / per_cell as f64);
         let half_square = 0.5 * (half[0] * half[0] + half[1] * half[1]);
         let spectrum = lattice.pressure(p);
-        let far = lattice
-            .convolve(&spectrum, |[i, j]| if i.max(j) <= BLOCK { 0.0 } else { kernel::curvature(h, [i, j]) });
+        let far =
+            lattice.convolve(&spectrum, |[i, j]| if i.max(j) <= BLOCK { 0.0 } else { kernel::curvature(h, [i, j]) });
         let jumps = jumps(h, shape, p);
         // A convolution of positive numbers: rounding can take it below, never by more than this.
         let rounding = 1e-12 * far.iter().copied().fold(0.0, f64::max);
         let smooth = far.iter().zip(&jumps).map(|(far, jump)| half_square * (far + rounding + jump)).collect();
-        let touching = mirrored(per_cell, |sub| {
-            touching(h, half, sub.map(|s| (s as f64 + 0.5) / per_cell as f64 - 0.5))
-        });
+        let touching =
+            mirrored(per_cell, |sub| touching(h, half, sub.map(|s| (s as f64 + 0.5) / per_cell as f64 - 0.5)));
         Self { shape, per_cell, smooth, touching, uniform: uniform(h, half) }
     }
 

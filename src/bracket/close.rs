@@ -7,7 +7,7 @@
 //! A lower pressure may also drop cells: what is left displaces less everywhere.
 
 use super::Theorem;
-use super::outside::Spill;
+use super::outside::Outside;
 use super::violation::Violation;
 use crate::geometry::Rect;
 use crate::grid::Grid;
@@ -67,12 +67,16 @@ fn rounding(grid: &Grid) -> f64 {
 }
 
 /// The least force that the pressure `q`, repaired, proves to be enough.
-pub(super) fn upper(grid: &Grid, q: &[f64], found: &Violation, spills: &[Spill]) -> Closed {
+pub(super) fn upper(grid: &Grid, q: &[f64], found: &Violation, outside: &Outside) -> Closed {
+    let spills = &outside.spills;
     let nx = grid.shape[0];
     let base = total(grid, |k| q[k]);
-    let shortest = found.short.iter().copied().chain(spills.iter().map(|s| s.short)).fold(f64::NEG_INFINITY, f64::max);
+    // Beyond the grid u >= f is known, and no more.
+    let floor = if outside.covered { 1.0 } else { f64::NEG_INFINITY };
+    let shortest = found.short.iter().copied().chain(spills.iter().map(|s| s.short)).fold(floor, f64::max);
     let cell = |k: usize| grid.cell(k % nx, k / nx);
-    let worst = (0..grid.len()).map(|k| (found.over[k], k)).fold((f64::NEG_INFINITY, 0), |a, b| if b.0 > a.0 { b } else { a });
+    let worst =
+        (0..grid.len()).map(|k| (found.over[k], k)).fold((f64::NEG_INFINITY, 0), |a, b| if b.0 > a.0 { b } else { a });
     let worst_spill = spills.iter().max_by(|a, b| a.over.total_cmp(&b.over));
     let at = match worst_spill {
         Some(spill) if spill.over > worst.0 => spill.rect.centre(),
@@ -115,8 +119,7 @@ pub(super) fn lower(grid: &Grid, q: &[f64], found: &Violation) -> Closed {
     let nx = grid.shape[0];
     let cell = |k: usize| grid.cell(k % nx, k / nx);
     let mut loaded: Vec<usize> = (0..grid.len()).filter(|&k| q[k] > 0.0).collect();
-    let mut best =
-        Closed { force: 0.0, theorem: Theorem::Scaling, factor: 0.0, kept: None, left: 0.0, at: [0.0; 2] };
+    let mut best = Closed { force: 0.0, theorem: Theorem::Scaling, factor: 0.0, kept: None, left: 0.0, at: [0.0; 2] };
     let Some(&worst) = loaded.iter().max_by(|&&a, &&b| found.under[a].total_cmp(&found.under[b])) else { return best };
     best.at = cell(worst).centre();
     let down = 1.0 - rounding(grid);

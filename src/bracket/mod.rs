@@ -13,6 +13,7 @@
 //! What was proved and what was only sampled is part of the answer: [`Evidence`].
 
 mod between;
+mod check;
 mod close;
 mod displacement;
 mod kernel;
@@ -31,6 +32,7 @@ use close::Closed;
 use displacement::Lattice;
 use violation::Violation;
 
+pub use check::{Claim, Verification, check, check_claims};
 pub use sharp::sharp;
 
 /// How the suprema were found.
@@ -224,9 +226,8 @@ pub fn certify(
     };
     let mut lattice = Lattice::new(frame.grid.spacing, frame.grid.shape);
     let (found, evidence) = frame.look(&mut lattice, &q, settings);
-    let spills = outside::spills(&frame, &q);
-    let (upper, lower) =
-        (close::upper(&frame.grid, &q, &found, &spills), close::lower(&frame.grid, &q, &found));
+    let outside = outside::look(&frame, &q);
+    let (upper, lower) = (close::upper(&frame.grid, &q, &found, &outside), close::lower(&frame.grid, &q, &found));
     let cost = BracketCost { seconds: started.elapsed().as_secs_f64(), products: found.products, solves: 0 };
     Ok(ForceBracket { lower: frame.side(lower, &q), upper: frame.side(upper, &q), evidence, cost })
 }
@@ -286,7 +287,8 @@ impl<'a> Frame<'a> {
         let origin = given.extent().centre();
         let [cx, cy] = gap.centre();
         let lattice = Grid::over(&reach, [33, 33]);
-        let points = (0..given.len()).map(|k| given.centre_of(k)).chain((0..lattice.len()).map(|k| lattice.centre_of(k)));
+        let points =
+            (0..given.len()).map(|k| given.centre_of(k)).chain((0..lattice.len()).map(|k| lattice.centre_of(k)));
         let deepest = points.map(|[x, y]| depth - gap.gap(x, y)).fold(depth - gap.gap(cx, cy), f64::max);
         let height = if deepest > 0.0 { deepest } else { depth.abs().max(f64::MIN_POSITIVE) };
         let scaled = Scaled { gap, origin, length, depth: height };
@@ -321,7 +323,8 @@ impl<'a> Frame<'a> {
             return self.depth - low + 1e-13 * self.depth.abs();
         }
         let [w, h] = rect.size();
-        let points = (0..25).map(|k| [rect.min[0] + 0.25 * w * f64::from(k % 5), rect.min[1] + 0.25 * h * f64::from(k / 5)]);
+        let points =
+            (0..25).map(|k| [rect.min[0] + 0.25 * w * f64::from(k % 5), rect.min[1] + 0.25 * h * f64::from(k / 5)]);
         points.map(|[x, y]| self.depth - self.gap.gap(x, y)).fold(f64::NEG_INFINITY, f64::max)
     }
 

@@ -20,8 +20,15 @@ pub(super) struct Spill {
     pub least: f64,
 }
 
-/// Rectangles outside the grid, as small as a cell, that cover every point with f > u > 0 and f > 0.
-pub(super) fn spills(frame: &Frame, q: &[f64]) -> Vec<Spill> {
+/// What lies beyond the grid.
+pub(super) struct Outside {
+    /// Rectangles, as small as a cell, that cover every point with f > 0 and f > u.
+    pub spills: Vec<Spill>,
+    /// Whether there may be points with 0 < f <= u: then no pressure may be scaled down.
+    pub covered: bool,
+}
+
+pub(super) fn look(frame: &Frame, q: &[f64]) -> Outside {
     let (inner, outer) = (frame.grid.extent(), frame.reach);
     let mut waiting = Vec::new();
     let strips = [
@@ -30,10 +37,12 @@ pub(super) fn spills(frame: &Frame, q: &[f64]) -> Vec<Spill> {
         Rect { min: [inner.min[0], outer.min[1]], max: [inner.max[0], inner.min[1]] },
         Rect { min: [inner.min[0], inner.max[1]], max: [inner.max[0], outer.max[1]] },
     ];
-    waiting.extend(strips.into_iter().filter_map(|s| s.intersection(&outer)).filter(|s| s.size().iter().all(|&w| w > 0.0)));
+    waiting.extend(
+        strips.into_iter().filter_map(|s| s.intersection(&outer)).filter(|s| s.size().iter().all(|&w| w > 0.0)),
+    );
     let loads = gathered(frame, q);
     let smallest = frame.grid.spacing[0].max(frame.grid.spacing[1]);
-    let mut spills = Vec::new();
+    let mut outside = Outside { spills: Vec::new(), covered: false };
     let mut seen = 0;
     while let Some(rect) = waiting.pop() {
         seen += 1;
@@ -43,12 +52,13 @@ pub(super) fn spills(frame: &Frame, q: &[f64]) -> Vec<Spill> {
         }
         let u = loads.iter().map(|load| load.least(&rect)).sum::<f64>() * (1.0 - 1e-12);
         if f <= u {
+            outside.covered = true;
             continue;
         }
         let [w, h] = rect.size();
         if w.max(h) <= smallest || seen > MOST {
             let short = if u > 0.0 { f / u } else { f64::INFINITY };
-            spills.push(Spill { rect, over: f - u, short, least: u });
+            outside.spills.push(Spill { rect, over: f - u, short, least: u });
             continue;
         }
         let c = rect.centre();
@@ -57,7 +67,7 @@ pub(super) fn spills(frame: &Frame, q: &[f64]) -> Vec<Spill> {
         (low.max[axis], high.min[axis]) = (c[axis], c[axis]);
         waiting.extend([low, high]);
     }
-    spills
+    outside
 }
 
 /// The load of a block of cells: its force, where it acts, and its mean square distance from there.
@@ -85,7 +95,8 @@ fn gathered(frame: &Frame, q: &[f64]) -> Vec<Load> {
     for j in (0..ny).step_by(by) {
         for i in (0..nx).step_by(bx) {
             let cells = || {
-                (j..(j + by).min(ny)).flat_map(move |b| (i..(i + bx).min(nx)).map(move |a| (a, b)))
+                (j..(j + by).min(ny))
+                    .flat_map(move |b| (i..(i + bx).min(nx)).map(move |a| (a, b)))
                     .map(|(a, b)| (q[b * nx + a], grid.centre(a, b)))
                     .filter(|c| c.0 > 0.0)
             };

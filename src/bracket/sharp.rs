@@ -60,8 +60,8 @@ pub fn sharp(
         evidence: Evidence::Proved,
     };
     let first = session.look(&q);
-    let spills = outside::spills(&frame, &q);
-    let upper = (close::upper(&frame.grid, &q, &first, &spills), q.clone());
+    let outside = outside::look(&frame, &q);
+    let upper = (close::upper(&frame.grid, &q, &first, &outside), q.clone());
     let lower = (close::lower(&frame.grid, &q, &first), q);
     let mid = 0.5 * (upper.0.force + lower.0.force);
     let (upper, lower) = (session.raise(upper, &first, mid), session.lower(lower, &first, mid));
@@ -132,8 +132,8 @@ impl Session<'_, '_> {
             let Some(solved) = self.solve(&overlap, &q) else { break };
             (q, u) = solved;
             let found = self.look(&q);
-            let spills = outside::spills(self.frame, &q);
-            let closed = close::upper(&self.frame.grid, &q, &found, &spills);
+            let outside = outside::look(self.frame, &q);
+            let closed = close::upper(&self.frame.grid, &q, &found, &outside);
             over = found.over;
             let gain = (best.0.force - closed.force) / (best.0.force - other).abs();
             if closed.force < best.0.force {

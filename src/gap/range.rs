@@ -103,7 +103,9 @@ pub(super) fn of_segments(points: &[[f64; 2]], rect: &Rect, slope: [f64; 2]) -> 
 
 #[cfg(test)]
 mod tests {
-    use crate::gap::{AnyGap, Cone, Flat, Gap, Minimum, Outline, Paraboloid, Placed, Polyhedron, Power, Revolved, Sphere};
+    use crate::gap::{
+        AnyGap, Cone, Flat, Gap, Minimum, Outline, Paraboloid, Placed, Polyhedron, Power, Revolved, Sphere,
+    };
     use crate::gap::{Sum, Tilted};
     use crate::geometry::Rect;
 
@@ -147,7 +149,10 @@ mod tests {
                         let x = rect.min[0] + rect.size()[0] * i as f64 / 8.0;
                         let y = rect.min[1] + rect.size()[1] * j as f64 / 8.0;
                         let value = gap.gap(x, y) - slope[0] * (x - c[0]) - slope[1] * (y - c[1]);
-                        assert!(low <= value + 1e-12 && value <= high + 1e-12, "kind {n}: {low} {value} {high} {rect:?}");
+                        assert!(
+                            low <= value + 1e-12 && value <= high + 1e-12,
+                            "kind {n}: {low} {value} {high} {rect:?}"
+                        );
                     }
                 }
             }
