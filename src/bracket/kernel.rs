@@ -1,12 +1,15 @@
 //! Displacement and its slopes at any point by unit pressure on one rectangle, E* = 1.
 //!
 //! Near the rectangle Love's closed form (1929) with asinh, further out tensor Gauss rules on 1/r; every value is good to
-//! [`RELATIVE_ERROR`] of itself for cells that are not more slender than 16:1.
+//! [`RELATIVE_ERROR`] of itself for cells that are not more slender than [`MOST_SLENDER`].
 
 use std::f64::consts::FRAC_1_PI;
 
 /// Relative error of the displacement that is allowed for in every bound; ten times the largest one seen in the tests.
 pub(super) const RELATIVE_ERROR: f64 = 1e-11;
+
+/// Aspect ratio of a cell up to which that holds.
+pub(super) const MOST_SLENDER: f64 = 16.0;
 
 /// Abscissae and weights of the Gauss rules with 2, 3, 4 points on [-1/2, 1/2].
 const GAUSS: [&[(f64, f64)]; 3] = [

@@ -269,10 +269,11 @@ impl<'a> Frame<'a> {
             let reason = "the pressure needs one finite number a cell, and its cells sides greater than zero";
             return Err(Unsolved::new(Verdict::NotApplicable, reason));
         }
-        let known = gap.reach(depth);
-        let (reach, reach_known) = match known {
-            Reach::Unknown => (extent(gap, depth), false),
-            known => (known, true),
+        // What is certain may be larger than what is found; a strip of it is not worth a proof.
+        let (reach, reach_known) = match gap.certain_reach(depth) {
+            Reach::Unknown | Reach::Unbounded => (extent(gap, depth), false),
+            Reach::Within(r) if r.size().iter().any(|s| !s.is_finite()) => (extent(gap, depth), false),
+            certain => (certain, true),
         };
         let reach = match reach {
             Reach::Within(rect) => rect,
@@ -309,7 +310,9 @@ impl<'a> Frame<'a> {
     /// Suprema for the pressure `q` and what they are worth.
     fn look(&self, lattice: &mut Lattice, q: &[f64], settings: &BracketSettings) -> (Violation, Evidence) {
         let per_cell = settings.per_cell.max(1);
-        if settings.prove && self.reach_known {
+        let [a, b] = self.grid.spacing;
+        let slender = a.max(b) > kernel::MOST_SLENDER * a.min(b);
+        if settings.prove && self.reach_known && !slender {
             if let Some(found) = Violation::proved(self, lattice, q, per_cell) {
                 return (found, Evidence::Proved);
             }

@@ -82,7 +82,7 @@ impl Violation {
                 let (i, j) = (cell % nx, cell / nx);
                 let point = j * (nx + 1) + i;
                 let (u, slope) = (layer.u[point], [layer.slopes[0][point], layer.slopes[1][point]]);
-                let rest = between.remainder(q, [i, j], sub) + rounding + 4.0 * RELATIVE_ERROR * u.abs();
+                let rest = between.remainder(q, [i, j], sub) * (1.0 + 1e-6) + rounding + 4.0 * RELATIVE_ERROR * u.abs();
                 let centre = [0, 1].map(|m| grid.origin[m] + ([i, j][m] as f64 + shift[m]) * grid.spacing[m]);
                 // A hair larger, so that the sub-squares cover the cell however the sums are rounded.
                 let square = Rect::around(centre, half.map(|e| e * (1.0 + 1e-9)));

@@ -62,7 +62,7 @@ impl Sum {
         for (k, part) in self.parts.iter().enumerate() {
             let others = self.lows.iter().enumerate().filter(|(m, _)| *m != k).map(|(_, low)| *low);
             let Some(others) = others.sum::<Option<f64>>() else { continue };
-            match part.reach(depth - others) {
+            match part.certain_reach(depth - others) {
                 Reach::Nowhere => return Reach::Nowhere,
                 Reach::Within(rect) => {
                     held = match held.map_or(Some(rect), |held| held.intersection(&rect)) {
@@ -81,7 +81,7 @@ impl Sum {
 fn least(part: &AnyGap) -> Option<f64> {
     let [x, y] = part.centre();
     let low = part.gap(x, y);
-    [low, low - 1e-9 * low.abs()].into_iter().find(|&v| v.is_finite() && part.reach(v) == Reach::Nowhere)
+    [low, low - 1e-9 * low.abs()].into_iter().find(|&v| v.is_finite() && part.certain_reach(v) == Reach::Nowhere)
 }
 
 impl Gap for Sum {
@@ -124,6 +124,10 @@ impl Gap for Sum {
             (Reach::Unbounded, Reach::Within(held)) => Reach::Within(held),
             (found, _) => found,
         }
+    }
+
+    fn certain_reach(&self, depth: f64) -> Reach {
+        self.proved(depth)
     }
 
     fn mean(&self, cell: &Rect) -> f64 {
@@ -174,6 +178,20 @@ impl Minimum {
         &self.parts
     }
 
+    /// What holds the reaches of all parts.
+    fn all(&self, reach: impl Fn(&dyn Gap) -> Reach) -> Reach {
+        let mut all = Reach::Nowhere;
+        for part in &self.parts {
+            all = match (all, reach(&**part)) {
+                (Reach::Within(a), Reach::Within(b)) => Reach::Within(a.union(&b)),
+                (known, Reach::Nowhere) => known,
+                (Reach::Nowhere, first) => first,
+                (_, other) => return other,
+            };
+        }
+        all
+    }
+
     /// Index of the least part; the first of equals.
     fn least(&self, [x, y]: [f64; 2]) -> usize {
         let mut least = (0, f64::INFINITY);
@@ -203,16 +221,11 @@ impl Gap for Minimum {
     }
 
     fn reach(&self, depth: f64) -> Reach {
-        let mut all = Reach::Nowhere;
-        for part in &self.parts {
-            all = match (all, extent(&**part, depth)) {
-                (Reach::Within(a), Reach::Within(b)) => Reach::Within(a.union(&b)),
-                (known, Reach::Nowhere) => known,
-                (Reach::Nowhere, first) => first,
-                (_, other) => return other,
-            };
-        }
-        all
+        self.all(|part| extent(part, depth))
+    }
+
+    fn certain_reach(&self, depth: f64) -> Reach {
+        self.all(|part| part.certain_reach(depth))
     }
 
     fn mean(&self, cell: &Rect) -> f64 {

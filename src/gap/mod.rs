@@ -67,6 +67,13 @@ pub trait Gap: Send + Sync {
         Reach::Unknown
     }
 
+    /// As [`Gap::reach`], without anything that was searched or sampled: [`Reach::Unknown`] where nothing is certain.
+    ///
+    /// A gap whose `reach` looks at values must give its own; a proof rests on it.
+    fn certain_reach(&self, depth: f64) -> Reach {
+        self.reach(depth)
+    }
+
     /// Mean of the gap over a rectangle. Infinite where any part has no material.
     fn mean(&self, cell: &Rect) -> f64 {
         mean::by_quadrature(|x, y| self.gap(x, y), cell)
@@ -125,6 +132,10 @@ impl Gap for AnyGap {
 
     fn reach(&self, depth: f64) -> Reach {
         self.0.reach(depth)
+    }
+
+    fn certain_reach(&self, depth: f64) -> Reach {
+        self.0.certain_reach(depth)
     }
 
     fn mean(&self, cell: &Rect) -> f64 {
