@@ -20,14 +20,14 @@ pub(super) struct Transform {
 /// The least product of small primes, even, at least `n`.
 fn fast_size(n: usize) -> usize {
     let smooth = |mut m: usize| {
-        for prime in [2, 3, 5] {
-            while m % prime == 0 {
+        for prime in [2_usize, 3, 5] {
+            while m.is_multiple_of(prime) {
                 m /= prime;
             }
         }
         m == 1
     };
-    (n.max(2)..).find(|&m| m % 2 == 0 && smooth(m)).unwrap_or(n)
+    (n.max(2)..).find(|&m| m.is_multiple_of(2) && smooth(m)).unwrap_or(n)
 }
 
 impl Transform {

@@ -312,10 +312,12 @@ impl<'a> Frame<'a> {
         let per_cell = settings.per_cell.max(1);
         let [a, b] = self.grid.spacing;
         let slender = a.max(b) > kernel::MOST_SLENDER * a.min(b);
-        if settings.prove && self.reach_known && !slender {
-            if let Some(found) = Violation::proved(self, lattice, q, per_cell) {
-                return (found, Evidence::Proved);
-            }
+        if settings.prove
+            && self.reach_known
+            && !slender
+            && let Some(found) = Violation::proved(self, lattice, q, per_cell)
+        {
+            return (found, Evidence::Proved);
         }
         (Violation::sampled(self, lattice, q, per_cell), Evidence::Sampled { per_cell })
     }
