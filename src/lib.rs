@@ -34,6 +34,7 @@
 //!
 #![doc = include_str!("theory.md")]
 
+pub mod bracket;
 mod by_approximation;
 mod by_formula;
 mod by_grid;

@@ -161,12 +161,6 @@ fn flat_ellipse(gap: &dyn Gap, depth: f64, reach: &Rect) -> Option<Recognised> {
     if !(lowest < depth) {
         return None;
     }
-    let rise =
-        |v: [f64; 2]| 0.5 * (gap.gap(centre[0] + v[0], centre[1] + v[1]) - gap.gap(centre[0] - v[0], centre[1] - v[1]));
-    let slope = [rise([0.3 * w, 0.0]) / (0.3 * w), rise([0.0, 0.3 * h]) / (0.3 * h)];
-    if !(slope[0].is_finite() && slope[1].is_finite()) {
-        return None;
-    }
     let allowed = CLOSE * (depth - lowest);
     // Where the material ends along a direction given in units of the half box.
     let rim = |angle: f64| -> Option<Vector2<f64>> {
@@ -185,6 +179,14 @@ fn flat_ellipse(gap: &dyn Gap, depth: f64, reach: &Rect) -> Option<Recognised> {
         }
         Some(direction * outside)
     };
+    // The slope from two points half way to the rim.
+    let slope_along = |angle: f64, axis: usize| -> Option<f64> {
+        let v = rim(angle)? * 0.5;
+        let (ahead, behind) =
+            (gap.gap(centre[0] + v[0], centre[1] + v[1]), gap.gap(centre[0] - v[0], centre[1] - v[1]));
+        Some(0.5 * (ahead - behind) / v[axis]).filter(|s| s.is_finite())
+    };
+    let slope = [slope_along(0.0, 0)?, slope_along(0.5 * std::f64::consts::PI, 1)?];
     // x'M x = 1 through three rims, tested on the others.
     let rims: Vec<Vector2<f64>> = (0..24).map(|k| rim(0.1 + 0.77 * f64::from(k))).collect::<Option<_>>()?;
     let scaled = |p: &Vector2<f64>| Vector2::new(p[0] / w, p[1] / h);

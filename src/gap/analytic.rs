@@ -1,6 +1,6 @@
 //! Gaps with one formula: paraboloid, sphere, cone, power law.
 
-use super::{Gap, Reach};
+use super::{Gap, Reach, range};
 use crate::error::{InputError, finite, positive};
 use crate::geometry::Rect;
 
@@ -48,6 +48,10 @@ impl Gap for Paraboloid {
 
     fn gradient(&self, x: f64, y: f64) -> Option<[f64; 2]> {
         Some([x / self.radii[0], y / self.radii[1]])
+    }
+
+    fn range(&self, rect: &Rect, slope: [f64; 2]) -> Option<[f64; 2]> {
+        Some(range::of_squares(self.radii.map(|r| 0.5 / r), rect, slope))
     }
 
     fn reach(&self, depth: f64) -> Reach {
@@ -103,6 +107,10 @@ impl Gap for Sphere {
         let rho = x.hypot(y) / self.radius;
         let height = self.radius * ((1.0 - rho) * (1.0 + rho)).max(0.0).sqrt();
         Some([x / height, y / height])
+    }
+
+    fn range(&self, rect: &Rect, slope: [f64; 2]) -> Option<[f64; 2]> {
+        Some(range::of_convex(self, rect, slope))
     }
 
     fn reach(&self, depth: f64) -> Reach {
@@ -162,6 +170,10 @@ impl Gap for Cone {
         Some(if r > 0.0 { [self.slope * (x / r), self.slope * (y / r)] } else { [self.slope, 0.0] })
     }
 
+    fn range(&self, rect: &Rect, slope: [f64; 2]) -> Option<[f64; 2]> {
+        Some(range::of_convex(self, rect, slope))
+    }
+
     fn reach(&self, depth: f64) -> Reach {
         disc(depth / self.slope)
     }
@@ -206,6 +218,14 @@ impl Gap for Power {
         let r = x.hypot(y);
         let slope = self.coefficient * self.exponent * r.powf(self.exponent - 1.0);
         Some(if r > 0.0 { [slope * (x / r), slope * (y / r)] } else { [slope, 0.0] })
+    }
+
+    fn range(&self, rect: &Rect, slope: [f64; 2]) -> Option<[f64; 2]> {
+        Some(if self.exponent >= 1.0 {
+            range::of_convex(self, rect, slope)
+        } else {
+            range::of_radial(|r| [self.coefficient * r.powf(self.exponent); 2], rect, slope)
+        })
     }
 
     fn reach(&self, depth: f64) -> Reach {

@@ -62,7 +62,7 @@ impl Sum {
         for (k, part) in self.parts.iter().enumerate() {
             let others = self.lows.iter().enumerate().filter(|(m, _)| *m != k).map(|(_, low)| *low);
             let Some(others) = others.sum::<Option<f64>>() else { continue };
-            match part.reach(depth - others) {
+            match part.certain_reach(depth - others) {
                 Reach::Nowhere => return Reach::Nowhere,
                 Reach::Within(rect) => {
                     held = match held.map_or(Some(rect), |held| held.intersection(&rect)) {
@@ -81,7 +81,7 @@ impl Sum {
 fn least(part: &AnyGap) -> Option<f64> {
     let [x, y] = part.centre();
     let low = part.gap(x, y);
-    [low, low - 1e-9 * low.abs()].into_iter().find(|&v| v.is_finite() && part.reach(v) == Reach::Nowhere)
+    [low, low - 1e-9 * low.abs()].into_iter().find(|&v| v.is_finite() && part.certain_reach(v) == Reach::Nowhere)
 }
 
 impl Gap for Sum {
@@ -94,6 +94,26 @@ impl Gap for Sum {
         self.parts.iter().try_fold([0.0; 2], |sum, part| part.gradient(x, y).map(|g| [sum[0] + g[0], sum[1] + g[1]]))
     }
 
+    fn range(&self, rect: &Rect, slope: [f64; 2]) -> Option<[f64; 2]> {
+        // Each part less its own slope in the middle; what is left of the slope goes to the first.
+        let [x, y] = rect.centre();
+        let own: Vec<[f64; 2]> = self.parts.iter().map(|part| part.gradient(x, y).unwrap_or_default()).collect();
+        let finite = own.iter().flatten().all(|s| s.is_finite());
+        let mut bounds = [0.0; 2];
+        for (k, part) in self.parts.iter().enumerate() {
+            let mut share = if finite { own[k] } else { [0.0; 2] };
+            if k == 0 {
+                for m in 0..2 {
+                    let others: f64 = if finite { own[1..].iter().map(|s| s[m]).sum() } else { 0.0 };
+                    share[m] = slope[m] - others;
+                }
+            }
+            let [low, high] = part.range(rect, share)?;
+            bounds = [bounds[0] + low, bounds[1] + high];
+        }
+        Some(bounds.map(|b| if b.is_nan() { f64::INFINITY } else { b }))
+    }
+
     fn reach(&self, depth: f64) -> Reach {
         let proved = self.proved(depth);
         if proved == Reach::Nowhere {
@@ -104,6 +124,10 @@ impl Gap for Sum {
             (Reach::Unbounded, Reach::Within(held)) => Reach::Within(held),
             (found, _) => found,
         }
+    }
+
+    fn certain_reach(&self, depth: f64) -> Reach {
+        self.proved(depth)
     }
 
     fn mean(&self, cell: &Rect) -> f64 {
@@ -154,6 +178,20 @@ impl Minimum {
         &self.parts
     }
 
+    /// What holds the reaches of all parts.
+    fn all(&self, reach: impl Fn(&dyn Gap) -> Reach) -> Reach {
+        let mut all = Reach::Nowhere;
+        for part in &self.parts {
+            all = match (all, reach(&**part)) {
+                (Reach::Within(a), Reach::Within(b)) => Reach::Within(a.union(&b)),
+                (known, Reach::Nowhere) => known,
+                (Reach::Nowhere, first) => first,
+                (_, other) => return other,
+            };
+        }
+        all
+    }
+
     /// Index of the least part; the first of equals.
     fn least(&self, [x, y]: [f64; 2]) -> usize {
         let mut least = (0, f64::INFINITY);
@@ -176,17 +214,18 @@ impl Gap for Minimum {
         self.parts[self.least([x, y])].gradient(x, y)
     }
 
+    fn range(&self, rect: &Rect, slope: [f64; 2]) -> Option<[f64; 2]> {
+        self.parts.iter().try_fold([f64::INFINITY; 2], |[low, high], part| {
+            part.range(rect, slope).map(|[a, b]| [low.min(a), high.min(b)])
+        })
+    }
+
     fn reach(&self, depth: f64) -> Reach {
-        let mut all = Reach::Nowhere;
-        for part in &self.parts {
-            all = match (all, extent(&**part, depth)) {
-                (Reach::Within(a), Reach::Within(b)) => Reach::Within(a.union(&b)),
-                (known, Reach::Nowhere) => known,
-                (Reach::Nowhere, first) => first,
-                (_, other) => return other,
-            };
-        }
-        all
+        self.all(|part| extent(part, depth))
+    }
+
+    fn certain_reach(&self, depth: f64) -> Reach {
+        self.all(|part| part.certain_reach(depth))
     }
 
     fn mean(&self, cell: &Rect) -> f64 {

@@ -42,6 +42,15 @@ impl Gap for Flat {
         self.outline.contains([x, y]).then_some([0.0; 2])
     }
 
+    fn range(&self, rect: &Rect, slope: [f64; 2]) -> Option<[f64; 2]> {
+        let [w, h] = rect.size();
+        let half = 0.5 * (slope[0].abs() * w + slope[1].abs() * h);
+        let high = if self.outline.covers(rect) { half } else { f64::INFINITY };
+        // Seen as far as its box: a part of the rectangle without material does no harm to a lower bound.
+        let low = if self.outline.misses(rect) { f64::INFINITY } else { -half };
+        Some([low, high])
+    }
+
     fn reach(&self, depth: f64) -> Reach {
         if depth > 0.0 { Reach::Within(self.outline.bounds()) } else { Reach::Nowhere }
     }

@@ -14,6 +14,7 @@ mod mean;
 mod outline;
 mod placed;
 mod polyhedron;
+mod range;
 mod revolved;
 mod search;
 mod tilted;
@@ -67,9 +68,25 @@ pub trait Gap: Send + Sync {
         Reach::Unknown
     }
 
+    /// As [`Gap::reach`], without anything that was searched or sampled: [`Reach::Unknown`] where nothing is certain.
+    ///
+    /// A gap whose `reach` looks at values must give its own; a proof rests on it.
+    fn certain_reach(&self, depth: f64) -> Reach {
+        self.reach(depth)
+    }
+
     /// Mean of the gap over a rectangle. Infinite where any part has no material.
     fn mean(&self, cell: &Rect) -> f64 {
         mean::by_quadrature(|x, y| self.gap(x, y), cell)
+    }
+
+    /// Bounds of g(x) - slope . (x - c) over a rectangle with centre c: nowhere less than the first, nowhere more than the
+    /// second (infinite where any part has no material). `None` when the gap cannot prove any.
+    ///
+    /// The bounds hold up to the rounding of [`Gap::gap`] itself. They may be wider than need be; the closer they are,
+    /// the narrower a proved bracket of the force ([`crate::bracket`]).
+    fn range(&self, _rect: &Rect, _slope: [f64; 2]) -> Option<[f64; 2]> {
+        None
     }
 
     /// Appends the distances r > 0 at which the gap along the ray `from + r direction` has a kink
@@ -123,8 +140,16 @@ impl Gap for AnyGap {
         self.0.reach(depth)
     }
 
+    fn certain_reach(&self, depth: f64) -> Reach {
+        self.0.certain_reach(depth)
+    }
+
     fn mean(&self, cell: &Rect) -> f64 {
         self.0.mean(cell)
+    }
+
+    fn range(&self, rect: &Rect, slope: [f64; 2]) -> Option<[f64; 2]> {
+        self.0.range(rect, slope)
     }
 
     fn ray_kinks(&self, from: [f64; 2], direction: [f64; 2], kinks: &mut Vec<f64>) {

@@ -148,6 +148,22 @@ impl Outline {
         edges(self.corners()).all(|(a, b)| !passes_through(&cell, a, b))
     }
 
+    /// Whether no point of the rectangle lies inside. May say no where the rectangle is near, never yes where it is not.
+    #[must_use]
+    pub(super) fn misses(&self, rect: &Rect) -> bool {
+        let rect = rect.scaled(1.0 + 1e-9);
+        match &self.0 {
+            Shape::Ellipse([a, b]) => {
+                let nearest = [0, 1].map(|m| 0.0_f64.clamp(rect.min[m], rect.max[m]));
+                (nearest[0] / a).hypot(nearest[1] / b) > 1.0
+            }
+            Shape::Polygon(corners) => {
+                !rect.corners().iter().any(|&c| self.contains(c))
+                    && !edges(corners).any(|(a, b)| rect.contains(a) || passes_through(&rect, a, b))
+            }
+        }
+    }
+
     /// Area.
     #[must_use]
     pub fn area(&self) -> f64 {

@@ -29,6 +29,15 @@ impl<G: Gap> Placed<G> {
         (self.turn.inverse() * (Vector2::from(p) - self.at)).into()
     }
 
+    fn placed(&self, reach: Reach) -> Reach {
+        match reach {
+            Reach::Within(rect) => {
+                Rect::holding(rect.corners().map(|c| self.outward(c))).map_or(Reach::Nowhere, Reach::Within)
+            }
+            other => other,
+        }
+    }
+
     fn outward(&self, p: [f64; 2]) -> [f64; 2] {
         (self.turn * Vector2::from(p) + self.at).into()
     }
@@ -55,13 +64,19 @@ impl<G: Gap> Gap for Placed<G> {
         self.inner.gradient(x, y).map(|g| (self.turn * Vector2::from(g)).into())
     }
 
+    fn range(&self, rect: &Rect, slope: [f64; 2]) -> Option<[f64; 2]> {
+        let slope = self.turn.inverse() * Vector2::from(slope);
+        // The turned rectangle lies within the upright one around its corners, which has the same centre.
+        let held = Rect::holding(rect.corners().map(|c| self.inward(c)))?;
+        self.inner.range(&held, slope.into())
+    }
+
     fn reach(&self, depth: f64) -> Reach {
-        match self.inner.reach(depth) {
-            Reach::Within(rect) => {
-                Rect::holding(rect.corners().map(|c| self.outward(c))).map_or(Reach::Nowhere, Reach::Within)
-            }
-            other => other,
-        }
+        self.placed(self.inner.reach(depth))
+    }
+
+    fn certain_reach(&self, depth: f64) -> Reach {
+        self.placed(self.inner.certain_reach(depth))
     }
 
     fn mean(&self, cell: &Rect) -> f64 {
@@ -115,6 +130,13 @@ impl Scaled<'_> {
         [self.origin[0] + self.length * x, self.origin[1] + self.length * y]
     }
 
+    fn scaled(&self, reach: Reach) -> Reach {
+        match reach {
+            Reach::Within(r) => Reach::Within(Rect { min: self.inward(r.min), max: self.inward(r.max) }),
+            other => other,
+        }
+    }
+
     /// A point of the user's in units of length from the origin.
     #[must_use]
     pub fn inward(&self, [x, y]: [f64; 2]) -> [f64; 2] {
@@ -133,11 +155,18 @@ impl Gap for Scaled<'_> {
         self.gap.gradient(x, y).map(|g| g.map(|g| g / self.depth * self.length))
     }
 
+    fn range(&self, rect: &Rect, slope: [f64; 2]) -> Option<[f64; 2]> {
+        let outward = Rect { min: self.outward(rect.min), max: self.outward(rect.max) };
+        let bounds = self.gap.range(&outward, slope.map(|s| s * self.depth / self.length))?;
+        Some(bounds.map(|b| b / self.depth))
+    }
+
     fn reach(&self, depth: f64) -> Reach {
-        match self.gap.reach(depth * self.depth) {
-            Reach::Within(r) => Reach::Within(Rect { min: self.inward(r.min), max: self.inward(r.max) }),
-            other => other,
-        }
+        self.scaled(self.gap.reach(depth * self.depth))
+    }
+
+    fn certain_reach(&self, depth: f64) -> Reach {
+        self.scaled(self.gap.certain_reach(depth * self.depth))
     }
 
     fn mean(&self, cell: &Rect) -> f64 {

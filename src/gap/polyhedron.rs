@@ -201,6 +201,49 @@ impl Gap for Polyhedron {
         Some([p[0], p[1]])
     }
 
+    fn range(&self, rect: &Rect, slope: [f64; 2]) -> Option<[f64; 2]> {
+        let (c, [w, h]) = (rect.centre(), rect.size());
+        // A plane over the rectangle: its value in the middle, and half its variation.
+        let plane = |p: &[f64; 3]| {
+            let half = 0.5 * ((p[0] - slope[0]).abs() * w + (p[1] - slope[1]).abs() * h);
+            (p[0] * c[0] + p[1] * c[1] + p[2], half)
+        };
+        let mut bounds = [f64::NEG_INFINITY; 2];
+        // The three highest in the middle, highest first.
+        let mut top: [Option<(f64, &[f64; 3])>; 3] = [None; 3];
+        for p in &self.planes {
+            let (middle, half) = plane(p);
+            bounds = [bounds[0].max(middle - half), bounds[1].max(middle + half)];
+            let mut carried = Some((middle, p));
+            for place in &mut top {
+                if carried.is_some_and(|c| place.is_none_or(|t| c.0 > t.0)) {
+                    std::mem::swap(place, &mut carried);
+                }
+            }
+        }
+        // Across ridges and at corners: the highest plane is nowhere below any mean of planes.
+        let top: Vec<&[f64; 3]> = top.into_iter().flatten().map(|t| t.1).collect();
+        let mut mean = |weights: [f64; 3]| {
+            let mut p = [0.0; 3];
+            for (w, q) in weights.iter().zip(&top) {
+                (0..3).for_each(|m| p[m] += w * q[m]);
+            }
+            let (middle, half) = plane(&p);
+            bounds[0] = bounds[0].max(middle - half);
+        };
+        if top.len() >= 2 {
+            [0.25, 0.5, 0.75].into_iter().for_each(|t| mean([t, 1.0 - t, 0.0]));
+        }
+        if top.len() == 3 {
+            let third = 1.0 / 3.0;
+            for weights in [[third, third, 1.0 - 2.0 * third], [0.5, 0.25, 0.25], [0.25, 0.5, 0.25], [0.25, 0.25, 0.5]]
+            {
+                mean(weights);
+            }
+        }
+        Some(bounds)
+    }
+
     fn reach(&self, depth: f64) -> Reach {
         if let Some((faces, slope)) = self.regular {
             if depth <= 0.0 {

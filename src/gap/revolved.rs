@@ -1,7 +1,7 @@
 //! Bodies of revolution given by points of their generatrix.
 
 use super::outline::circle_crossings;
-use super::{Gap, Reach};
+use super::{Gap, Reach, range};
 use crate::error::{InputError, finite};
 use crate::geometry::Rect;
 
@@ -107,6 +107,10 @@ impl Gap for Revolved {
         let r = x.hypot(y);
         let slope = self.slope(r)?;
         Some(if r > 0.0 { [slope * (x / r), slope * (y / r)] } else { [slope, 0.0] })
+    }
+
+    fn range(&self, rect: &Rect, slope: [f64; 2]) -> Option<[f64; 2]> {
+        Some(range::of_segments(&self.points, rect, slope))
     }
 
     fn reach(&self, depth: f64) -> Reach {

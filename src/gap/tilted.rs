@@ -17,6 +17,27 @@ impl Tilted {
         Self { gap, tilt }
     }
 
+    /// {f > 0} of the tilted gap from that of the level one at a depth.
+    fn raised(&self, depth: f64, reach: impl Fn(f64) -> Reach) -> Reach {
+        // {g < depth + tilt . x} lies in {g < depth + s} where s is the largest rise over its own box: grow until it does.
+        let mut rise = 0.0;
+        for _ in 0..60 {
+            match reach(depth + rise) {
+                Reach::Within(rect) => {
+                    let most = rect.corners().map(|[x, y]| self.rise(x, y)).into_iter().fold(0.0, f64::max);
+                    if most <= rise {
+                        return Reach::Within(rect);
+                    }
+                    rise = 2.0 * most;
+                }
+                // Nothing is reached on the way up only if nothing was reached at the bottom.
+                Reach::Nowhere if rise == 0.0 => rise = depth.abs().max(f64::MIN_POSITIVE),
+                other => return if rise > 0.0 && other == Reach::Nowhere { Reach::Unknown } else { other },
+            }
+        }
+        Reach::Unknown
+    }
+
     fn rise(&self, x: f64, y: f64) -> f64 {
         self.tilt[0] * x + self.tilt[1] * y
     }
@@ -31,24 +52,18 @@ impl Gap for Tilted {
         self.gap.gradient(x, y).map(|[gx, gy]| [gx - self.tilt[0], gy - self.tilt[1]])
     }
 
+    fn range(&self, rect: &Rect, slope: [f64; 2]) -> Option<[f64; 2]> {
+        let [x, y] = rect.centre();
+        let bounds = self.gap.range(rect, [slope[0] + self.tilt[0], slope[1] + self.tilt[1]])?;
+        Some(bounds.map(|b| b - self.rise(x, y)))
+    }
+
     fn reach(&self, depth: f64) -> Reach {
-        // {g < depth + tilt . x} lies in {g < depth + s} where s is the largest rise over its own box: grow until it does.
-        let mut rise = 0.0;
-        for _ in 0..60 {
-            match self.gap.reach(depth + rise) {
-                Reach::Within(rect) => {
-                    let most = rect.corners().map(|[x, y]| self.rise(x, y)).into_iter().fold(0.0, f64::max);
-                    if most <= rise {
-                        return Reach::Within(rect);
-                    }
-                    rise = 2.0 * most;
-                }
-                // Nothing is reached on the way up only if nothing was reached at the bottom.
-                Reach::Nowhere if rise == 0.0 => rise = depth.abs().max(f64::MIN_POSITIVE),
-                other => return if rise > 0.0 && other == Reach::Nowhere { Reach::Unknown } else { other },
-            }
-        }
-        Reach::Unknown
+        self.raised(depth, |depth| self.gap.reach(depth))
+    }
+
+    fn certain_reach(&self, depth: f64) -> Reach {
+        self.raised(depth, |depth| self.gap.certain_reach(depth))
     }
 
     fn mean(&self, cell: &Rect) -> f64 {

@@ -1,0 +1,180 @@
+//! From suprema to forces: how a pressure that is nearly admissible becomes one that is.
+//!
+//! Two ways, for each side. *Scaling*: with S q >= f/lambda where f > 0, lambda q is admissible; with S q <= lambda f on
+//! supp q, q/lambda is. *Discs*: a flat disc of radius R under displacement e carries 2 E* R e (Boussinesq) and has no
+//! negative displacement anywhere, so a stack of discs that covers every {violation > e} repairs an upper pressure; and since
+//! P(f + v) <= P(f) + P(v), the force of the same stack is the most that a lower pressure can be too large by.
+//! A lower pressure may also drop cells: what is left displaces less everywhere.
+
+use super::Theorem;
+use super::outside::Outside;
+use super::violation::Violation;
+use crate::geometry::Rect;
+use crate::grid::Grid;
+
+/// A side of the bracket in the units of the frame.
+pub(super) struct Closed {
+    pub force: f64,
+    pub theorem: Theorem,
+    /// What every pressure is multiplied by.
+    pub factor: f64,
+    /// Cells that keep their pressure; `None`: all.
+    pub kept: Option<Vec<bool>>,
+    /// Largest violation that scaling and dropping leave.
+    pub left: f64,
+    /// The cell, or rectangle, with the largest violation before repair.
+    pub at: [f64; 2],
+}
+
+/// Steps between no scaling and scaling alone.
+const MIXTURES: usize = 8;
+
+/// Force of the stack of discs over `violations` (height, where), heights positive: 2 times the integral of the radius.
+fn discs(violations: &mut [(f64, Rect)]) -> f64 {
+    violations.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let mut force = 0.0;
+    let mut box_: Option<Rect> = None;
+    let centre = violations.first().map_or([0.0; 2], |_| {
+        let all = violations.iter().map(|v| v.1).reduce(|a, b| a.union(&b));
+        all.map_or([0.0; 2], |r| r.centre())
+    });
+    let mut about_centre = 0.0_f64;
+    for (k, (height, rect)) in violations.iter().enumerate() {
+        let held = box_.map_or(*rect, |b| b.union(rect));
+        box_ = Some(held);
+        for c in rect.corners() {
+            about_centre = about_centre.max((c[0] - centre[0]).hypot(c[1] - centre[1]));
+        }
+        let [w, h] = held.size();
+        let radius = about_centre.min(0.5 * w.hypot(h));
+        let next = violations.get(k + 1).map_or(0.0, |v| v.0);
+        if *height > next {
+            force += 2.0 * radius * (height - next);
+        }
+    }
+    force
+}
+
+/// Sum by rows, so that its rounding grows with the side of the grid and not with its cells.
+fn total(grid: &Grid, values: impl Fn(usize) -> f64) -> f64 {
+    let nx = grid.shape[0];
+    (0..grid.shape[1]).map(|j| (0..nx).map(|i| values(j * nx + i)).sum::<f64>()).sum::<f64>() * grid.cell_area()
+}
+
+/// Relative rounding of a total and of the few operations after it.
+fn rounding(grid: &Grid) -> f64 {
+    (grid.shape[0] + grid.shape[1] + 64) as f64 * f64::EPSILON
+}
+
+/// The least force that the pressure `q`, repaired, proves to be enough.
+pub(super) fn upper(grid: &Grid, q: &[f64], found: &Violation, outside: &Outside) -> Closed {
+    let spills = &outside.spills;
+    let nx = grid.shape[0];
+    let base = total(grid, |k| q[k]);
+    // Beyond the grid u >= f is known, and no more.
+    let floor = if outside.covered { 1.0 } else { f64::NEG_INFINITY };
+    let shortest = found.short.iter().copied().chain(spills.iter().map(|s| s.short)).fold(floor, f64::max);
+    let cell = |k: usize| grid.cell(k % nx, k / nx);
+    let worst =
+        (0..grid.len()).map(|k| (found.over[k], k)).fold((f64::NEG_INFINITY, 0), |a, b| if b.0 > a.0 { b } else { a });
+    let worst_spill = spills.iter().max_by(|a, b| a.over.total_cmp(&b.over));
+    let at = match worst_spill {
+        Some(spill) if spill.over > worst.0 => spill.rect.centre(),
+        _ => cell(worst.1).centre(),
+    };
+    let mut best = Closed { force: f64::INFINITY, theorem: Theorem::Scaling, factor: 1.0, kept: None, left: 0.0, at };
+    if shortest == f64::NEG_INFINITY {
+        // No point has f > 0.
+        return Closed { force: 0.0, factor: 0.0, ..best };
+    }
+    let up = 1.0 + rounding(grid);
+    if base > 0.0 && shortest.is_finite() {
+        let factor = shortest.max(0.0) * (1.0 + 8.0 * f64::EPSILON);
+        best = Closed { force: (factor * base * up).next_up(), factor, ..best };
+    }
+    let furthest = if base > 0.0 && shortest.is_finite() { (shortest - 1.0).max(0.0) } else { 0.0 };
+    for step in 0..MIXTURES {
+        let more = furthest * step as f64 / MIXTURES as f64;
+        // What is left of f - lambda u after scaling: at most (f - u) - (lambda - 1) u.
+        let mut left: Vec<(f64, Rect)> = (0..grid.len())
+            .map(|k| (k, found.over[k] - more * found.least[k].max(0.0)))
+            .filter(|v| v.1 > 0.0)
+            .map(|(k, v)| (v, cell(k)))
+            .collect();
+        left.extend(spills.iter().map(|s| (s.over - more * s.least, s.rect)).filter(|v| v.0 > 0.0));
+        let highest = left.iter().map(|v| v.0).fold(0.0, f64::max);
+        let force = (((1.0 + more) * base + discs(&mut left)) * up).next_up();
+        if force < best.force {
+            best = Closed { force, theorem: Theorem::Discs, factor: 1.0 + more, left: highest, ..best };
+        }
+        if furthest == 0.0 {
+            break;
+        }
+    }
+    best
+}
+
+/// The largest force that the pressure `q`, repaired, proves to be carried.
+pub(super) fn lower(grid: &Grid, q: &[f64], found: &Violation) -> Closed {
+    let nx = grid.shape[0];
+    let cell = |k: usize| grid.cell(k % nx, k / nx);
+    let mut loaded: Vec<usize> = (0..grid.len()).filter(|&k| q[k] > 0.0).collect();
+    let mut best = Closed { force: 0.0, theorem: Theorem::Scaling, factor: 0.0, kept: None, left: 0.0, at: [0.0; 2] };
+    let Some(&worst) = loaded.iter().max_by(|&&a, &&b| found.under[a].total_cmp(&found.under[b])) else { return best };
+    best.at = cell(worst).centre();
+    let down = 1.0 - rounding(grid);
+    let area = grid.cell_area();
+
+    // Scaling: for each lambda the cells with u/f <= lambda are kept.
+    loaded.sort_by(|&a, &b| found.long[a].total_cmp(&found.long[b]));
+    let (mut sum, mut chosen) = (0.0, None);
+    for &k in &loaded {
+        sum += q[k];
+        let lambda = found.long[k];
+        if !(lambda > 0.0 && lambda.is_finite()) {
+            break;
+        }
+        let force = sum / lambda * area;
+        if force > best.force {
+            best.force = force;
+            chosen = Some(lambda);
+        }
+    }
+    if let Some(lambda) = chosen {
+        let kept: Vec<bool> = (0..grid.len()).map(|k| q[k] > 0.0 && found.long[k] <= lambda).collect();
+        let force = total(grid, |k| if kept[k] { q[k] } else { 0.0 }) / lambda * down;
+        best = Closed { force: force.next_down().max(0.0), factor: 1.0 / lambda, kept: Some(kept), ..best };
+    }
+
+    // Discs: the worst cells dropped up to a share of the load, the rest repaired.
+    loaded.sort_by(|&a, &b| found.under[b].total_cmp(&found.under[a]));
+    let all: f64 = loaded.iter().map(|&k| q[k]).sum();
+    let mut dropped = 0;
+    let mut gone = 0.0;
+    let mut share = 0.0;
+    loop {
+        while dropped < loaded.len() && (found.under[loaded[dropped]] == f64::INFINITY || gone < share * all) {
+            gone += q[loaded[dropped]];
+            dropped += 1;
+        }
+        let rest = &loaded[dropped..];
+        if rest.is_empty() {
+            break;
+        }
+        let mut left: Vec<(f64, Rect)> =
+            rest.iter().map(|&k| (found.under[k], cell(k))).filter(|v| v.0 > 0.0).collect();
+        let highest = left.iter().map(|v| v.0).fold(0.0, f64::max);
+        let repair = discs(&mut left) * (1.0 + rounding(grid));
+        let mut kept = vec![false; grid.len()];
+        rest.iter().for_each(|&k| kept[k] = true);
+        let force = (total(grid, |k| if kept[k] { q[k] } else { 0.0 }) * down - repair).next_down();
+        if force > best.force {
+            best = Closed { force, theorem: Theorem::Discs, factor: 1.0, kept: Some(kept), left: highest, ..best };
+        }
+        share = if share == 0.0 { 1e-4 } else { share * 2.0 };
+        if share > 0.5 {
+            break;
+        }
+    }
+    best
+}
