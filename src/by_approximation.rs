@@ -77,6 +77,7 @@ fn dimensional(contact: &Contact, depth: f64, tilt: [f64; 2], settings: &Setting
         tilt,
         force: found.force,
         force_error: None,
+        bracket: None,
         stiffness: found.stiffness,
         stiffness_matrix: None,
         moment: None,

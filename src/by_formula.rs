@@ -188,6 +188,7 @@ pub(crate) fn solution(
         tilt,
         force: form.force,
         force_error: Some(form.error),
+        bracket: None,
         stiffness: form.stiffness,
         stiffness_matrix: Some([0, 1, 2].map(|i| [0, 1, 2].map(|j| stiffness[(i, j)]))),
         moment: Some([form.force * y, -form.force * x]),

@@ -129,7 +129,10 @@ pub(crate) fn dimensional(
             .outputs
             .pressure
             .then(|| Pressure { grid: outward_grid, values: values.iter().map(|p| p * unit_pressure).collect() }),
-        gap: settings.outputs.gap.then(|| exact::gap_left(state).into_iter().map(|g| g * height).collect()),
+        gap: settings
+            .outputs
+            .gap
+            .then(|| (outward_grid, exact::gap_left(state).into_iter().map(|g| g * height).collect())),
     };
     Ok(Solution {
         method: state.method,
@@ -137,6 +140,7 @@ pub(crate) fn dimensional(
         tilt,
         force: force * unit_force,
         force_error: Some(error / force),
+        bracket: None,
         stiffness: stiffness * e_star * length,
         stiffness_matrix: None,
         moment: Some(moment),

@@ -82,7 +82,7 @@ impl Loading {
 /// let dented = Contact::new(modulus, |x: f64, y: f64| x * x + y.abs().powi(3), Loading::force(10.0))?;
 /// # Ok::<(), contact_patch::InputError>(())
 /// ```
-#[derive(Clone)]
+#[derive(Debug, Clone)]
 pub struct Contact {
     modulus: EffectiveModulus,
     gap: AnyGap,

@@ -53,10 +53,33 @@ pub fn degree(gap: &dyn Gap, within: &Rect) -> Option<Degree> {
         Some(k) if zeros == 0 && material == POINTS => {
             Some(Degree::Power(if (k - k.round()).abs() < 1e-9 { k.round() } else { k }))
         }
-        None if material > 0 => Some(Degree::Flat),
+        None if material > 0 && ends_at_once(gap, within) => Some(Degree::Flat),
         _ => None,
     }
 }
+
+/// Whether the material ends where the flat does, along rays from the centre: a flat with flanks is not homogeneous, however narrow
+/// they are at the present depth.
+fn ends_at_once(gap: &dyn Gap, within: &Rect) -> bool {
+    let [cx, cy] = gap.centre();
+    let far = within.corners().map(|[x, y]| (x - cx).hypot(y - cy)).into_iter().fold(0.0, f64::max);
+    (0..RAYS).all(|k| {
+        let (sin, cos) = (0.1 + std::f64::consts::TAU * f64::from(k) / f64::from(RAYS)).sin_cos();
+        let at = |r: f64| gap.gap(cx + r * cos, cy + r * sin);
+        let (mut flat, mut beyond) = (0.0, 1.001 * far);
+        if at(beyond) == 0.0 {
+            return false;
+        }
+        for _ in 0..60 {
+            let middle = 0.5 * (flat + beyond);
+            if at(middle) == 0.0 { flat = middle } else { beyond = middle }
+        }
+        at(beyond) == f64::INFINITY
+    })
+}
+
+/// Rays along which the rim of a flat is looked at.
+const RAYS: u32 = 16;
 
 /// The degree of a homogeneous gap.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -95,5 +118,8 @@ mod tests {
         assert_eq!(of(&Polyhedron::truncated_pyramid(4, 0.2, 0.1).unwrap()), None);
         assert_eq!(of(&|x: f64, y: f64| if x.hypot(y) < 0.5 { 0.0 } else { f64::INFINITY }), Some(Degree::Flat));
         assert_eq!(of(&|x: f64, y: f64| (x * x + y * y) * (1.0 + 1e-8 * x)), None);
+        // A flat with flanks that are narrow at this depth.
+        let blunt = Polyhedron::truncated_pyramid(4, 0.4, 0.5).unwrap();
+        assert_eq!(degree(&blunt, &Rect::around([0.0; 2], [0.502; 2])), None);
     }
 }

@@ -35,6 +35,7 @@
 #![doc = include_str!("theory.md")]
 
 pub mod bracket;
+mod bracketed;
 mod by_approximation;
 mod by_formula;
 mod by_grid;

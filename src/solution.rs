@@ -1,7 +1,8 @@
 //! The answer: force, stiffness, patch and pressure of one state of loading, in the user's units.
 
+use crate::bracket::ForceBracket;
 use crate::discrete::Residuals;
-use crate::grid::Pressure;
+use crate::grid::{Grid, Pressure};
 use crate::settings::Method;
 
 /// A solved state of contact. What could not be solved is an [`crate::Unsolved`], never one of these.
@@ -17,6 +18,8 @@ pub struct Solution {
     pub force: f64,
     /// Estimate of the relative error of the force; `None` when no estimate could be made.
     pub force_error: Option<f64>,
+    /// Bounds of the force with their evidence, when asked for.
+    pub bracket: Option<ForceBracket>,
     /// dP/dd.
     pub stiffness: f64,
     /// Second derivatives of the stored energy by (depth, ax, ay); `None` when the method cannot give them.
@@ -48,6 +51,7 @@ impl Solution {
             tilt,
             force: 0.0,
             force_error: Some(0.0),
+            bracket: None,
             stiffness: 0.0,
             stiffness_matrix: Some([[0.0; 3]; 3]),
             moment: Some([0.0; 2]),
@@ -72,6 +76,7 @@ impl Solution {
         let mut other = self.clone();
         other.depth = depth;
         other.force *= stronger;
+        other.bracket = None;
         other.stiffness *= longer;
         other.energy = self.energy.map(|u| u * deeper * stronger);
         // About the centre the rows scale one by one; the matrix is about the origin.
@@ -92,7 +97,11 @@ impl Solution {
         pressure.max = pressure.max.map(|p| p * harder);
         pressure.mean = pressure.mean.map(|p| p * harder);
         pressure.at = pressure.at.map(place);
-        pressure.gap.iter_mut().flatten().for_each(|g| *g *= deeper);
+        if let Some((grid, values)) = &mut pressure.gap {
+            grid.origin = place(grid.origin);
+            grid.spacing = grid.spacing.map(|h| h * longer);
+            values.iter_mut().for_each(|g| *g *= deeper);
+        }
         if let Some(field) = &mut pressure.field {
             field.grid.origin = place(field.grid.origin);
             field.grid.spacing = field.grid.spacing.map(|h| h * longer);
@@ -128,8 +137,8 @@ pub struct PressureSummary {
     pub at: Option<[f64; 2]>,
     /// The field on its grid, when asked for.
     pub field: Option<Pressure>,
-    /// The gap that is left after loading, on the same grid, when asked for.
-    pub gap: Option<Vec<f64>>,
+    /// The gap that is left after loading, cell by cell, when asked for; infinite where there is no material.
+    pub gap: Option<(Grid, Vec<f64>)>,
 }
 
 /// What a solution took.

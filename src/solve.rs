@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use crate::bracketed::with_bracket;
 use crate::contact::{Contact, Load};
 use crate::equilibrium::{self, Respond};
 use crate::error::{Unsolved, Verdict};
@@ -63,6 +64,9 @@ fn at(contact: &Contact, load: Load, settings: &Settings, similar: &mut Option<S
         Load::Force(force) => at_force(contact, force, settings, similar)?,
         Load::ForceMoment { force, moment } => at_moment(contact, force, moment, settings)?,
     };
+    if settings.outputs.bracket {
+        solution = with_bracket(contact, solution, settings)?;
+    }
     solution.cost.seconds = started.elapsed().as_secs_f64();
     Ok(solution)
 }
@@ -172,6 +176,16 @@ fn at_force(
     Ok(first)
 }
 
+/// A box around everything that can touch at any tilt: where the gap is less than a depth beyond all measure.
+fn material(gap: &AnyGap, depth: f64) -> Option<Rect> {
+    let [x, y] = lowest(&**gap, gap.centre());
+    let least = gap.gap(x, y);
+    match gap.reach(least + 1e12 * (depth - least)) {
+        Reach::Within(rect) => Some(rect),
+        _ => None,
+    }
+}
+
 /// Relative miss of the load that is left to the last linear step.
 fn close(settings: &Settings) -> f64 {
     match settings.method {
@@ -188,6 +202,17 @@ fn at_moment(contact: &Contact, force: f64, moment: [f64; 2], settings: &Setting
         } else {
             Err(Unsolved::new(Verdict::NoEquilibrium, "a moment without a force"))
         };
+    }
+    let through = [-moment[1] / force, moment[0] / force];
+    if let Some(material) = material(contact.gap(), upright.depth)
+        && !material.contains(through)
+    {
+        let (a, b) = (material.min, material.max);
+        let reason = format!(
+            "the line of action meets the surface at ({:e}, {:e}), outside of all material, [{:e}, {:e}] x [{:e}, {:e}]",
+            through[0], through[1], a[0], b[0], a[1], b[1]
+        );
+        return Err(Unsolved::new(Verdict::NoEquilibrium, reason));
     }
     let size = (upright.patch.area / std::f64::consts::PI).sqrt();
     // The last linear step of a force-driven solve has no place here: the state is solved anew at every tilt.

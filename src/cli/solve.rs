@@ -29,6 +29,9 @@ pub(super) struct Solve {
     /// Write the pressure field as NumPy array, [j, i] = cell (i, j)
     #[arg(long, value_name = "FILE.npy")]
     field: Option<PathBuf>,
+    /// Bracket the force from below and above
+    #[arg(long)]
+    bracket: bool,
     /// Threads to use; by default all cores
     #[arg(long, value_name = "N")]
     threads: Option<usize>,
@@ -40,6 +43,7 @@ impl Solve {
         let wrong = |e: &InputError| Failure::wrong("arguments", e);
         self.overrides.apply(&mut scene.settings).map_err(|e| wrong(&e))?;
         scene.settings.threads = checked_threads("--threads", self.threads)?;
+        scene.settings.outputs.bracket |= self.bracket;
         if self.field.is_some() {
             if matches!(scene.contact.loading(), Loading::Steps(_)) {
                 let given = "a file for a list of loads";

@@ -119,6 +119,12 @@ impl AnyGap {
     }
 }
 
+impl std::fmt::Debug for AnyGap {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("AnyGap")
+    }
+}
+
 impl std::ops::Deref for AnyGap {
     type Target = dyn Gap;
 

@@ -26,16 +26,20 @@
 use serde::ser::{Serialize, SerializeMap, SerializeSeq, Serializer};
 
 use super::{Step, centre_of_pressure, said_once};
+use crate::bracket::{Evidence, ForceBracket};
 use crate::contact::Loading;
+use crate::curve::{Curve, CurveRange};
+use crate::gap::{Gap, lowest};
 use crate::grid::Grid;
 use crate::scene::Scene;
 use crate::solution::Solution;
 
 /// A scene with its answers, ready to be written.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 pub struct Outcome<'a> {
     scene: &'a Scene,
     steps: &'a [Step],
+    curve: Option<serde_json::Value>,
 }
 
 /// The result of `scene`; `steps` as [`crate::solve`] returned them.
@@ -51,7 +55,22 @@ pub struct Outcome<'a> {
 /// ```
 #[must_use]
 pub fn json<'a>(scene: &'a Scene, steps: &'a [Step]) -> Outcome<'a> {
-    Outcome { scene, steps }
+    Outcome { scene, steps, curve: curve(scene, steps) }
+}
+
+/// The force-depth curve up to the deepest of the answers, when the scene asks for it and it can be had.
+fn curve(scene: &Scene, steps: &[Step]) -> Option<serde_json::Value> {
+    if !scene.settings.outputs.curve {
+        return None;
+    }
+    let deepest =
+        steps.iter().filter_map(|s| s.as_ref().ok()).filter(|s| s.force > 0.0).map(|s| s.depth).reduce(f64::max)?;
+    let gap = scene.contact.gap();
+    let [x, y] = lowest(&**gap, gap.centre());
+    let to = deepest - gap.gap(x, y);
+    let range = CurveRange { from: 1e-3 * to, to, accuracy: scene.settings.tolerance };
+    let curve = Curve::new(&scene.contact, &scene.settings, range).ok()?;
+    serde_json::from_str(&curve.json()).ok()
 }
 
 impl Serialize for Outcome<'_> {
@@ -63,6 +82,7 @@ impl Serialize for Outcome<'_> {
         map.each("depth", |s| finite(s.depth))?;
         map.each("force", |s| finite(s.force))?;
         map.each("force_error", |s| s.force_error.and_then(finite))?;
+        map.each("bracket", |s| s.bracket.as_ref().map(BracketOf))?;
         map.each("stiffness", |s| finite(s.stiffness))?;
         map.each("stiffness_matrix", |s| s.stiffness_matrix.filter(|m| m.iter().flatten().all(|x| x.is_finite())))?;
         map.each("energy", |s| s.energy.and_then(finite))?;
@@ -71,7 +91,10 @@ impl Serialize for Outcome<'_> {
         map.each("centre_of_pressure", centre_of_pressure)?;
         map.each("patch", |s| Some(PatchOf(s)))?;
         map.each("pressure", |s| Some(PressureOf(s)))?;
-        map.each("gap", |s| Some(GapOf { grid: s.pressure.field.as_ref()?.grid, values: s.pressure.gap.as_ref()? }))?;
+        map.each("gap", |s| s.pressure.gap.as_ref().map(|(grid, values)| GapOf { grid: *grid, values }))?;
+        if let Some(curve) = &self.curve {
+            map.map.serialize_entry("curve", curve)?;
+        }
         map.verdicts()?;
         map.each("checks", |s| s.residuals.map(|_| ChecksOf(s)))?;
         map.each("cost", |s| Some(CostOf(s)))?;
@@ -154,6 +177,24 @@ impl Serialize for PatchOf<'_> {
         map.serialize_entry("max_radius", &finite(patch.max_radius))?;
         if let Some(boundary) = &patch.boundary {
             map.serialize_entry("boundary", boundary)?;
+        }
+        map.end()
+    }
+}
+
+struct BracketOf<'a>(&'a ForceBracket);
+
+impl Serialize for BracketOf<'_> {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        let mut map = to.serialize_map(None)?;
+        map.serialize_entry("lower", &finite(self.0.lower()))?;
+        map.serialize_entry("upper", &finite(self.0.upper()))?;
+        match self.0.evidence() {
+            Evidence::Proved => map.serialize_entry("evidence", "proved")?,
+            Evidence::Sampled { per_cell } => {
+                map.serialize_entry("evidence", "sampled")?;
+                map.serialize_entry("points_per_cell_side", &per_cell)?;
+            }
         }
         map.end()
     }

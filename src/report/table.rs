@@ -1,6 +1,7 @@
 //! The result as a short table for people. Units are the user's own, so none are named.
 
 use super::{Step, said_once};
+use crate::bracket::Evidence;
 use crate::contact::Loading;
 use crate::scene::Scene;
 use crate::solution::Solution;
@@ -29,6 +30,13 @@ fn single(s: &Solution, lines: &mut Vec<String>) {
     }
     let error = s.force_error.map_or(String::new(), |e| format!("  (relative error about {e:.1e})"));
     rows.push(["force".into(), format!("{}{error}", figure(s.force))]);
+    if let Some(b) = &s.bracket {
+        let evidence = match b.evidence() {
+            Evidence::Proved => "proved".to_owned(),
+            Evidence::Sampled { per_cell } => format!("sampled at {per_cell} x {per_cell} points a cell"),
+        };
+        rows.push(["bracket".into(), format!("{:.8e} to {:.8e}  ({evidence})", b.lower(), b.upper())]);
+    }
     rows.push(["stiffness".into(), figure(s.stiffness)]);
     if let Some(moment) = s.moment.filter(|m| m.iter().any(|m| *m != 0.0)) {
         rows.push(["moments about the origin".into(), pair(moment)]);

@@ -40,7 +40,7 @@ use document::ROOT;
 pub(crate) const LONGEST: u64 = 1 << 28;
 
 /// A scene: the problem, how to solve it, and the document both came from.
-#[derive(Clone)]
+#[derive(Debug, Clone)]
 pub struct Scene {
     /// The name it was given.
     pub name: Option<String>,
