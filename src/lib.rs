@@ -6,6 +6,7 @@ mod by_grid;
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod closed_form;
+pub mod compare;
 mod contact;
 mod discrete;
 mod domain;

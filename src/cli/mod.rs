@@ -4,6 +4,7 @@
 //! message on stderr, nothing written.
 
 mod batch;
+mod compare;
 mod completions;
 mod schema;
 mod solve;
@@ -30,6 +31,7 @@ struct Arguments {
 #[derive(Subcommand)]
 enum Command {
     Solve(solve::Solve),
+    Compare(compare::Compare),
     Batch(batch::Batch),
     Schema(schema::SchemaCommand),
     Completions(completions::Completions),
@@ -102,6 +104,7 @@ impl From<io::Error> for Failure {
 pub fn run() -> ExitCode {
     let result = match Arguments::parse().command {
         Command::Solve(command) => command.run(),
+        Command::Compare(command) => command.run(),
         Command::Batch(command) => command.run(),
         Command::Schema(command) => command.run(),
         Command::Completions(command) => command.run(),

@@ -1,5 +1,6 @@
 //! Results out: JSON for programs, a table for people, CSV for spreadsheets, .npy for fields.
 
+mod comparison;
 mod csv;
 mod json;
 #[cfg(feature = "cli")]
@@ -8,6 +9,7 @@ mod table;
 #[cfg(feature = "cli")]
 pub(crate) mod write;
 
+pub use comparison::{comparison_csv, comparison_json, comparison_table};
 pub use csv::csv;
 pub use json::{Outcome, json};
 pub use table::table;
