@@ -23,6 +23,8 @@ pub mod influence;
 mod material;
 pub mod matrix_free;
 pub mod patch;
+#[cfg(feature = "plot")]
+pub mod plot;
 #[cfg(feature = "qp")]
 pub mod qp;
 pub mod quadrature;
@@ -36,6 +38,8 @@ pub mod scene;
 mod settings;
 mod solution;
 mod solve;
+#[cfg(feature = "scene")]
+pub mod stability;
 pub mod symmetry;
 
 pub use contact::{Contact, Load, Loading};

@@ -8,6 +8,7 @@ use clap::Args;
 use super::{Failure, checked_threads, scene};
 use crate::compare::{Plan, compare};
 use crate::error::InputError;
+use crate::plot::{Format, error_against_time};
 use crate::report::write::Target;
 use crate::report::{comparison_csv, comparison_json, comparison_table};
 use crate::scene::fields::checked_cells;
@@ -36,6 +37,9 @@ pub(super) struct Compare {
     /// Write a line a run as CSV; - prints it alone
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
+    /// Draw error against run time
+    #[arg(long, value_name = "FILE.svg|.png")]
+    plot: Option<PathBuf>,
 }
 
 impl Compare {
@@ -54,16 +58,26 @@ impl Compare {
         if !self.qp_cells.is_empty() {
             plan.qp_cells = chosen("--qp-cells", &self.qp_cells)?;
         }
+        let format = self.plot.as_deref().map(Format::of).transpose().map_err(|e| wrong(&e.within("--plot")))?;
         let mut targets = Vec::new();
-        for path in [&self.json, &self.csv] {
+        for path in [&self.json, &self.csv, &self.plot] {
             let checked = |path: &PathBuf| Target::check(path).map_err(|e| Failure::unwritable(path, &e));
             targets.push(path.as_ref().map(|path| checked(path).map(|target| (path, target))).transpose()?);
         }
         let comparison = compare(&scene.contact, &plan);
         let json = comparison_json(&scene, &comparison).map_err(|e| Failure::Message(e.to_string()))? + "\n";
-        for (target, text) in targets.iter().zip([json, comparison_csv(&comparison)]) {
-            if let Some((path, target)) = target {
-                target.write(|to| to.write_all(text.as_bytes())).map_err(|e| Failure::unwritable(path, &e))?;
+        let picture = match format {
+            Some(format) if comparison.reference.is_some() => {
+                error_against_time(scene.name.as_deref().unwrap_or("error against run time"), &comparison, format)
+                    .map_err(|e| Failure::Message(e.to_string()))?
+            }
+            _ => Vec::new(),
+        };
+        for (target, bytes) in
+            targets.iter().zip([json.into_bytes(), comparison_csv(&comparison).into_bytes(), picture])
+        {
+            if let Some((path, target)) = target.as_ref().filter(|_| !bytes.is_empty()) {
+                target.write(|to| to.write_all(&bytes)).map_err(|e| Failure::unwritable(path, &e))?;
             }
         }
         if ![&self.json, &self.csv].into_iter().flatten().any(|p| p.as_os_str() == "-") {

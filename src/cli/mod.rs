@@ -8,6 +8,7 @@ mod compare;
 mod completions;
 mod schema;
 mod solve;
+mod stability;
 
 use std::io::{self, Write};
 use std::path::Path;
@@ -32,6 +33,7 @@ struct Arguments {
 enum Command {
     Solve(solve::Solve),
     Compare(compare::Compare),
+    Stability(stability::Stability),
     Batch(batch::Batch),
     Schema(schema::SchemaCommand),
     Completions(completions::Completions),
@@ -105,6 +107,7 @@ pub fn run() -> ExitCode {
     let result = match Arguments::parse().command {
         Command::Solve(command) => command.run(),
         Command::Compare(command) => command.run(),
+        Command::Stability(command) => command.run(),
         Command::Batch(command) => command.run(),
         Command::Schema(command) => command.run(),
         Command::Completions(command) => command.run(),

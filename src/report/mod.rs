@@ -5,7 +5,7 @@ mod csv;
 mod json;
 #[cfg(feature = "cli")]
 pub(crate) mod npy;
-mod table;
+pub(crate) mod table;
 #[cfg(feature = "cli")]
 pub(crate) mod write;
 
