@@ -42,6 +42,7 @@ mod by_grid;
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod closed_form;
+pub mod compare;
 mod contact;
 pub mod curve;
 mod discrete;
@@ -60,6 +61,8 @@ mod material;
 pub mod matrix_free;
 pub mod patch;
 mod plan;
+#[cfg(feature = "plot")]
+pub mod plot;
 #[cfg(feature = "qp")]
 pub mod qp;
 pub mod quadrature;
@@ -73,6 +76,8 @@ pub mod scene;
 mod settings;
 mod solution;
 mod solve;
+#[cfg(feature = "scene")]
+pub mod stability;
 pub mod symmetry;
 
 pub use contact::{Contact, Load, Loading};

@@ -4,11 +4,13 @@
 //! message on stderr, nothing written.
 
 mod batch;
+mod compare;
 mod completions;
 mod curve;
 mod plan;
 mod schema;
 mod solve;
+mod stability;
 
 use std::io::{self, Write};
 use std::path::Path;
@@ -33,6 +35,8 @@ struct Arguments {
 enum Command {
     Solve(solve::Solve),
     Plan(plan::Plan),
+    Compare(compare::Compare),
+    Stability(stability::Stability),
     Batch(batch::Batch),
     Curve(curve::CurveCommand),
     Schema(schema::SchemaCommand),
@@ -107,6 +111,8 @@ pub fn run() -> ExitCode {
     let result = match Arguments::parse().command {
         Command::Solve(command) => command.run(),
         Command::Plan(command) => command.run(),
+        Command::Compare(command) => command.run(),
+        Command::Stability(command) => command.run(),
         Command::Batch(command) => command.run(),
         Command::Curve(command) => command.run(),
         Command::Schema(command) => command.run(),

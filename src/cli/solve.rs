@@ -9,8 +9,10 @@ use clap::Args;
 use super::{Failure, Overrides, checked_threads, scene};
 use crate::contact::Loading;
 use crate::error::InputError;
+use crate::plot::{self, Format};
 use crate::report::write::Target;
 use crate::report::{self, npy};
+use crate::scene::Scene;
 
 /// Solve a scene and print a short table
 #[derive(Args)]
@@ -32,6 +34,9 @@ pub(super) struct Solve {
     /// Bracket the force from below and above
     #[arg(long)]
     bracket: bool,
+    /// Draw the pressure and the boundary of the patch; of several states, force against depth
+    #[arg(long, value_name = "FILE.svg|.png")]
+    plot: Option<PathBuf>,
     /// Threads to use; by default all cores
     #[arg(long, value_name = "N")]
     threads: Option<usize>,
@@ -51,8 +56,26 @@ impl Solve {
             }
             scene.settings.outputs.pressure = true;
         }
-        let [json, csv, field] = self.targets()?;
-        let steps = crate::solve(&scene.contact, &scene.settings);
+        let format = self.plot.as_deref().map(Format::of).transpose().map_err(|e| wrong(&e.within("--plot")))?;
+        let asked = scene.settings.outputs;
+        if format.is_some() && matches!(scene.contact.loading(), Loading::Single(_)) {
+            scene.settings.outputs.pressure = true;
+            scene.settings.outputs.patch = true;
+        }
+        let [json, csv, field, picture] = self.targets()?;
+        let mut steps = crate::solve(&scene.contact, &scene.settings);
+        if let (Some((path, target)), Some(format)) = (picture, format) {
+            draw(&scene, &steps, path, &target, format)?;
+            // What was computed for the picture alone is not part of the result.
+            for solution in steps.iter_mut().flatten() {
+                if !asked.patch {
+                    solution.patch.boundary = None;
+                }
+                if !asked.pressure && self.field.is_none() {
+                    solution.pressure.field = None;
+                }
+            }
+        }
         if let Some((path, target)) = json {
             write(path, &target, |to| {
                 serde_json::to_writer(&mut *to, &report::json(&scene, &steps))?;
@@ -82,22 +105,39 @@ impl Solve {
     }
 
     /// Where to write, checked before anything is solved.
-    fn targets(&self) -> Result<[Option<(&Path, Target)>; 3], Failure> {
-        let paths = [&self.json, &self.csv, &self.field].map(|p| p.as_deref());
+    fn targets(&self) -> Result<[Option<(&Path, Target)>; 4], Failure> {
+        let paths = [&self.json, &self.csv, &self.field, &self.plot].map(|p| p.as_deref());
         for (k, path) in paths.iter().enumerate() {
             if path.is_some() && paths[..k].contains(path) {
                 let given = format!("{} twice", path.unwrap_or(Path::new("")).display());
-                let error = InputError::new("--json, --csv, --field", given, "a file of its own for each");
+                let error = InputError::new("--json, --csv, --field, --plot", given, "a file of its own for each");
                 return Err(Failure::wrong("arguments", &error));
             }
         }
-        let mut targets = [None, None, None];
+        let mut targets = [None, None, None, None];
         for (target, path) in targets.iter_mut().zip(paths) {
             if let Some(path) = path {
                 *target = Some((path, Target::check(path).map_err(|e| Failure::unwritable(path, &e))?));
             }
         }
         Ok(targets)
+    }
+}
+
+/// The pressure of one state, or the force of several; nothing when none was solved or the bodies do not touch.
+fn draw(scene: &Scene, steps: &[report::Step], path: &Path, target: &Target, format: Format) -> Result<(), Failure> {
+    let title = scene.name.as_deref().unwrap_or("");
+    let picture = match (scene.contact.loading(), steps) {
+        (Loading::Single(_), [Ok(solution)]) => plot::pressure_map(title, solution, format),
+        _ => {
+            let points: Vec<[f64; 2]> = steps.iter().flatten().map(|s| [s.depth, s.force]).collect();
+            plot::force_depth(title, &points, format)
+        }
+    };
+    match picture {
+        Ok(bytes) => write(path, target, |to| to.write_all(&bytes)),
+        Err(plot::Error::Empty(_)) => Ok(()),
+        Err(e) => Err(Failure::Message(format!("{}: {e}", path.display()))),
     }
 }
 

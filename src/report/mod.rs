@@ -1,13 +1,15 @@
 //! Results out: JSON for programs, a table for people, CSV for spreadsheets, .npy for fields.
 
+mod comparison;
 mod csv;
 mod json;
 #[cfg(feature = "cli")]
 pub(crate) mod npy;
-mod table;
+pub(crate) mod table;
 #[cfg(feature = "cli")]
 pub(crate) mod write;
 
+pub use comparison::{comparison_csv, comparison_json, comparison_table};
 pub use csv::csv;
 pub use json::{Outcome, json};
 pub use table::table;

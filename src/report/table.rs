@@ -99,7 +99,7 @@ fn several(steps: &[Step], lines: &mut Vec<String>) {
 }
 
 /// Six digits; whole numbers and middling sizes plainly, the rest with an exponent.
-fn figure(x: f64) -> String {
+pub(crate) fn figure(x: f64) -> String {
     if x == 0.0 {
         return "0".into();
     }
@@ -114,7 +114,7 @@ fn pair([x, y]: [f64; 2]) -> String {
 }
 
 /// Rows as lines with columns in line, two spaces apart.
-fn aligned<const N: usize>(rows: &[[String; N]]) -> Vec<String> {
+pub(crate) fn aligned<const N: usize>(rows: &[[String; N]]) -> Vec<String> {
     let width = |k: usize| rows.iter().map(|row| row[k].chars().count()).max().unwrap_or(0);
     let widths: [usize; N] = std::array::from_fn(width);
     let line = |row: &[String; N]| {

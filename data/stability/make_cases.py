@@ -1,0 +1,166 @@
+"""The cases of `contact-patch stability`, one file a topic, with forces from formulas or from converged solutions.
+
+Run in this directory: python3 make_cases.py. Needs mpmath.
+"""
+import json, math
+from mpmath import mp, mpf, ellipk, ellipe, findroot, gamma, sqrt, pi, tan
+
+mp.dps = 40
+K3, K4 = mpf("0.8824122"), mpf("0.7376164")  # force of the 3- and 4-faced punch in E* d^2/tan(alpha), converged
+CONVERGED = "boundary elements, extrapolated to 1e-7"
+
+
+def scene(gap, loading, e_star=1.0, **more):
+    return {"effective_modulus": e_star, "gap": gap, "loading": loading, **more}
+
+
+def run(method, within, cells=None, tolerance=None):
+    out = {"method": method, "within": within}
+    if cells:
+        out["cells"] = cells
+    if tolerance:
+        out["tolerance"] = tolerance
+    return out
+
+
+def case(name, scene, runs, force=None, source=None, verdict=None):
+    out = {"name": name, "scene": scene, "runs": runs}
+    if force is not None:
+        out["force"], out["source"] = float(force), source
+    if verdict:
+        out["verdict"] = verdict
+    return out
+
+
+def pyramid(n, inclination=45.0, **more):
+    return {"kind": "pyramid", "faces": n, "inclination": inclination, **more}
+
+
+def write(topic, cases):
+    with open(topic + ".json", "w") as f:
+        f.write("[\n" + ",\n".join("  " + json.dumps(c) for c in cases) + "\n]\n")
+
+
+ALL = [run("auto", 1e-3), run("fft", 1e-3, 64), run("qp", 5e-3, 24), run("fabrikant", 0.04), run("ritz", 0.13)]
+QUICK = [run("auto", 1e-3), run("fft", 1e-3, 64)]
+
+
+def depth(d):
+    return {"depth": d}
+
+
+# Units: modulus, depth, Poisson's ratio, inclination, length.
+units = []
+for e in [1e-12, 1e-6, 1.0, 1e9, 1e15]:
+    units.append(case(f"E* = {e:g}", scene(pyramid(3), depth(1.0), e), ALL, K3 * e, CONVERGED))
+for d in [1e-12, 1e-6, 1e-3, 1e3, 1e6]:
+    units.append(case(f"depth {d:g}", scene(pyramid(3), depth(d)), ALL, K3 * d * d, CONVERGED))
+for nu in [-0.99, 0.0, 0.4999999, 0.5]:
+    s = scene({"kind": "cone", "inclination": 45.0}, depth(1.0))
+    del s["effective_modulus"]
+    s["bodies"] = [{"youngs_modulus": 1.0, "poissons_ratio": nu}, "rigid"]
+    runs = [run("closed_form", 1e-13), run("fft", 2e-3, 64), run("fabrikant", 1e-6), run("ritz", 1e-6)]
+    units.append(case(f"nu = {nu:g}", s, runs, 2 / pi / (1 - mpf(nu) ** 2), "Love 1939"))
+for a in [1e-6, 1e-3, 1.0, 80.0, 89.9]:
+    runs = ALL
+    units.append(case(f"inclination {a:g} degrees", scene(pyramid(3, a), depth(1.0)), runs, K3 / tan(mpf(a) * pi / 180), CONVERGED))
+for scale in [1e-300, 1e-150, 1e150, 1e300]:
+    s = scene({"kind": "paraboloid", "radii": [scale, scale]}, depth(scale))
+    # P = 4/3 E* sqrt(R) d^(3/2) would be scale^2: E* makes up for it where it can.
+    units.append(case(f"lengths of {scale:g}", s, [run("auto", 1e-12), run("fft", 1e-2, 32)], None, None, "solved or stopped"))
+write("units", units)
+
+# Shapes.
+shapes = []
+for n in [0.05, 0.5, 1.0, 2.0, 20.0, 200.0]:
+    m = mpf(n)
+    kappa = sqrt(pi) * gamma(m / 2 + 1) / gamma((m + 1) / 2)
+    a = (1 / kappa) ** (1 / m)
+    force = 2 * a * m / (m + 1)
+    needle = n < 0.5
+    runs = [run("closed_form", 1e-12), run("auto", 1e-12), run("fft", 0.2 if needle else 5e-3, 128)]
+    shapes.append(case(f"gap ~ r^{n:g}", scene({"kind": "power", "coefficient": 1.0, "exponent": n}, depth(1.0)), runs, force, "Sneddon 1965"))
+shapes.append(case("2 faces: a wedge without end", scene(pyramid(2), depth(1.0)), [run(m, 0.0) for m in ["auto", "fft", "qp", "closed_form"]], verdict="unbounded"))
+shapes.append(case("3 faces", scene(pyramid(3), depth(1.0)), ALL, K3, CONVERGED))
+shapes.append(case("1000 faces", scene(pyramid(1000), depth(1.0)), [run("auto", 1e-3), run("fft", 2e-3, 64), run("fabrikant", 1e-3), run("ritz", 1e-3)], 2 / pi, "Love 1939, the cone; 1000 faces differ by 2e-5"))
+for t in [1e-6, 1e-2]:
+    # The flat of inradius t lowers the gap by t tan(45): between the punch at depth 1 and at depth 1 + t.
+    shapes.append(case(f"flat tip of {t:g}", scene(pyramid(4, 45.0, flat=t), depth(1.0)), [run("auto", 1e-3 + 3 * t), run("fft", 2e-3 + 3 * t, 64)], K4, CONVERGED))
+
+
+def hertz(ratio):
+    """P at depth 1 of x^2/2 + y^2 ratio/2, E* = 1 (Johnson 1985, section 4.2)."""
+    A, B = mpf(1) / 2, mpf(ratio) / 2
+    if ratio == 1:
+        return mpf(4) / 3
+    # Semi-axes a > b, k = b/a, m = 1 - k^2: B/A = (E/k^2 - K)/(K - E).
+    f = lambda lk: mp.log((ellipe(1 - mp.e ** (2 * lk)) / mp.e ** (2 * lk) - ellipk(1 - mp.e ** (2 * lk))) / (ellipk(1 - mp.e ** (2 * lk)) - ellipe(1 - mp.e ** (2 * lk)))) - mp.log(B / A)
+    k = mp.e ** findroot(f, -mpf(2) / 3 * mp.log(ratio) / 1 * mpf("0.9") - mpf("0.1"))
+    K, E = ellipk(1 - k**2), ellipe(1 - k**2)
+    # p0 b K/E* = d; A = p0 b/(E* a^2 m) (K - E).
+    p0b = 1 / K
+    a = sqrt(p0b * (K - E) / (A * (1 - k**2)))
+    return 2 * pi / 3 * a * p0b
+
+
+for ratio in [1, 1e2, 1e4, 1e8, 1e12]:
+    runs = [run("closed_form", 1e-10), run("auto", 1e-10), run("ritz", 1e-6)] + ([run("fft", 1e-2, 64)] if ratio <= 1e4 else [])
+    shapes.append(case(f"curvature ratio {ratio:g}", scene({"kind": "paraboloid", "radii": [1.0, 1.0 / ratio]}, depth(1.0)), runs, hertz(ratio), "Hertz 1881"))
+for aspect in [10, 1000]:
+    k = mpf(1) / aspect
+    stiffness = pi * aspect / ellipk(1 - k**2)
+    runs = [run("closed_form", 1e-10), run("auto", 1e-10), run("ritz", 1e-6), run("fft", 4e-2, 128)]
+    shapes.append(case(f"flat ellipse {aspect}:1", scene({"kind": "flat", "outline": {"ellipse": [float(aspect), 1.0]}}, depth(1.0)), runs, stiffness, "Galin 1961"))
+write("shapes", shapes)
+
+# Meshes and places.
+grids = []
+for n in [1, 2, 3, 5]:
+    grids.append(case(f"{n} cells along the box", scene(pyramid(3), depth(1.0)), [run("fft", 0.5, n), run("qp", 0.5, n)], K3, CONVERGED))
+grids.append(case("no contact", scene(pyramid(3), depth(-1.0)), [run(m, 0.0) for m in ["auto", "fft", "qp", "fabrikant", "ritz"]], 0, "the bodies do not touch"))
+grids.append(case("depth 0", scene(pyramid(3), depth(0.0)), [run(m, 0.0) for m in ["auto", "fft", "qp", "fabrikant", "ritz"]], 0, "the bodies do not touch"))
+for n in [64, 65]:
+    grids.append(case(f"apex on a {'node' if n == 64 else 'cell centre'}", scene(pyramid(4), depth(1.0)), [run("fft", 1e-3, n), run("qp", 1e-3, 32 if n == 64 else 33)], K4, CONVERGED))
+for at in [[1e-9, 0.0], [1e-3, 1e-9], [0.1234, -0.4321], [1e6, -1e6]]:
+    grids.append(case(f"apex at ({at[0]:g}, {at[1]:g})", scene(pyramid(3, at=at), depth(1.0)), QUICK, K3, CONVERGED))
+for turn in [1e-9, 15.0, 45.0]:
+    grids.append(case(f"turned by {turn:g} degrees", scene(pyramid(4, rotate=turn), depth(1.0)), [run("auto", 1e-3), run("fft", 2e-3, 64)], K4, CONVERGED))
+write("grids", grids)
+
+# Several patches.
+patches = []
+
+
+def tips(s):
+    ball = lambda x: {"kind": "paraboloid", "radii": [1.0, 1.0], "at": [x, 0.0]}
+    return {"kind": "min", "of": [ball(-s / 2), ball(s / 2)]}
+
+
+for s in [1e-3, 1e-2]:
+    # Between one tip, 4/3, and one tip lowered by at most s a with a = 1: dP = 2 s a.
+    patches.append(case(f"two tips {s:g} radii apart", scene(tips(s), depth(1.0)), [run("auto", 2e-3 + 3 * s), run("fft", 5e-3 + 3 * s, 64)], mpf(4) / 3, "Hertz 1881, one tip"))
+for s in [0.3, 1.0, 1.9, 2.0, 2.1, 2.5, 5.0]:
+    patches.append(case(f"two tips {s:g} radii apart", scene(tips(s), depth(1.0)), [run("auto", 2e-2), run("fft", 2e-2, 96), run("qp", 2e-2, 32)]))
+for s in [30.0, 100.0, 1000.0]:
+    # Each tip is lowered by u = P/(pi E* s) of the other: P = 4/3 (1 - u)^(3/2).
+    p = mpf(4) / 3
+    for _ in range(50):
+        p = mpf(4) / 3 * (1 - p / (pi * s)) ** mpf(1.5)
+    patches.append(case(f"two tips {s:g} radii apart", scene(tips(s), depth(1.0)), [run("auto", 5e-3)], 2 * p, "two Hertzian contacts, each in the far field of the other", "solved or stopped"))
+rough = "0.02*(cos(9*x + 1) + cos(7*y + 2) + cos(11*x + 13*y + 3) + cos(17*x - 8*y) + 0.5*cos(23*x + 19*y) + 0.5*cos(31*y - 14*x)) + 0.1"
+disc = {"disc": 1.0}
+patches.append(case("rough disc, a few asperities", scene({"kind": "formula", "expression": rough, "region": disc}, depth(0.02)), [run("auto", 2e-2, None, 1e-2), run("fft", 2e-2, 128)]))
+patches.append(case("rough disc, half in contact", scene({"kind": "formula", "expression": rough, "region": disc}, depth(0.2)), [run("auto", 2e-2, None, 1e-2), run("fft", 2e-2, 128), run("qp", 3e-2, 48)]))
+smooth = "1e-3*(cos(8*x) + cos(8*y))"
+patches.append(case("wavy disc, full contact", scene({"kind": "formula", "expression": smooth, "region": disc}, depth(1.0)), [run("auto", 2e-2, None, 1e-2), run("fft", 3e-2, 128)], 2, "flat disc, 2 E* a d; the waves are of 1e-3"))
+write("patches", patches)
+
+# Tilts and moments.
+moments = []
+moments.append(case("force at the middle of a disc", scene({"kind": "flat", "outline": disc}, {"force": 1.0, "through": [0.0, 0.0]}), [run("auto", 1e-9)], 1, "prescribed"))
+moments.append(case("force at a third of the radius", scene({"kind": "flat", "outline": disc}, {"force": 1.0, "through": [0.333, 0.0]}), [run("auto", 1e-9)], 1, "prescribed"))
+moments.append(case("force beyond the rim", scene({"kind": "flat", "outline": disc}, {"force": 1.0, "through": [1.5, 0.0]}), [run("auto", 0.0)], verdict="no_equilibrium"))
+moments.append(case("a force that pulls", scene(pyramid(3), {"force": -1.0}), [run("auto", 0.0), run("fft", 0.0, 32)], verdict="no_equilibrium"))
+moments.append(case("force 1e-30", scene(pyramid(3), {"force": 1e-30}), [run("auto", 1e-9), run("fft", 1e-9, 64)], 1e-30, "prescribed"))
+moments.append(case("force 1e30", scene(pyramid(3), {"force": 1e30}), [run("auto", 1e-9), run("fft", 1e-9, 64)], 1e30, "prescribed"))
+write("loads", moments)

@@ -1,0 +1,31 @@
+//! Figure 2 of Barber & Billings (1990): where does a tetrahedral punch touch? The converged patch, the boundary of the
+//! approximate method, and the best circle, as a picture: `figure_2 [FILE.svg|.png]`.
+
+use std::path::PathBuf;
+
+use contact_patch::plot::{Format, Outline, outlines};
+use contact_patch::{
+    BoundaryFamily, Contact, EffectiveModulus, Loading, Method, Outputs, Settings, gap::Polyhedron, solve,
+};
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let file = std::env::args().nth(1).map_or_else(|| std::env::temp_dir().join("figure_2.svg"), PathBuf::from);
+    let punch = Polyhedron::pyramid(3, 45f64.to_radians())?;
+    let contact = Contact::new(EffectiveModulus::from_e_star(1.0)?, punch, Loading::depth(1.0))?;
+    let outputs = Outputs { patch: true, ..Outputs::default() };
+    let converged = Settings { method: Method::Fft, cells: Some(256), outputs, ..Settings::default() };
+    let fabrikant = Settings { method: Method::Fabrikant, outputs, ..Settings::default() };
+    let circle = Settings { boundary: BoundaryFamily::Circle, ..fabrikant };
+    let mut drawn = Vec::new();
+    println!("tetrahedral punch, lengths in d/tan(alpha), forces in E* d^2/tan(alpha)");
+    for (label, settings) in
+        [("converged (fft, 256 cells)", converged), ("Fabrikant, stationary", fabrikant), ("best circle", circle)]
+    {
+        let solution = solve(&contact, &settings).remove(0)?;
+        println!("{label:28} force {:.6}  patch area {:.4}", solution.force, solution.patch.area);
+        drawn.push(Outline { label: label.to_owned(), loops: solution.patch.boundary.unwrap_or_default() });
+    }
+    std::fs::write(&file, outlines("Contact patch of a tetrahedral punch", &drawn, Format::of(&file)?)?)?;
+    println!("drawn in {}", file.display());
+    Ok(())
+}

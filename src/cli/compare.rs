@@ -1,0 +1,89 @@
+//! `contact-patch compare`
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::Args;
+
+use super::{Failure, checked_threads, scene};
+use crate::compare::{Plan, compare};
+use crate::error::InputError;
+use crate::plot::{Format, error_against_time};
+use crate::report::write::Target;
+use crate::report::{comparison_csv, comparison_json, comparison_table};
+use crate::scene::fields::checked_cells;
+
+/// Run every method on a scene and tabulate error and cost
+#[derive(Args)]
+pub(super) struct Compare {
+    /// Scene file; - reads standard input. Of several states of loading the last is compared
+    #[arg(value_name = "SCENE")]
+    scene: PathBuf,
+    /// Cells along the longer side for fft, separated by commas
+    #[arg(long, value_name = "N,N", value_delimiter = ',')]
+    cells: Vec<usize>,
+    /// Cells along the longer side for qp, separated by commas
+    #[arg(long, value_name = "N,N", value_delimiter = ',')]
+    qp_cells: Vec<usize>,
+    /// Timed runs of each; the median stands
+    #[arg(long, value_name = "N", default_value_t = 3)]
+    repeats: usize,
+    /// Threads of each run; one by default, so that the methods can be compared
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    threads: usize,
+    /// Write the comparison as JSON; - prints it alone
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Write a line a run as CSV; - prints it alone
+    #[arg(long, value_name = "FILE")]
+    csv: Option<PathBuf>,
+    /// Draw error against run time
+    #[arg(long, value_name = "FILE.svg|.png")]
+    plot: Option<PathBuf>,
+}
+
+impl Compare {
+    pub(super) fn run(&self) -> Result<ExitCode, Failure> {
+        let wrong = |e: &InputError| Failure::wrong("arguments", e);
+        let scene = scene(&self.scene)?;
+        let mut plan = Plan::new(scene.settings);
+        plan.settings.threads = checked_threads("--threads", Some(self.threads))?;
+        plan.repeats = self.repeats.max(1);
+        let chosen = |name: &str, given: &[usize]| {
+            given.iter().map(|&n| checked_cells(name, n)).collect::<Result<Vec<_>, _>>().map_err(|e| wrong(&e))
+        };
+        if !self.cells.is_empty() {
+            plan.fft_cells = chosen("--cells", &self.cells)?;
+        }
+        if !self.qp_cells.is_empty() {
+            plan.qp_cells = chosen("--qp-cells", &self.qp_cells)?;
+        }
+        let format = self.plot.as_deref().map(Format::of).transpose().map_err(|e| wrong(&e.within("--plot")))?;
+        let mut targets = Vec::new();
+        for path in [&self.json, &self.csv, &self.plot] {
+            let checked = |path: &PathBuf| Target::check(path).map_err(|e| Failure::unwritable(path, &e));
+            targets.push(path.as_ref().map(|path| checked(path).map(|target| (path, target))).transpose()?);
+        }
+        let comparison = compare(&scene.contact, &plan);
+        let json = comparison_json(&scene, &comparison).map_err(|e| Failure::Message(e.to_string()))? + "\n";
+        let picture = match format {
+            Some(format) if comparison.reference.is_some() => {
+                error_against_time(scene.name.as_deref().unwrap_or("error against run time"), &comparison, format)
+                    .map_err(|e| Failure::Message(e.to_string()))?
+            }
+            _ => Vec::new(),
+        };
+        for (target, bytes) in
+            targets.iter().zip([json.into_bytes(), comparison_csv(&comparison).into_bytes(), picture])
+        {
+            if let Some((path, target)) = target.as_ref().filter(|_| !bytes.is_empty()) {
+                target.write(|to| to.write_all(&bytes)).map_err(|e| Failure::unwritable(path, &e))?;
+            }
+        }
+        if ![&self.json, &self.csv].into_iter().flatten().any(|p| p.as_os_str() == "-") {
+            let table = comparison_table(scene.name.as_deref(), &comparison);
+            Target::Stdout.write(|to| to.write_all(table.as_bytes()))?;
+        }
+        Ok(if comparison.reference.is_some() { ExitCode::SUCCESS } else { ExitCode::from(1) })
+    }
+}

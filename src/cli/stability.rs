@@ -1,0 +1,64 @@
+//! `contact-patch stability`
+
+use std::process::ExitCode;
+use std::time::Instant;
+
+use clap::Args;
+
+use super::Failure;
+use crate::report::table::{aligned, figure};
+use crate::report::write::Target;
+use crate::stability::{Check, cases};
+
+/// Run stiff and extreme cases and tabulate them; exit code 1 if any misses its bound
+#[derive(Args)]
+pub(super) struct Stability {
+    /// Only the cases whose name holds this text
+    #[arg(long, value_name = "TEXT")]
+    only: Option<String>,
+}
+
+impl Stability {
+    pub(super) fn run(&self) -> Result<ExitCode, Failure> {
+        let heads = ["case", "method", "at", "verdict", "force", "error", "bound", "residual", "seconds", ""];
+        let mut rows = vec![heads.map(str::to_owned)];
+        let (mut run, mut missed) = (0, Vec::new());
+        let started = Instant::now();
+        let all = cases().map_err(|e| Failure::wrong("stability", &e))?;
+        let chosen = all.iter().filter(|c| self.only.as_ref().is_none_or(|text| c.name.contains(text.as_str())));
+        for case in chosen {
+            let mut name = case.name.as_str();
+            for check in case.run() {
+                run += 1;
+                if !check.passed {
+                    let why = check.outcome.as_ref().err().map_or(String::new(), |e| format!(": {}", e.reason));
+                    missed.push(format!("missed: {}, {}{why}", case.name, check.settings.method.name()));
+                }
+                rows.push(row(name, &check));
+                name = "";
+            }
+        }
+        let mut lines = aligned(&rows);
+        lines.extend(missed.iter().cloned());
+        lines.push(format!("{run} runs, {} missed, {:.1} s\n", missed.len(), started.elapsed().as_secs_f64()));
+        Target::Stdout.write(|to| to.write_all(lines.join("\n").as_bytes()))?;
+        Ok(if missed.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(1) })
+    }
+}
+
+fn row(name: &str, check: &Check) -> [String; 10] {
+    let small = |x: Option<f64>| x.map_or("-".to_owned(), |x| format!("{x:.1e}"));
+    let solution = check.outcome.as_ref().ok();
+    [
+        name.to_owned(),
+        check.settings.method.name().to_owned(),
+        check.settings.cells.map_or(String::new(), |n| format!("{n} cells")),
+        check.outcome.as_ref().err().map_or("solved", |e| e.verdict.word()).to_owned(),
+        solution.map_or("-".to_owned(), |s| figure(s.force)),
+        small(check.error),
+        small(Some(check.bound)),
+        small(check.residual),
+        solution.map_or("-".to_owned(), |s| format!("{:.1e}", s.cost.seconds)),
+        if check.passed { String::new() } else { "MISSED".to_owned() },
+    ]
+}

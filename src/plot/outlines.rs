@@ -1,0 +1,119 @@
+//! Boundaries of patches on one pair of axes with equal scales.
+
+use plotters::coord::Shift;
+use plotters::prelude::*;
+
+use super::axes::{self, BOTTOM, EDGE, LABEL, LEFT, RIGHT, TOP, Window};
+use super::{COLOURS, Error, FONT, Fault, Figure, Format, render};
+use crate::geometry::Rect;
+
+/// Closed polylines with a name.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Outline {
+    /// What the legend calls it.
+    pub label: String,
+    /// Closed polylines, the first point not repeated, units of length.
+    pub loops: Vec<Vec<[f64; 2]>>,
+}
+
+/// The outlines over each other, each in its colour and with its own dashes; at most six can be told apart.
+///
+/// # Errors
+/// When there is no point to draw, or drawing fails.
+///
+/// ```
+/// # #[cfg(feature = "plot")] {
+/// use contact_patch::plot::{Format, Outline, outlines};
+/// let square = Outline { label: "square".into(), loops: vec![vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]] };
+/// let picture = outlines("one square", &[square], Format::Svg)?;
+/// assert!(String::from_utf8_lossy(&picture).starts_with("<svg"));
+/// # }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn outlines(title: &str, outlines: &[Outline], format: Format) -> Result<Vec<u8>, Error> {
+    let points = outlines.iter().flat_map(|o| &o.loops).flatten().copied();
+    let seen = Rect::holding(points).ok_or(Error::Empty("there is no patch"))?;
+    render(&Picture { title, outlines, window: Window::onto(&seen) }, format)
+}
+
+struct Picture<'a> {
+    title: &'a str,
+    outlines: &'a [Outline],
+    window: Window,
+}
+
+/// Lengths of dash and space, pixels; no space: a full line.
+const DASHES: [[i32; 2]; 6] = [[1, 0], [12, 5], [3, 4], [20, 4], [6, 6], [2, 7]];
+
+/// Room for the names, pixels a line.
+const LEGEND: u32 = 22;
+
+impl Figure for Picture<'_> {
+    fn size(&self) -> (u32, u32) {
+        let (width, height) = self.window.size(0);
+        (width, height + LEGEND * self.outlines.len() as u32)
+    }
+
+    fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), Fault<DB>> {
+        axes::title(area, self.title)?;
+        let names = LEGEND * self.outlines.len() as u32;
+        let inner = area.margin(TOP + names, 0, EDGE, RIGHT);
+        let Rect { min, max } = self.window.extent;
+        let mut chart = ChartBuilder::on(&inner)
+            .x_label_area_size(BOTTOM)
+            .y_label_area_size(LEFT)
+            .build_cartesian_2d(min[0]..max[0], min[1]..max[1])?;
+        frame(&mut chart.configure_mesh(), self.window.power)?;
+        for (k, outline) in self.outlines.iter().enumerate() {
+            let (colour, [dash, space]) = (COLOURS[k % COLOURS.len()], DASHES[k % DASHES.len()]);
+            for points in &outline.loops {
+                let closed = points.iter().chain(points.first()).map(|&p| self.window.place(p));
+                if space == 0 {
+                    chart.draw_series(LineSeries::new(closed, colour.stroke_width(2)))?;
+                } else {
+                    chart.draw_series(DashedLineSeries::new(
+                        closed,
+                        dash as u32,
+                        space as u32,
+                        colour.stroke_width(2),
+                    ))?;
+                }
+            }
+            let y = (TOP + LEGEND * k as u32 + LEGEND / 2) as i32;
+            let left = (EDGE + LEFT) as i32;
+            let mut x = left;
+            while x < left + 44 {
+                let end = if space == 0 { left + 44 } else { (x + dash).min(left + 44) };
+                area.draw(&PathElement::new(vec![(x, y), (end, y)], colour.stroke_width(2)))?;
+                x = end + space.max(1);
+            }
+            let style = (FONT, LABEL).into_font().into_text_style(area);
+            area.draw_text(&outline.label, &style, (left + 54, y - LABEL as i32 / 2))?;
+        }
+        Ok(())
+    }
+}
+
+/// The mesh of a plane with lengths along both axes.
+pub(super) fn frame<'b, DB: DrawingBackend + 'b>(
+    mesh: &mut plotters::chart::MeshStyle<
+        '_,
+        'b,
+        plotters::coord::types::RangedCoordf64,
+        plotters::coord::types::RangedCoordf64,
+        DB,
+    >,
+    power: i32,
+) -> Result<(), Fault<DB>> {
+    mesh.x_desc(axes::named("x", power))
+        .y_desc(axes::named("y", power))
+        .x_label_formatter(&|x| axes::tick(*x))
+        .y_label_formatter(&|y| axes::tick(*y))
+        .label_style((FONT, LABEL))
+        .axis_desc_style((FONT, LABEL))
+        .x_labels(7)
+        .y_labels(7)
+        .light_line_style(TRANSPARENT)
+        .bold_line_style(RGBColor(225, 225, 225))
+        .draw()
+}

@@ -1,0 +1,139 @@
+//! The pressure as a map, with the boundary of the patch.
+
+use plotters::coord::Shift;
+use plotters::prelude::*;
+
+use super::axes::{self, BOTTOM, EDGE, LABEL, LEFT, RIGHT, TOP, Window};
+use super::outlines::frame;
+use super::{Error, FONT, Fault, Figure, Format, render, shade};
+use crate::geometry::Rect;
+use crate::grid::{Grid, Pressure};
+use crate::solution::Solution;
+
+/// The pressure field and the patch boundary of a solution, as far as it has them (`outputs.pressure`, `outputs.patch`).
+///
+/// Fields of more than 140 cells along the longer side are drawn as means over blocks of cells.
+///
+/// # Errors
+/// When the solution has neither field nor boundary, or drawing fails.
+pub fn pressure_map(title: &str, solution: &Solution, format: Format) -> Result<Vec<u8>, Error> {
+    let boundary = solution.patch.boundary.as_deref().unwrap_or_default();
+    let field = solution.pressure.field.as_ref().map(coarsened);
+    let patch = Rect::holding(boundary.iter().flatten().copied());
+    let seen = patch.or(field.as_ref().map(|f| f.grid.extent()));
+    let seen = seen.ok_or(Error::Empty("the solution has no patch boundary and no pressure field"))?;
+    let highest = field.iter().flat_map(|f| &f.values).copied().fold(0.0, f64::max);
+    render(&Picture { title, boundary, field, highest, window: Window::onto(&seen) }, format)
+}
+
+struct Picture<'a> {
+    title: &'a str,
+    boundary: &'a [Vec<[f64; 2]>],
+    field: Option<Pressure>,
+    highest: f64,
+    window: Window,
+}
+
+/// Cells along the longer side beyond which the eye gains nothing and the file grows.
+const MOST_CELLS: usize = 140;
+
+/// Means over square blocks of cells.
+fn coarsened(field: &Pressure) -> Pressure {
+    let Grid { origin, spacing, shape } = field.grid;
+    let block = shape[0].max(shape[1]).div_ceil(MOST_CELLS).max(1);
+    let coarse = shape.map(|n| n.div_ceil(block));
+    let mut values = vec![0.0; coarse[0] * coarse[1]];
+    for (k, p) in field.values.iter().enumerate() {
+        // Cells beyond the border of the last block count as unloaded, which they are.
+        values[(k / shape[0] / block) * coarse[0] + k % shape[0] / block] += p / (block * block) as f64;
+    }
+    Pressure { grid: Grid { origin, spacing: spacing.map(|h| h * block as f64), shape: coarse }, values }
+}
+
+/// Room beside the map for the scale of colours.
+const BESIDE: u32 = 110;
+
+/// Steps of the colour scale.
+const SHADES: u32 = 48;
+
+impl Picture<'_> {
+    /// The step of the scale for a pressure; `None`: unloaded.
+    fn step(&self, p: f64) -> Option<u32> {
+        (p > 0.0).then(|| ((p / self.highest * f64::from(SHADES)) as u32).min(SHADES - 1))
+    }
+}
+
+fn colour(step: u32) -> RGBColor {
+    shade((f64::from(step) + 0.5) / f64::from(SHADES))
+}
+
+impl Figure for Picture<'_> {
+    fn size(&self) -> (u32, u32) {
+        self.window.size(if self.field.is_some() { BESIDE } else { 0 })
+    }
+
+    fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), Fault<DB>> {
+        axes::title(area, self.title)?;
+        let beside = if self.field.is_some() { BESIDE } else { 0 };
+        let inner = area.margin(TOP, 0, EDGE, RIGHT + beside);
+        let Rect { min, max } = self.window.extent;
+        let mut chart = ChartBuilder::on(&inner)
+            .x_label_area_size(BOTTOM)
+            .y_label_area_size(LEFT)
+            .build_cartesian_2d(min[0]..max[0], min[1]..max[1])?;
+        frame(&mut chart.configure_mesh(), self.window.power)?;
+        if let Some(Pressure { grid, values }) = &self.field {
+            let [nx, ny] = grid.shape;
+            for j in 0..ny {
+                let mut i = 0;
+                while i < nx {
+                    let step = self.step(values[j * nx + i]);
+                    let from = i;
+                    while i < nx && self.step(values[j * nx + i]) == step {
+                        i += 1;
+                    }
+                    let corner = |i: usize, j: usize| {
+                        let [h, v] = grid.spacing;
+                        self.window.place([grid.origin[0] + i as f64 * h, grid.origin[1] + j as f64 * v])
+                    };
+                    if let Some(step) = step {
+                        let cells = [corner(from, j), corner(i, j + 1)];
+                        chart.draw_series([Rectangle::new(cells, colour(step).filled())])?;
+                    }
+                }
+            }
+        }
+        for points in self.boundary {
+            let closed = points.iter().chain(points.first()).map(|&p| self.window.place(p));
+            chart.draw_series(LineSeries::new(closed, BLACK.stroke_width(2)))?;
+        }
+        if self.highest > 0.0 { self.scale(area) } else { Ok(()) }
+    }
+}
+
+impl Picture<'_> {
+    /// The scale of colours on the right.
+    fn scale<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), Fault<DB>> {
+        let (width, _) = area.dim_in_pixel();
+        let (left, height) = ((width - BESIDE) as i32, self.window.pixels[1] as i32);
+        let (top, bottom) = (TOP as i32 + 24, TOP as i32 + height);
+        let level = |k: u32| bottom - (bottom - top) * k as i32 / SHADES as i32;
+        for k in 0..SHADES {
+            area.draw(&Rectangle::new([(left, level(k + 1)), (left + 20, level(k))], colour(k).filled()))?;
+        }
+        area.draw(&Rectangle::new([(left, top), (left + 20, bottom)], BLACK.stroke_width(1)))?;
+        let power = axes::power_of_ten(self.highest);
+        let style = (FONT, LABEL).into_font().into_text_style(area);
+        area.draw_text(&axes::named("pressure", power), &style, (left - 24, TOP as i32))?;
+        let largest = self.highest / 10f64.powi(power);
+        let step = axes::round_step(largest);
+        let mut value = 0.0;
+        while value <= largest {
+            let y = bottom - (f64::from(bottom - top) * value / largest).round() as i32;
+            area.draw(&PathElement::new(vec![(left + 20, y), (left + 25, y)], BLACK.stroke_width(1)))?;
+            area.draw_text(&axes::tick(value), &style, (left + 30, y - LABEL as i32 / 2))?;
+            value += step;
+        }
+        Ok(())
+    }
+}
