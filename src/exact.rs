@@ -269,13 +269,8 @@ pub(crate) fn stiffness_matrix(
         }
     }
     // Symmetric by reciprocity; what differs is what the solver left.
-    for i in 0..3 {
-        for j in 0..i {
-            let mean = 0.5 * (matrix[i][j] + matrix[j][i]);
-            (matrix[i][j], matrix[j][i]) = (mean, mean);
-        }
-    }
-    Ok(matrix)
+    let mean = |i: usize, j: usize| 0.5 * (matrix[i][j] + matrix[j][i]);
+    Ok([0, 1, 2].map(|i| [0, 1, 2].map(|j| mean(i, j))))
 }
 
 /// Pressure that grows on the cells in contact when their overlap grows at the given rates; see [`matrix_free::growth`].

@@ -1,7 +1,7 @@
 //! The minimum principle of Kalker & van Randen (1972) as a quadratic programme in the cell pressures:
 //! minimise 1/2 p'A p - f'p over p >= 0, on the cells that can carry pressure at all.
 //!
-//! Clarabel gives the pressures to eight digits and with them the contact cells; [`active_set`] makes the
+//! Clarabel gives the pressures to eight digits and with them the contact cells; the active set makes the
 //! complementarity exact to rounding.
 
 mod active_set;

@@ -9,7 +9,8 @@
 //! }"#)?;
 //! let solution = solve(&scene.contact, &scene.settings).remove(0)?;
 //! assert_eq!(solution.force, 0.0);
-//! let wrong = Scene::from_json(br#"{"effective_modulus": 1.0, "gap": {"kind": "cone", "incline": 45.0}}"#);
+//! let wrong = Scene::from_json(br#"{"effective_modulus": 1.0, "gap": {"kind": "cone", "incline": 45.0},
+//!     "loading": {"depth": 1e-6}}"#);
 //! assert_eq!(wrong.unwrap_err().path, "gap.incline");
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
