@@ -2,7 +2,7 @@
 //!
 //! Detection is numerical: a model is made from a few values and then tested at points that had no part in it. A gap that
 //! stays within e of its model wherever either is less than twice the depth has a force between P(d - e) and
-//! P(d + e) of the model, since P grows with the overlap; so a model within [`CLOSE`] of the depth may stand for the gap.
+//! P(d + e) of the model, since P grows with the overlap; so a model that is close enough may stand for the gap.
 
 use nalgebra::{Matrix2, Matrix3, SymmetricEigen, Vector2, Vector3};
 
@@ -18,7 +18,7 @@ const TESTS: usize = 512;
 /// What a gap was recognised as.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Recognised {
-    /// g = lowest + curvatures[0] u^2/2 + curvatures[1] v^2/2 in axes through `centre`, u turned by `rotation`
+    /// g = lowest + a u^2/2 + b v^2/2 with curvatures a, b, in axes through `centre`, u turned by `rotation`
     /// (radians) from x; the curvatures are positive and the first is the smaller one.
     Quadratic {
         /// Point of the least gap.

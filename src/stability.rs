@@ -129,13 +129,12 @@ impl Case {
         let mut checks = Vec::new();
         for &(settings, bound) in &self.runs {
             let Some(outcome) = solve(&self.scene.contact, &settings).pop() else { continue };
-            let error = outcome.as_ref().ok().and_then(|solution| {
+            let error = outcome.as_ref().ok().map(|solution| {
                 let force = solution.force;
                 let against = *reference.get_or_insert(force);
                 // A force of nothing has no relative error: any other is wrong by all of itself.
-                let off =
-                    if force == against { 0.0 } else { (force - against).abs() / against.abs().max(f64::MIN_POSITIVE) };
-                Some(off)
+
+                if force == against { 0.0 } else { (force - against).abs() / against.abs().max(f64::MIN_POSITIVE) }
             });
             let residual = outcome
                 .as_ref()

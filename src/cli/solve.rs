@@ -13,6 +13,7 @@ use crate::plot::{self, Format};
 use crate::report::write::Target;
 use crate::report::{self, npy};
 use crate::scene::Scene;
+use crate::settings::Method;
 
 /// Solve a scene and print a short table
 #[derive(Args)]
@@ -54,6 +55,10 @@ impl Solve {
                 let given = "a file for a list of loads";
                 return Err(wrong(&InputError::new("--field", given, "one state of loading")));
             }
+            if matches!(scene.settings.method, Method::Ritz | Method::Fabrikant) {
+                let allowed = "a method with a pressure field: closed_form, qp or fft";
+                return Err(wrong(&InputError::new("--field", scene.settings.method.name(), allowed)));
+            }
             scene.settings.outputs.pressure = true;
         }
         let format = self.plot.as_deref().map(Format::of).transpose().map_err(|e| wrong(&e.within("--plot")))?;
@@ -86,16 +91,10 @@ impl Solve {
             write(path, &target, |to| to.write_all(report::csv(&steps).as_bytes()))?;
         }
         if let Some((path, target)) = field {
-            match steps.first() {
-                Some(Ok(solution)) => match &solution.pressure.field {
-                    Some(field) => write(path, &target, |to| npy::write(to, field.grid.shape, &field.values))?,
-                    None => {
-                        let allowed = "a method on a grid: qp or fft";
-                        return Err(wrong(&InputError::new("--field", "an answer without a pressure field", allowed)));
-                    }
-                },
-                // The verdict says why there is no field.
-                _ => {}
+            // Without an answer the verdict says why there is no field; without contact there is none.
+            let field = steps.first().and_then(|step| step.as_ref().ok()).and_then(|s| s.pressure.field.as_ref());
+            if let Some(field) = field {
+                write(path, &target, |to| npy::write(to, field.grid.shape, &field.values))?;
             }
         }
         if ![&self.json, &self.csv].into_iter().flatten().any(|p| p.as_os_str() == "-") {

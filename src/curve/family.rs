@@ -77,11 +77,12 @@ impl<'a> Family<'a> {
             let reason = format!("no force at depth {depth:e}, {s:e} below first touch");
             return Err(Unsolved::new(Verdict::NotApplicable, reason));
         }
-        if s == self.deepest && self.first_touch == 0.0 {
-            if let Reach::Within(reach) = extent(self.contact.gap(), depth) {
-                let degree = homogeneity::degree(self.contact.gap(), &reach);
-                self.similar = degree.map(|k| (state.clone(), k.inverse()));
-            }
+        if s == self.deepest
+            && self.first_touch == 0.0
+            && let Reach::Within(reach) = extent(self.contact.gap(), depth)
+        {
+            let degree = homogeneity::degree(self.contact.gap(), &reach);
+            self.similar = degree.map(|k| (state.clone(), k.inverse()));
         }
         Ok(sample(&state))
     }
