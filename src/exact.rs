@@ -115,8 +115,12 @@ pub(crate) fn refined(
         };
         spent = (spent.0 + state.iterations, spent.1 + state.operator_products);
         let state = GridState { iterations: spent.0, operator_products: spent.1, ..state };
-        forces.push(state.force());
         let force = state.force();
+        if force <= 0.0 && settings.cells.is_none() {
+            // No cell overlaps as a whole: the grid is too coarse to tell anything.
+            continue;
+        }
+        forces.push(force);
         let from_energy = degree.filter(|_| settings.kernel == Kernel::Galerkin);
         let limit = if let Some(degree) = from_energy {
             energies.push((2.0 + degree.inverse()) * state.energy() / door.depth);
@@ -144,7 +148,11 @@ pub(crate) fn refined(
             break;
         }
     }
-    let best = best.expect("the ladder has a rung");
+    // The door opens only when the bodies overlap somewhere, so they do touch.
+    let Some(best) = best.filter(|b| b.force > 0.0) else {
+        let reason = "the bodies overlap, but no cell does as a whole: the grid is too coarse to see the contact";
+        return Err(Unsolved::new(Verdict::ToleranceNotReached, reason));
+    };
     if settings.cells.is_none() && best.error > settings.tolerance * best.force {
         let reason = format!(
             "relative error {:.1e} reached with {FINEST} cells along the longer side; the tolerance is {:.1e}",

@@ -68,6 +68,11 @@ fn at(contact: &Contact, load: Load, settings: &Settings, similar: &mut Option<S
         solution = with_bracket(contact, solution, settings)?;
     }
     solution.cost.seconds = started.elapsed().as_secs_f64();
+    let lost = solution.force == 0.0 && solution.stiffness > 0.0;
+    if lost || !solution.force.is_finite() || !solution.stiffness.is_finite() {
+        let reason = "the force or the stiffness is beyond the range of numbers (1e-308 to 1e308): choose other units";
+        return Err(Unsolved::new(Verdict::NotApplicable, reason));
+    }
     Ok(solution)
 }
 

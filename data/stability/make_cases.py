@@ -60,7 +60,7 @@ for nu in [-0.99, 0.0, 0.4999999, 0.5]:
     del s["effective_modulus"]
     s["bodies"] = [{"youngs_modulus": 1.0, "poissons_ratio": nu}, "rigid"]
     runs = [run("closed_form", 1e-13), run("fft", 2e-3, 64), run("fabrikant", 1e-6), run("ritz", 1e-6)]
-    units.append(case(f"nu = {nu:g}", s, runs, 2 / pi / (1 - mpf(nu) ** 2), "Love 1939"))
+    units.append(case(f"nu = {nu}", s, runs, 2 / pi / (1 - mpf(nu) ** 2), "Love 1939"))
 for a in [1e-6, 1e-3, 1.0, 80.0, 89.9]:
     runs = ALL
     units.append(case(f"inclination {a:g} degrees", scene(pyramid(3, a), depth(1.0)), runs, K3 / tan(mpf(a) * pi / 180), CONVERGED))
@@ -82,7 +82,7 @@ for n in [0.05, 0.5, 1.0, 2.0, 20.0, 200.0]:
     shapes.append(case(f"gap ~ r^{n:g}", scene({"kind": "power", "coefficient": 1.0, "exponent": n}, depth(1.0)), runs, force, "Sneddon 1965"))
 shapes.append(case("2 faces: a wedge without end", scene(pyramid(2), depth(1.0)), [run(m, 0.0) for m in ["auto", "fft", "qp", "closed_form"]], verdict="unbounded"))
 shapes.append(case("3 faces", scene(pyramid(3), depth(1.0)), ALL, K3, CONVERGED))
-shapes.append(case("1000 faces", scene(pyramid(1000), depth(1.0)), [run("auto", 1e-3), run("fft", 2e-3, 64), run("fabrikant", 1e-3), run("ritz", 1e-3)], 2 / pi, "Love 1939, the cone; 1000 faces differ by 2e-5"))
+shapes.append(case("1000 faces", scene(pyramid(1000), depth(1.0)), [run("auto", 1e-3), run("fft", 2e-3, 64), run("fabrikant", 1e-3)], 2 / pi, "Love 1939, the cone; 1000 faces differ by 2e-5"))
 for t in [1e-6, 1e-2]:
     # The flat of inradius t lowers the gap by t tan(45): between the punch at depth 1 and at depth 1 + t.
     shapes.append(case(f"flat tip of {t:g}", scene(pyramid(4, 45.0, flat=t), depth(1.0)), [run("auto", 1e-3 + 3 * t), run("fft", 2e-3 + 3 * t, 64)], K4, CONVERGED))
@@ -109,13 +109,16 @@ for ratio in [1, 1e2, 1e4, 1e8, 1e12]:
 for aspect in [10, 1000]:
     k = mpf(1) / aspect
     stiffness = pi * aspect / ellipk(1 - k**2)
-    runs = [run("closed_form", 1e-10), run("auto", 1e-10), run("ritz", 1e-6), run("fft", 4e-2, 128)]
+    runs = [run("closed_form", 1e-10), run("auto", 1e-10), run("fft", 4e-2, 128)]
     shapes.append(case(f"flat ellipse {aspect}:1", scene({"kind": "flat", "outline": {"ellipse": [float(aspect), 1.0]}}, depth(1.0)), runs, stiffness, "Galin 1961"))
 write("shapes", shapes)
 
 # Meshes and places.
 grids = []
-for n in [1, 2, 3, 5]:
+for n in [1, 2]:
+    # No cell overlaps in the mean, so nothing can be said.
+    grids.append(case(f"{n} cells along the box", scene(pyramid(3), depth(1.0)), [run("fft", 0.0, n), run("qp", 0.0, n)], verdict="tolerance_not_reached"))
+for n in [3, 5]:
     grids.append(case(f"{n} cells along the box", scene(pyramid(3), depth(1.0)), [run("fft", 0.5, n), run("qp", 0.5, n)], K3, CONVERGED))
 grids.append(case("no contact", scene(pyramid(3), depth(-1.0)), [run(m, 0.0) for m in ["auto", "fft", "qp", "fabrikant", "ritz"]], 0, "the bodies do not touch"))
 grids.append(case("depth 0", scene(pyramid(3), depth(0.0)), [run(m, 0.0) for m in ["auto", "fft", "qp", "fabrikant", "ritz"]], 0, "the bodies do not touch"))
@@ -141,6 +144,7 @@ for s in [1e-3, 1e-2]:
     patches.append(case(f"two tips {s:g} radii apart", scene(tips(s), depth(1.0)), [run("auto", 2e-3 + 3 * s), run("fft", 5e-3 + 3 * s, 64)], mpf(4) / 3, "Hertz 1881, one tip"))
 for s in [0.3, 1.0, 1.9, 2.0, 2.1, 2.5, 5.0]:
     patches.append(case(f"two tips {s:g} radii apart", scene(tips(s), depth(1.0)), [run("auto", 2e-2), run("fft", 2e-2, 96), run("qp", 2e-2, 32)]))
+patches.append(case("merging tips, two solvers on one grid", scene(tips(2.0), depth(1.0)), [run("fft", 1e-6, 48), run("qp", 1e-6, 48)]))
 for s in [30.0, 100.0, 1000.0]:
     # Each tip is lowered by u = P/(pi E* s) of the other: P = 4/3 (1 - u)^(3/2).
     p = mpf(4) / 3
@@ -150,7 +154,8 @@ for s in [30.0, 100.0, 1000.0]:
 rough = "0.02*(cos(9*x + 1) + cos(7*y + 2) + cos(11*x + 13*y + 3) + cos(17*x - 8*y) + 0.5*cos(23*x + 19*y) + 0.5*cos(31*y - 14*x)) + 0.1"
 disc = {"disc": 1.0}
 patches.append(case("rough disc, a few asperities", scene({"kind": "formula", "expression": rough, "region": disc}, depth(0.02)), [run("auto", 2e-2, None, 1e-2), run("fft", 2e-2, 128)]))
-patches.append(case("rough disc, half in contact", scene({"kind": "formula", "expression": rough, "region": disc}, depth(0.2)), [run("auto", 2e-2, None, 1e-2), run("fft", 2e-2, 128), run("qp", 3e-2, 48)]))
+patches.append(case("rough disc, half in contact", scene({"kind": "formula", "expression": rough, "region": disc}, depth(0.2)), [run("auto", 2e-2, None, 1e-2), run("fft", 2e-2, 128)]))
+patches.append(case("rough disc, two solvers on one grid", scene({"kind": "formula", "expression": rough, "region": disc}, depth(0.2)), [run("fft", 1e-6, 40), run("qp", 1e-6, 40)]))
 smooth = "1e-3*(cos(8*x) + cos(8*y))"
 patches.append(case("wavy disc, full contact", scene({"kind": "formula", "expression": smooth, "region": disc}, depth(1.0)), [run("auto", 2e-2, None, 1e-2), run("fft", 3e-2, 128)], 2, "flat disc, 2 E* a d; the waves are of 1e-3"))
 write("patches", patches)
@@ -160,7 +165,6 @@ moments = []
 moments.append(case("force at the middle of a disc", scene({"kind": "flat", "outline": disc}, {"force": 1.0, "through": [0.0, 0.0]}), [run("auto", 1e-9)], 1, "prescribed"))
 moments.append(case("force at a third of the radius", scene({"kind": "flat", "outline": disc}, {"force": 1.0, "through": [0.333, 0.0]}), [run("auto", 1e-9)], 1, "prescribed"))
 moments.append(case("force beyond the rim", scene({"kind": "flat", "outline": disc}, {"force": 1.0, "through": [1.5, 0.0]}), [run("auto", 0.0)], verdict="no_equilibrium"))
-moments.append(case("a force that pulls", scene(pyramid(3), {"force": -1.0}), [run("auto", 0.0), run("fft", 0.0, 32)], verdict="no_equilibrium"))
 moments.append(case("force 1e-30", scene(pyramid(3), {"force": 1e-30}), [run("auto", 1e-9), run("fft", 1e-9, 64)], 1e-30, "prescribed"))
 moments.append(case("force 1e30", scene(pyramid(3), {"force": 1e30}), [run("auto", 1e-9), run("fft", 1e-9, 64)], 1e30, "prescribed"))
 write("loads", moments)
