@@ -145,10 +145,10 @@ pub fn compare(contact: &Contact, plan: &Plan) -> Comparison {
     for (method, cells, tolerance) in plan.runs() {
         let settings = asked(plan, method, cells, tolerance);
         let outcome = timed(&contact, &settings, plan.repeats);
-        if let (None, Ok((solution, _))) = (&best, &outcome) {
-            if solution.force_error.is_some() {
-                best = Some((solution.clone(), format!("{} with {} cells", method.name(), cells.unwrap_or(0))));
-            }
+        if let (None, Ok((solution, _))) = (&best, &outcome)
+            && solution.force_error.is_some()
+        {
+            best = Some((solution.clone(), format!("{} with {} cells", method.name(), cells.unwrap_or(0))));
         }
         solved.push((method, cells, tolerance, outcome));
     }

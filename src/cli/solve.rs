@@ -81,18 +81,13 @@ impl Solve {
         if let Some((path, target)) = csv {
             write(path, &target, |to| to.write_all(report::csv(&steps).as_bytes()))?;
         }
-        if let Some((path, target)) = field {
-            match steps.first() {
-                Some(Ok(solution)) => match &solution.pressure.field {
-                    Some(field) => write(path, &target, |to| npy::write(to, field.grid.shape, &field.values))?,
-                    None => {
-                        let allowed = "a method on a grid: qp or fft";
-                        return Err(wrong(&InputError::new("--field", "an answer without a pressure field", allowed)));
-                    }
-                },
-                // The verdict says why there is no field.
-                _ => {}
-            }
+        // Without a solution the verdict says why there is no field.
+        if let (Some((path, target)), Some(Ok(solution))) = (field, steps.first()) {
+            let Some(field) = &solution.pressure.field else {
+                let allowed = "a method on a grid: qp or fft";
+                return Err(wrong(&InputError::new("--field", "an answer without a pressure field", allowed)));
+            };
+            write(path, &target, |to| npy::write(to, field.grid.shape, &field.values))?;
         }
         if ![&self.json, &self.csv].into_iter().flatten().any(|p| p.as_os_str() == "-") {
             Target::Stdout.write(|to| to.write_all(report::table(&scene, &steps).as_bytes()))?;
