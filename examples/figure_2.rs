@@ -25,7 +25,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         println!("{label:28} force {:.6}  patch area {:.4}", solution.force, solution.patch.area);
         drawn.push(Outline { label: label.to_owned(), loops: solution.patch.boundary.unwrap_or_default() });
     }
-    std::fs::write(&file, outlines("Contact patch of a tetrahedral punch", &drawn, Format::of(&file)?)?)?;
+    std::fs::write(
+        &file,
+        outlines("Tetrahedral punch: contact patch, lengths in d/tan(alpha)", &drawn, Format::of(&file)?)?,
+    )?;
     println!("drawn in {}", file.display());
     Ok(())
 }

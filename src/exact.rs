@@ -189,19 +189,29 @@ fn solve(door: &Door, problem: Discrete, method: Method, threads: usize) -> Resu
     let mut left_out = vec![format!("{pruned} of {cells} cells: the undeformed bodies do not overlap there")];
     let mut remarks = Vec::new();
     let solution = match method {
-        #[cfg(feature = "qp")]
         Method::Qp => programme::solve(door, &problem, &mut left_out, &mut remarks)?,
-        #[cfg(not(feature = "qp"))]
-        Method::Qp => {
-            let reason = "this build has no quadratic programme (feature qp)";
-            return Err(Unsolved::new(Verdict::NotApplicable, reason));
-        }
         _ => {
             matrix_free::solve_nested(&problem, &matrix_free::Settings { threads, ..matrix_free::Settings::default() })?
         }
     };
     let (iterations, operator_products) = (solution.iterations, solution.operator_products);
     Ok(GridState { method, problem, solution, iterations, operator_products, left_out, remarks })
+}
+
+/// In place of the quadratic programme, when it was not built.
+#[cfg(not(feature = "qp"))]
+mod programme {
+    use super::{Discrete, DiscreteSolution, Door, Unsolved, Verdict};
+
+    /// The verdict that says so.
+    pub fn solve(
+        _: &Door,
+        _: &Discrete,
+        _: &mut Vec<String>,
+        _: &mut Vec<String>,
+    ) -> Result<DiscreteSolution, Unsolved> {
+        Err(Unsolved::new(Verdict::NotApplicable, "this build has no quadratic programme (feature qp)"))
+    }
 }
 
 /// The quadratic programme on the cells that can touch.

@@ -76,7 +76,7 @@ pub mod scene;
 mod settings;
 mod solution;
 mod solve;
-#[cfg(feature = "scene")]
+#[cfg(all(feature = "scene", feature = "qp", feature = "formula"))]
 pub mod stability;
 pub mod symmetry;
 

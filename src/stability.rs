@@ -3,6 +3,13 @@
 //! The cases are data (`data/stability/`, with the script that made them) and part of the library, so that an installed
 //! program can check itself. A case is a scene, the methods to run with the relative error allowed for each, and what to
 //! hold them against: a force with its source, a verdict, or, where nothing exact is known, the force of the first run.
+//!
+//! ```no_run
+//! for case in contact_patch::stability::cases()? {
+//!     assert!(case.run().iter().all(|check| check.passed), "{}", case.name);
+//! }
+//! # Ok::<(), contact_patch::InputError>(())
+//! ```
 
 use serde::Deserialize;
 
@@ -133,8 +140,8 @@ impl Case {
                 let force = solution.force;
                 let against = *reference.get_or_insert(force);
                 // A force of nothing has no relative error: any other is wrong by all of itself.
-
-                if force == against { 0.0 } else { (force - against).abs() / against.abs().max(f64::MIN_POSITIVE) }
+                let off = (force - against).abs() / against.abs().max(f64::MIN_POSITIVE);
+                if force == against { 0.0 } else { off }
             });
             let residual = outcome
                 .as_ref()

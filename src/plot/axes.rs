@@ -8,7 +8,7 @@ use crate::geometry::Rect;
 
 /// Room for the title, for the labels below and on the left, and beside.
 pub(super) const TOP: u32 = 48;
-pub(super) const BOTTOM: u32 = 62;
+pub(super) const BOTTOM: u32 = 54;
 pub(super) const LEFT: u32 = 86;
 pub(super) const RIGHT: u32 = 24;
 /// Free space at the left edge, so that the description of the axis is not cut.
