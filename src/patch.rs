@@ -10,6 +10,16 @@ use crate::solution::Patch;
 /// Near the edge of a smooth contact p = k sqrt(s) inside and gap = 4 k s^(3/2)/3 outside (E* = 1, s the distance to the
 /// edge), so p^2 and gap^(2/3) are linear in s: the pair of cells on either side places the edge between them.
 /// At a sharp edge (no material beyond) the edge is the border of the cell.
+///
+/// ```
+/// use contact_patch::{Discrete, Grid, Kernel, gap::Paraboloid, geometry::Rect, matrix_free, patch};
+/// let grid = Grid::over(&Rect::around([0.0; 2], [1.1; 2]), [64, 64]);
+/// let problem = Discrete::sample(&Paraboloid::new([1.0, 1.0])?, 1.0, grid, Kernel::Galerkin);
+/// let solution = matrix_free::solve_nested(&problem, &matrix_free::Settings::default())?;
+/// let patch = patch::of(&problem, &solution, [0.0; 2]);
+/// assert!((patch.area / std::f64::consts::PI - 1.0).abs() < 0.01 && patch.regions == 1);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[must_use]
 pub fn of(problem: &Discrete, solution: &DiscreteSolution, reference: [f64; 2]) -> Patch {
     let loops = boundary(problem, solution);

@@ -53,6 +53,14 @@ pub enum Recognised {
 }
 
 /// Recognises a gap whose {g < depth} lies in `reach`.
+///
+/// ```
+/// use contact_patch::gap::{Reach, extent};
+/// use contact_patch::recognise::{Recognised, recognise};
+/// let gap = |x: f64, y: f64| (x - 1.0).powi(2) + x * y + 3.0 * y * y;
+/// let Reach::Within(reach) = extent(&gap, 0.5) else { panic!("bounded") };
+/// assert!(matches!(recognise(&gap, 0.5, &reach), Recognised::Quadratic { .. }));
+/// ```
 #[must_use]
 pub fn recognise(gap: &dyn Gap, depth: f64, reach: &Rect) -> Recognised {
     quadratic(gap, depth, reach)

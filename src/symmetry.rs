@@ -59,6 +59,17 @@ pub struct Symmetry {
 
 impl Symmetry {
     /// Those of the eight symmetries of the grid that leave the overlap of every cell as it is.
+    ///
+    /// ```
+    /// use contact_patch::{Discrete, Grid, Kernel, gap::Polyhedron, geometry::Rect, symmetry::Symmetry};
+    /// let grid = Grid::over(&Rect::around([0.0; 2], [2.0; 2]), [20, 20]);
+    /// let order = |faces| {
+    ///     let punch = Polyhedron::pyramid(faces, 0.7)?;
+    ///     Ok::<_, contact_patch::InputError>(Symmetry::of(&Discrete::sample(&punch, 1.0, grid, Kernel::Galerkin)).order())
+    /// };
+    /// assert_eq!((order(3)?, order(4)?), (2, 8));
+    /// # Ok::<(), contact_patch::InputError>(())
+    /// ```
     #[must_use]
     pub fn of(problem: &Discrete) -> Self {
         let grid = &problem.grid;

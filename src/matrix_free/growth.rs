@@ -10,6 +10,19 @@ use crate::influence::InfluenceTable;
 ///
 /// Conjugate gradients with the preconditioner of the contact solver.
 ///
+/// ```
+/// use contact_patch::{Discrete, Grid, Kernel, gap::Paraboloid, geometry::Rect, matrix_free};
+/// let grid = Grid::over(&Rect::around([0.0; 2], [1.1; 2]), [64, 64]);
+/// let problem = Discrete::sample(&Paraboloid::new([1.0, 1.0])?, 1.0, grid, Kernel::Galerkin);
+/// let settings = matrix_free::Settings::default();
+/// let contact = matrix_free::solve_nested(&problem, &settings)?;
+/// let punch = matrix_free::growth(&problem, &contact.pressure, &vec![1.0; grid.len()], &settings)?;
+/// // dP/dd = 2 E* a, and a = 1 here.
+/// let stiffness = punch.iter().sum::<f64>() * grid.cell_area();
+/// assert!((stiffness / 2.0 - 1.0).abs() < 0.01);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// `IterationLimit` when the products are used up.
 pub fn growth(problem: &Discrete, pressure: &[f64], rates: &[f64], settings: &Settings) -> Result<Vec<f64>, Unsolved> {

@@ -32,6 +32,19 @@ pub struct QpSolution {
 /// `candidates` marks the cells that may carry pressure, when something is known; cells with f <= 0 are dropped in any
 /// case, and cells that turn out to penetrate are taken in.
 ///
+/// ```
+/// use contact_patch::{Discrete, Grid, Kernel, gap::Cone, geometry::Rect, qp};
+/// let grid = Grid::over(&Rect::around([0.0; 2], [0.7; 2]), [24, 24]);
+/// let problem = Discrete::sample(&Cone::with_slope(1.0)?, 1.0, grid, Kernel::Galerkin);
+/// let solved = qp::solve(&problem, None)?;
+/// // Love 1939: P = 2 E* d^2/(pi tan(alpha)).
+/// let force = solved.solution.pressure.iter().sum::<f64>() * grid.cell_area();
+/// assert!((force / (2.0 / std::f64::consts::PI) - 1.0).abs() < 3e-3);
+/// assert!(solved.polished && solved.solution.residuals.worst() < 1e-12);
+/// assert_eq!(solved.symmetry.order(), 8);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// `TooLarge` beyond [`MOST_UNKNOWNS`] unknowns; `IterationLimit` when Clarabel does not reach an answer that the
 /// recomputed residuals confirm.
