@@ -413,8 +413,11 @@ fn exercise(gap: &dyn Gap, depth: f64) {
     gap.kink_directions([0.1, 0.2], &mut list);
 }
 
+/// The same random cases in every run; another seed is another search.
+const SEED: u64 = 1990;
+
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 100, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 100, failure_persistence: None, rng_seed: proptest::test_runner::RngSeed::Fixed(SEED), ..ProptestConfig::default() })]
 
     #[test]
     fn no_arguments_make_a_kind_panic(

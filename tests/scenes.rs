@@ -118,8 +118,11 @@ fn loading() -> impl Strategy<Value = Value> {
     ]
 }
 
+/// The same random cases in every run; another seed is another search.
+const SEED: u64 = 1990;
+
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 96, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 96, failure_persistence: None, rng_seed: proptest::test_runner::RngSeed::Fixed(SEED), ..ProptestConfig::default() })]
 
     #[test]
     fn a_random_scene_is_answered_or_refused(
