@@ -4,7 +4,7 @@ use crate::Contact;
 use crate::domain::Door;
 use crate::error::Unsolved;
 use crate::exact::{self, GridState, Refined};
-use crate::gap::{AnyGap, Gap, Reach, extent};
+use crate::gap::{AnyGap, Gap};
 use crate::geometry::Rect;
 use crate::grid::{Grid, Pressure};
 use crate::homogeneity::{self, Degree};
@@ -28,10 +28,8 @@ pub(crate) fn solution(
     let Some(door) = Door::enter(gap, depth)? else {
         return Ok(Solution::apart(method, depth, tilt));
     };
-    let degree = match extent(gap, depth) {
-        Reach::Within(rect) => homogeneity::degree(gap, &rect),
-        _ => None,
-    };
+    let reach = Rect { min: door.gap.outward(door.reach.min), max: door.gap.outward(door.reach.max) };
+    let degree = homogeneity::degree(gap, &reach);
     let refined = exact::refined(&door, settings, method, degree)?;
     let solution = dimensional(contact, &door, &refined, degree, depth, tilt, settings)?;
     if with_matrix { with_stiffness_matrix(contact, &door, &refined.state, solution) } else { Ok(solution) }

@@ -86,7 +86,9 @@ fn at_depth(
         return Ok(scaled);
     }
     let state = respond(contact, depth, [0.0; 2], settings, false)?;
-    if let Some(inverse_degree) = inverse_degree(contact.gap(), depth).filter(|_| state.force > 0.0) {
+    // One state alone serves no other.
+    let several = contact.loading().loads().len() > 1 && state.force > 0.0;
+    if let Some(inverse_degree) = several.then(|| inverse_degree(contact.gap(), depth)).flatten() {
         *similar = Some(Similar { state: state.clone(), inverse_degree });
     }
     Ok(state)
