@@ -249,9 +249,8 @@ impl Contact {
             grows
         });
         if !grows {
-            let least = |r: &&f64| self.pressure(**r);
-            let mean = d / a;
-            if let Some(r) = radii.iter().filter(|&&r| r < a).find(|r| least(r).is_nan() || least(r) < -1e-6 * mean) {
+            let tension = |&&r: &&f64| !(self.pressure_to(r, 1e-7) >= -1e-6 * d / a);
+            if let Some(r) = radii.iter().filter(|&&r| r < a).find(tension) {
                 return Err(format!("the contact is not a disc: at r = {r:e} its pressure would be negative"));
             }
         }
@@ -286,10 +285,10 @@ impl Contact {
     }
 }
 
-impl Revolution for Contact {
-    /// Without a second derivative, s^2 = r^2 + w^2, W^2 = a^2 - r^2:
-    /// p = (E*/pi) [(d - D(r))/W + int_0^W (D(s) - D(r))/w^2 dw]. About 1e-8 of the mean pressure.
-    fn pressure(&self, r: f64) -> f64 {
+impl Contact {
+    /// p/E* without a second derivative, s^2 = r^2 + w^2, W^2 = a^2 - r^2:
+    /// p = (E*/pi) [(d - D(r))/W + int_0^W (D(s) - D(r))/w^2 dw].
+    fn pressure_to(&self, r: f64, tolerance: f64) -> f64 {
         let (g, a) = (&self.generatrix, self.a);
         let width = ((a - r) * (a + r)).max(0.0).sqrt();
         if width == 0.0 {
@@ -300,19 +299,33 @@ impl Revolution for Contact {
         let breaks: Vec<f64> =
             g.kinks.iter().filter(|&&b| b > r && b < a).map(|b| ((b - r) * (b + r)).sqrt()).chain([r]).collect();
         let integral = if r > 0.0 {
-            adaptive(share, 0.0, width, &breaks, 1e-9).value
+            adaptive(share, 0.0, width, &breaks, tolerance).value
         } else {
             let first = breaks.iter().copied().filter(|&b| b > 0.0).fold(width, f64::min);
-            from_zero(share, first, 1e-10).value + adaptive(share, first, width, &breaks, 1e-9).value
+            from_zero(share, first, 0.1 * tolerance).value + adaptive(share, first, width, &breaks, tolerance).value
         };
         (((self.depth - here) / width) + integral) / PI
     }
+}
+
+impl Revolution for Contact {
+    /// About 1e-8 of the mean pressure.
+    fn pressure(&self, r: f64) -> f64 {
+        self.pressure_to(r, 1e-9)
+    }
 
     fn energy(&self) -> f64 {
-        let (g, d) = (&self.generatrix, self.depth);
+        let (g, d, a) = (&self.generatrix, self.depth, self.a);
         let q2 = |s: f64| (d - g.abel(s).value).powi(2);
-        let first = g.kinks.first().copied().unwrap_or(self.a).min(self.a);
-        from_zero(q2, first, 1e-11).value + adaptive(q2, first, self.a, &g.kinks, 1e-11).value
+        let mut ends: Vec<f64> = g.kinks.iter().copied().filter(|&b| b < a).collect();
+        ends.push(a);
+        let first = from_zero(q2, ends[0], 1e-11).value;
+        // Past a kink b, D goes like (s - b)^(1/2): smooth in w, s^2 = b^2 + w^2.
+        let past = |b: f64, end: f64| {
+            let share = |w: f64| q2(b.hypot(w)) * w / b.hypot(w);
+            adaptive(share, 0.0, ((end - b) * (end + b)).sqrt(), &[], 1e-11).value
+        };
+        first + ends.windows(2).map(|pair| past(pair[0], pair[1])).sum::<f64>()
     }
 
     fn peak(&self) -> Option<f64> {
