@@ -9,6 +9,7 @@ use crate::geometry::Rect;
 use crate::grid::{Grid, Pressure};
 use crate::homogeneity::{self, Degree};
 use crate::patch;
+use crate::separate;
 use crate::settings::{Method, Settings};
 use crate::solution::{Cost, PressureSummary, Solution};
 
@@ -29,6 +30,9 @@ pub(crate) fn solution(
         return Ok(Solution::apart(method, depth, tilt));
     };
     let reach = Rect { min: door.gap.outward(door.reach.min), max: door.gap.outward(door.reach.max) };
+    if let Some(rectangles) = separate::rectangles(gap, depth, &reach, settings) {
+        return separate::solution(contact, gap, depth, tilt, settings, &rectangles, with_matrix);
+    }
     let degree = homogeneity::degree(gap, &reach);
     let refined = exact::refined(&door, settings, method, degree)?;
     let solution = dimensional(contact, &door, &refined, degree, depth, tilt, settings)?;

@@ -73,6 +73,7 @@ pub mod ritz;
 pub mod scalar;
 #[cfg(feature = "scene")]
 pub mod scene;
+mod separate;
 mod settings;
 mod solution;
 mod solve;

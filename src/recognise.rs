@@ -6,7 +6,7 @@
 
 use nalgebra::{Matrix2, Matrix3, SymmetricEigen, Vector2, Vector3};
 
-use crate::gap::Gap;
+use crate::gap::{Gap, islands};
 use crate::geometry::Rect;
 
 /// Distance from the model, relative to the largest overlap, at which a gap is still taken for it.
@@ -63,6 +63,10 @@ pub enum Recognised {
 /// ```
 #[must_use]
 pub fn recognise(gap: &dyn Gap, depth: f64, reach: &Rect) -> Recognised {
+    // A tip far from the others would escape all tests below.
+    if islands(gap, depth, reach).len() > 1 {
+        return Recognised::General;
+    }
     quadratic(gap, depth, reach)
         .or_else(|| flat_ellipse(gap, depth, reach))
         .or_else(|| revolution(gap, depth, reach))

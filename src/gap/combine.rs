@@ -1,7 +1,7 @@
 //! Gaps made of others: two curved bodies, several tips.
 
 use super::descent::lowest;
-use super::search::{extent, search};
+use super::search::{extent, pieces as search_pieces, search};
 use super::{AnyGap, Gap, Reach};
 use crate::error::InputError;
 use crate::geometry::Rect;
@@ -126,6 +126,17 @@ impl Gap for Sum {
         }
     }
 
+    fn pieces(&self, depth: f64) -> Option<Vec<Rect>> {
+        match self.reach(depth) {
+            Reach::Within(all) => {
+                let found = search_pieces(&|x, y| self.gap(x, y), depth, self.centre)?;
+                Some(found.iter().filter_map(|piece| piece.intersection(&all)).collect())
+            }
+            Reach::Nowhere => Some(Vec::new()),
+            Reach::Unbounded | Reach::Unknown => None,
+        }
+    }
+
     fn certain_reach(&self, depth: f64) -> Reach {
         self.proved(depth)
     }
@@ -222,6 +233,11 @@ impl Gap for Minimum {
 
     fn reach(&self, depth: f64) -> Reach {
         self.all(|part| extent(part, depth))
+    }
+
+    fn pieces(&self, depth: f64) -> Option<Vec<Rect>> {
+        let pieces: Option<Vec<Vec<Rect>>> = self.parts.iter().map(|part| part.pieces(depth)).collect();
+        pieces.map(|pieces| pieces.into_iter().flatten().collect())
     }
 
     fn certain_reach(&self, depth: f64) -> Reach {

@@ -4,12 +4,14 @@
 //! With depth d the undeformed bodies overlap by f = d - g, the paper's f.
 
 mod analytic;
+mod beside;
 mod combine;
 mod descent;
 mod flat;
 #[cfg(feature = "formula")]
 mod formula;
 mod height_map;
+mod islands;
 mod mean;
 mod outline;
 mod placed;
@@ -20,12 +22,14 @@ mod search;
 mod tilted;
 
 pub use analytic::{Cone, Paraboloid, Power, Sphere};
+pub(crate) use beside::Beside;
 pub use combine::{Minimum, Sum};
 pub(crate) use descent::lowest;
 pub use flat::Flat;
 #[cfg(feature = "formula")]
 pub use formula::Formula;
 pub use height_map::{HeightMap, Heights, MapFormat, Surface, Zero};
+pub(crate) use islands::islands;
 pub use outline::Outline;
 pub use placed::{Placed, Scaled};
 pub use polyhedron::Polyhedron;
@@ -73,6 +77,17 @@ pub trait Gap: Send + Sync {
     /// A gap whose `reach` looks at values must give its own; a proof rests on it.
     fn certain_reach(&self, depth: f64) -> Reach {
         self.reach(depth)
+    }
+
+    /// Rectangles that together hold all of {g < depth}: one around each separate piece, as far as the gap can tell them
+    /// apart. They may overlap. `None` when there is no end to it.
+    fn pieces(&self, depth: f64) -> Option<Vec<Rect>> {
+        match self.reach(depth) {
+            Reach::Within(rect) => Some(vec![rect]),
+            Reach::Nowhere => Some(Vec::new()),
+            Reach::Unbounded => None,
+            Reach::Unknown => search::pieces(&|x, y| self.gap(x, y), depth, self.centre()),
+        }
     }
 
     /// Mean of the gap over a rectangle. Infinite where any part has no material.
@@ -148,6 +163,10 @@ impl Gap for AnyGap {
 
     fn certain_reach(&self, depth: f64) -> Reach {
         self.0.certain_reach(depth)
+    }
+
+    fn pieces(&self, depth: f64) -> Option<Vec<Rect>> {
+        self.0.pieces(depth)
     }
 
     fn mean(&self, cell: &Rect) -> f64 {

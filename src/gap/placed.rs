@@ -79,6 +79,11 @@ impl<G: Gap> Gap for Placed<G> {
         self.placed(self.inner.certain_reach(depth))
     }
 
+    fn pieces(&self, depth: f64) -> Option<Vec<Rect>> {
+        let turned = |rect: Rect| Rect::holding(rect.corners().map(|c| self.outward(c)));
+        self.inner.pieces(depth).map(|pieces| pieces.into_iter().filter_map(turned).collect())
+    }
+
     fn mean(&self, cell: &Rect) -> f64 {
         // Quarter turns take rectangles to rectangles.
         if self.turn.matrix().iter().any(|&entry| entry == 0.0) {

@@ -10,6 +10,9 @@ const LONGEST: f64 = 1e12;
 /// Rays from a seed, before the peaks between them are refined.
 const RAYS: usize = 48;
 
+/// Dips along the rays that are followed down to their lowest place.
+const HOLLOWS: usize = 12;
+
 /// Points a side at which the border of the rectangle found is probed.
 const PROBES: usize = 48;
 
@@ -24,7 +27,8 @@ const MARGIN: f64 = 1e-3;
 /// The search needs no scale and no first guess but [`Gap::centre`]: it looks along rays over all magnitudes of f64,
 /// slides down to the lowest place if it meets none, follows the tips of slender contacts (up to 1e6 : 1, at any
 /// angle), and probes the border of the rectangle until nothing passes through it. It samples: of several separate
-/// contacts it finds those that are seen under about a tenth of a radian from the centre or from one another.
+/// contacts it finds those that are seen under about a tenth of a radian from the centre or from one another, and those
+/// in a hollow that wide.
 ///
 /// ```
 /// use contact_patch::gap::{Reach, extent};
@@ -62,6 +66,37 @@ pub(super) fn search(gap: &dyn Fn(f64, f64) -> f64, depth: f64, centre: [f64; 2]
     }
     Reach::Unbounded
 }
+
+/// Rectangles around the separate places where `gap` is less than `depth`, as far as a search and a lattice over all of them
+/// see; `None` without an end.
+pub(super) fn pieces(gap: &dyn Fn(f64, f64) -> f64, depth: f64, centre: [f64; 2]) -> Option<Vec<Rect>> {
+    let inside = |p: [f64; 2]| gap(p[0], p[1]) < depth;
+    let Some(seed) = first_seed(gap, depth, centre) else { return Some(Vec::new()) };
+    let mut found = vec![piece(&inside, seed)?];
+    while found.len() < MOST_SEEDS {
+        let all = found.iter().copied().reduce(|a, b| a.union(&b))?;
+        let lattice = (0..LATTICE * LATTICE).map(|k| {
+            let t = [k % LATTICE, k / LATTICE].map(|i| (i as f64 + 0.5) / LATTICE as f64);
+            [0, 1].map(|m| all.min[m] + t[m] * all.size()[m])
+        });
+        // One piece has nothing between its parts.
+        let between = || lattice.clone().find(|&p| inside(p) && !found.iter().any(|rect| rect.contains(p)));
+        let next = seed_outside(gap, depth, centre, seed, &all).or_else(|| (found.len() > 1).then(between).flatten());
+        match next {
+            None => return Some(found),
+            // Rays do not follow its shape.
+            Some(next) if !piece(&inside, next)?.contains(next) => break,
+            Some(next) => found.push(piece(&inside, next)?),
+        }
+    }
+    match search(gap, depth, centre) {
+        Reach::Within(rect) => Some(vec![rect]),
+        _ => None,
+    }
+}
+
+/// Points a side at which the rectangle around several pieces is looked at for more of them.
+const LATTICE: usize = 256;
 
 fn within(inner: &Rect, outer: &Rect) -> bool {
     outer.contains(inner.min) && outer.contains(inner.max)
@@ -109,13 +144,31 @@ fn seed_outside(
     }
     let [w, h] = rect.size();
     let outside = |p: &[f64; 2]| !rect.contains(*p) && gap(p[0], p[1]) < depth;
+    let mut hollows: Vec<(f64, [f64; 2], f64)> = Vec::new();
     for from in [seed, centre] {
         for angle in spread(RAYS) {
             let near = 0.3 * w.min(h);
-            let found = (0..96).map(|k| along(from, angle, near * (0.25 * f64::from(k)).exp2())).find(outside);
-            if found.is_some() {
-                return found;
+            let place = |k: i32| along(from, angle, near * (0.25 * f64::from(k)).exp2());
+            let mut before = [f64::NEG_INFINITY; 2];
+            for k in 0..96 {
+                let p = place(k);
+                let value = gap(p[0], p[1]);
+                if value < depth && !rect.contains(p) {
+                    return Some(p);
+                }
+                if before[1] < before[0] && before[1] < value && !rect.contains(place(k - 1)) {
+                    hollows.push((before[1], place(k - 1), near * (0.25 * f64::from(k - 1)).exp2()));
+                }
+                before = [before[1], value];
             }
+        }
+    }
+    // A ray that misses a tip still dips beside it.
+    hollows.sort_by(|a, b| a.0.total_cmp(&b.0));
+    for (_, p, r) in hollows.into_iter().take(HOLLOWS) {
+        let (p, value) = descend(gap, p, 0.1 * r, depth);
+        if value < depth && !rect.contains(p) {
+            return Some(p);
         }
     }
     // The neighbourhood, evenly.
@@ -310,6 +363,11 @@ mod tests {
         let exact =
             Rect { min: [-1.0 - 0.2f64.sqrt(), -6.0 - 0.4f64.sqrt()], max: [4.0 + 0.1f64.sqrt(), 3.0 + 0.1f64.sqrt()] };
         assert!(within(&exact, &found) && found.size()[0] < 2.5 * exact.size()[0], "{found:?}");
+        // A thousandth of a radian wide, in a hollow that is not.
+        let far = |x: f64, y: f64| ((x - 50.0).powi(2) + y * y).min((x + 50.0).powi(2) + (y - 9.0).powi(2));
+        let Reach::Within(found) = search(&far, 2.5e-3, [0.0; 2]) else { panic!("bounded") };
+        assert!(within(&Rect { min: [-50.05, -0.05], max: [50.05, 9.05] }, &found), "{found:?}");
+        assert_eq!(pieces(&far, 2.5e-3, [0.0; 2]).unwrap().len(), 2);
         // Three quarters of a ring: the seed sees a part of it only.
         let hook = |x: f64, y: f64| if x > 0.0 && y > 0.0 { 1.0 } else { (x.hypot(y) - 1.0).abs() };
         let Reach::Within(found) = search(&hook, 0.05, [0.0; 2]) else { panic!("bounded") };

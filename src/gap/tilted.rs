@@ -66,6 +66,13 @@ impl Gap for Tilted {
         self.raised(depth, |depth| self.gap.certain_reach(depth))
     }
 
+    fn pieces(&self, depth: f64) -> Option<Vec<Rect>> {
+        // As for the reach: the pieces at a depth that is larger by the largest rise over them hold those of the tilted gap.
+        let Reach::Within(all) = self.reach(depth) else { return None };
+        let rise = all.corners().map(|[x, y]| self.rise(x, y)).into_iter().fold(0.0, f64::max);
+        self.gap.pieces(depth + rise)
+    }
+
     fn mean(&self, cell: &Rect) -> f64 {
         let [x, y] = cell.centre();
         self.gap.mean(cell) - self.rise(x, y)

@@ -5,7 +5,7 @@ mod planes;
 mod tape;
 
 use super::descent::lowest;
-use super::search::search;
+use super::search::{pieces, search};
 use super::{Gap, Outline, Polyhedron, Reach, mean};
 use crate::error::InputError;
 use crate::geometry::Rect;
@@ -139,6 +139,15 @@ impl Gap for Formula {
             Reach::Nowhere => Reach::Nowhere,
             _ => Reach::Within(region.bounds()),
         }
+    }
+
+    fn pieces(&self, depth: f64) -> Option<Vec<Rect>> {
+        if let Some(polyhedron) = &self.polyhedron {
+            return polyhedron.pieces(depth);
+        }
+        let found = pieces(&|x, y| self.gap(x, y), depth, self.centre);
+        let Some(bounds) = self.region.as_ref().map(Outline::bounds) else { return found };
+        found.map_or(Some(vec![bounds]), |found| Some(found.iter().filter_map(|p| p.intersection(&bounds)).collect()))
     }
 
     fn mean(&self, cell: &Rect) -> f64 {

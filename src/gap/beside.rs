@@ -1,0 +1,120 @@
+//! A gap beside other contacts, whose pressure has pushed the surface away.
+
+use std::f64::consts::PI;
+
+use super::{AnyGap, Gap, Reach};
+use crate::geometry::Rect;
+
+/// Chebyshev points along a side: enough for ten digits of the displacement by loads half a side away.
+const POINTS: usize = 16;
+
+/// The gap within a rectangle, widened by the displacement there under loads outside of it.
+#[derive(Clone)]
+pub(crate) struct Beside {
+    gap: AnyGap,
+    within: Rect,
+    /// u = sum of c_ij T_i(x) T_j(y), x and y from -1 to 1 over the rectangle; no loads: empty.
+    coefficients: Vec<[f64; POINTS]>,
+}
+
+impl Beside {
+    /// `gap` within the rectangle, beside point loads (where, force/E*) that lie at least half of its longer side outside.
+    pub fn new(gap: AnyGap, within: Rect, loads: &[([f64; 2], f64)]) -> Self {
+        if loads.is_empty() {
+            return Self { gap, within, coefficients: Vec::new() };
+        }
+        let angle = |k: usize| PI * (k as f64 + 0.5) / POINTS as f64;
+        let displacement = |i: usize, j: usize| {
+            let [x, y] = at(&within, [angle(i).cos(), angle(j).cos()]);
+            loads.iter().map(|([a, b], q)| q / (x - a).hypot(y - b)).sum::<f64>() / PI
+        };
+        let mut values = [[0.0; POINTS]; POINTS];
+        for (i, row) in values.iter_mut().enumerate() {
+            for (j, value) in row.iter_mut().enumerate() {
+                *value = displacement(i, j);
+            }
+        }
+        // c_ij = (2 - d_i0)(2 - d_j0)/n^2 sum of u_kl cos(i t_k) cos(j t_l).
+        let weight = |i: usize, k: usize| if i == 0 { 1.0 } else { 2.0 } * (i as f64 * angle(k)).cos() / POINTS as f64;
+        let along = |j: usize, row: &[f64; POINTS]| (0..POINTS).map(|l| weight(j, l) * row[l]).sum::<f64>();
+        let rows: Vec<[f64; POINTS]> = values.iter().map(|row| std::array::from_fn(|j| along(j, row))).collect();
+        let coefficient = |i: usize, j: usize| (0..POINTS).map(|k| weight(i, k) * rows[k][j]).sum::<f64>();
+        let coefficients = (0..POINTS).map(|i| std::array::from_fn(|j| coefficient(i, j))).collect();
+        Self { gap, within, coefficients }
+    }
+
+    /// What the other loads have pushed the surface away by; outside of the rectangle, as on its border.
+    pub fn displacement(&self, p: [f64; 2]) -> f64 {
+        if self.coefficients.is_empty() {
+            return 0.0;
+        }
+        let (centre, size) = (self.within.centre(), self.within.size());
+        let [x, y] = [0, 1].map(|m| (2.0 * (p[m] - centre[m]) / size[m]).clamp(-1.0, 1.0));
+        let (left, right) = (polynomials(x), polynomials(y));
+        let inner = |row: &[f64; POINTS]| row.iter().zip(&right).map(|(c, t)| c * t).sum::<f64>();
+        self.coefficients.iter().zip(&left).map(|(row, t)| t * inner(row)).sum()
+    }
+}
+
+/// The point of the rectangle with these coordinates from -1 to 1.
+fn at(rect: &Rect, x: [f64; 2]) -> [f64; 2] {
+    let (centre, size) = (rect.centre(), rect.size());
+    [0, 1].map(|m| centre[m] + 0.5 * size[m] * x[m])
+}
+
+/// T_0(x), T_1(x), ...
+fn polynomials(x: f64) -> [f64; POINTS] {
+    let mut t = [1.0, x].into_iter().chain([0.0; POINTS - 2]);
+    let mut all: [f64; POINTS] = std::array::from_fn(|_| t.next().unwrap_or(0.0));
+    for k in 2..POINTS {
+        all[k] = 2.0 * x * all[k - 1] - all[k - 2];
+    }
+    all
+}
+
+impl Gap for Beside {
+    fn gap(&self, x: f64, y: f64) -> f64 {
+        self.gap.gap(x, y) + self.displacement([x, y])
+    }
+
+    fn reach(&self, _depth: f64) -> Reach {
+        Reach::Within(self.within)
+    }
+
+    fn mean(&self, cell: &Rect) -> f64 {
+        // Gauss's two points a side: the displacement is far smoother than a cell.
+        let g = 1.0 / 3f64.sqrt();
+        let points = [[-g, -g], [-g, g], [g, -g], [g, g]];
+        let u = points.map(|x| self.displacement(at(cell, x))).iter().sum::<f64>() / 4.0;
+        self.gap.mean(cell) + u
+    }
+
+    fn centre(&self) -> [f64; 2] {
+        let c = self.gap.centre();
+        if self.within.contains(c) { c } else { self.within.centre() }
+    }
+
+    fn reference(&self) -> [f64; 2] {
+        self.gap.reference()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_displacement_of_a_load_half_a_side_away_has_eight_digits() {
+        let within = Rect { min: [-1.0, 2.0], max: [3.0, 5.0] };
+        let loads = [([-3.0, 2.5], 0.7), ([9.0, 8.0], 2.0), ([1.0, -1.0], 0.3)];
+        let flat = AnyGap::new(|_: f64, _: f64| 0.25);
+        let beside = Beside::new(flat, within, &loads);
+        for [x, y] in [[-1.0, 2.0], [0.3, 3.1], [3.0, 2.0], [-0.99, 4.2]] {
+            let exact = loads.iter().map(|([a, b], q)| q / f64::hypot(x - a, y - b)).sum::<f64>() / PI;
+            assert!((beside.gap(x, y) - 0.25 - exact).abs() < 1e-8 * exact, "{x} {y}");
+        }
+        let cell = Rect { min: [0.0, 3.0], max: [0.05, 3.05] };
+        let middle = beside.gap(0.025, 3.025);
+        assert!((beside.mean(&cell) - middle).abs() < 1e-4 * middle);
+    }
+}

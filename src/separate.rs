@@ -1,0 +1,272 @@
+//! Contacts that lie far apart, each on a grid of its own.
+//!
+//! Pressure vanishes where the undeformed bodies do not overlap, so separate pieces of {f > 0} are separate contacts. They
+//! feel one another only through the displacement that the load of one leaves at the others, which is smooth there: each
+//! is solved in turn on the gap that the others have left (block Gauss-Seidel), until the force no longer changes. The
+//! factor from sweep to sweep is about the square of size over distance.
+
+use crate::Contact;
+use crate::by_grid;
+use crate::domain::Door;
+use crate::error::Unsolved;
+use crate::exact::{self, Refined};
+use crate::gap::{AnyGap, Beside, islands};
+use crate::geometry::Rect;
+use crate::grid::{Grid, Pressure};
+use crate::settings::{Method, Settings};
+use crate::solution::{Patch, PressureSummary, Solution};
+
+/// More contacts than that share one grid.
+const MOST: usize = 16;
+
+/// The box of all contacts is so many times as long as the largest one, or one grid serves them all.
+const FAR: f64 = 4.0;
+
+/// Sweeps over all contacts at one tolerance.
+const SWEEPS: usize = 20;
+
+/// Cells along the longer side of the field that all contacts share.
+const FIELD: usize = 1024;
+
+/// Rectangles around contacts that are to be solved apart; `None` when one grid serves.
+pub(crate) fn rectangles(gap: &AnyGap, depth: f64, reach: &Rect, settings: &Settings) -> Option<Vec<Rect>> {
+    if settings.cells.is_some() || settings.method == Method::Qp || settings.outputs.gap {
+        return None;
+    }
+    let apart = islands(&**gap, depth, reach);
+    let longest = |rect: &Rect| rect.size()[0].max(rect.size()[1]);
+    let largest = apart.iter().map(longest).fold(0.0, f64::max);
+    let fits = (2..=MOST).contains(&apart.len()) && longest(reach) >= FAR * largest && largest > 0.0;
+    fits.then_some(apart)
+}
+
+/// Point loads in the user's frame, divided by E*.
+type Loads = Vec<([f64; 2], f64)>;
+
+/// One of the contacts, solved on the gap that the others left.
+struct One {
+    beside: Beside,
+    /// `None` when the others have pushed the surface out of reach.
+    solved: Option<Refined>,
+    loads: Loads,
+}
+
+impl One {
+    fn solve(gap: &AnyGap, depth: f64, within: Rect, others: &Loads, settings: &Settings) -> Result<Self, Unsolved> {
+        let beside = Beside::new(gap.clone(), within, others);
+        let Some(door) = Door::enter(&beside, depth)? else {
+            return Ok(Self { beside, solved: None, loads: Loads::new() });
+        };
+        let refined = exact::refined(&door, settings, Method::Fft, None)?;
+        // The finest grid carries the force of all of them together.
+        let share = refined.force / refined.state.force();
+        let loads = loads(&door, &refined, |k| refined.state.solution.pressure[k] * share);
+        Ok(Self { beside, solved: Some(refined), loads })
+    }
+
+    fn door(&self, depth: f64) -> Result<Option<Door<'_>>, Unsolved> {
+        Door::enter(&self.beside, depth)
+    }
+}
+
+/// The loads of pressures in the units of the door.
+fn loads(door: &Door, refined: &Refined, pressure: impl Fn(usize) -> f64) -> Loads {
+    let grid = &refined.state.problem.grid;
+    let unit = door.gap.depth * door.gap.length * grid.cell_area();
+    let load = |k: usize| (door.gap.outward(grid.centre_of(k)), pressure(k) * unit);
+    (0..grid.len()).map(load).filter(|load| load.1 != 0.0).collect()
+}
+
+fn others(all: &[Loads], but: usize) -> Loads {
+    all.iter().enumerate().filter(|(k, _)| *k != but).flat_map(|(_, loads)| loads.iter().copied()).collect()
+}
+
+fn total(loads: &[Loads]) -> f64 {
+    loads.iter().flatten().map(|load| load.1).sum()
+}
+
+/// The state of all contacts at a depth and tilt (`gap` is the contact's gap under that tilt), in the user's units.
+///
+/// # Errors
+/// As for a single contact.
+pub(crate) fn solution(
+    contact: &Contact,
+    gap: &AnyGap,
+    depth: f64,
+    tilt: [f64; 2],
+    settings: &Settings,
+    rectangles: &[Rect],
+    with_matrix: bool,
+) -> Result<Solution, Unsolved> {
+    let mut current = vec![Loads::new(); rectangles.len()];
+    let mut ones = Vec::new();
+    let mut missed = 0.0;
+    let (mut iterations, mut operator_products) = (0, 0);
+    // Roughly first: what the contacts do to one another needs few cells.
+    for tolerance in [settings.tolerance.max(0.02), settings.tolerance] {
+        let settings = Settings { tolerance, ..*settings };
+        for _ in 0..SWEEPS {
+            let before = total(&current);
+            ones.clear();
+            for (k, &within) in rectangles.iter().enumerate() {
+                let one = One::solve(gap, depth, within, &others(&current, k), &settings)?;
+                current[k].clone_from(&one.loads);
+                if let Some(refined) = &one.solved {
+                    iterations += refined.state.iterations;
+                    operator_products += refined.state.operator_products;
+                }
+                ones.push(one);
+            }
+            missed = (total(&current) - before).abs();
+            if missed <= 0.1 * tolerance * total(&current) {
+                break;
+            }
+        }
+    }
+    let mut states = Vec::new();
+    let quiet = Settings { outputs: crate::settings::Outputs { pressure: true, ..settings.outputs }, ..*settings };
+    for (k, one) in ones.iter().enumerate() {
+        let (Some(refined), Some(door)) = (&one.solved, one.door(depth)?) else { continue };
+        let mut state = by_grid::dimensional(contact, &door, refined, None, depth, tilt, &quiet)?;
+        // The others' last displacement against the one this contact was solved with.
+        let latest = Beside::new(gap.clone(), rectangles[k], &others(&current, k));
+        let moved = rectangles[k].corners().into_iter().chain([rectangles[k].centre()]);
+        let moved = moved.map(|p| (latest.displacement(p) - one.beside.displacement(p)).abs()).fold(0.0, f64::max);
+        if let Some(residuals) = &mut state.residuals {
+            residuals.penetration += moved / door.gap.depth;
+            residuals.complementarity += moved / door.gap.depth;
+        }
+        // Half of what this contact's load does in the displacement by the others; the rest is in its own overlap.
+        let shared: f64 = one.loads.iter().map(|(p, q)| q * one.beside.displacement(*p)).sum();
+        state.energy = state.energy.map(|u| u + 0.5 * shared * contact.modulus().e_star());
+        states.push(state);
+    }
+    if states.is_empty() {
+        return Ok(Solution::apart(Method::Fft, depth, tilt));
+    }
+    let matrix = growth(contact, &ones, depth, gap, rectangles, with_matrix)?;
+    let mut all = together(states, settings, missed * contact.modulus().e_star());
+    all.stiffness = matrix[0][0];
+    all.stiffness_matrix = with_matrix.then_some(matrix);
+    all.cost.iterations = iterations;
+    all.cost.operator_products = operator_products;
+    Ok(all)
+}
+
+/// Stiffness against depth, and against tilts if asked for: flat punches on all patches at once, by the same sweeps.
+fn growth(
+    contact: &Contact,
+    ones: &[One],
+    depth: f64,
+    gap: &AnyGap,
+    rectangles: &[Rect],
+    with_matrix: bool,
+) -> Result<[[f64; 3]; 3], Unsolved> {
+    let rates: [fn([f64; 2]) -> f64; 3] = [|_| 1.0, |[x, _]| x, |[_, y]| y];
+    let mut matrix = [[0.0; 3]; 3];
+    let columns = if with_matrix { 3 } else { 1 };
+    for (column, rate) in rates.iter().enumerate().take(columns) {
+        let mut current = vec![Loads::new(); ones.len()];
+        for _ in 0..SWEEPS {
+            let (before, mut size) = (current.clone(), 0.0);
+            for (k, one) in ones.iter().enumerate() {
+                let (Some(refined), Some(door)) = (&one.solved, one.door(depth)?) else { continue };
+                let raised = Beside::new(gap.clone(), rectangles[k], &others(&current, k));
+                let grid = &refined.state.problem.grid;
+                let wanted: Vec<f64> = (0..grid.len())
+                    .map(|i| door.gap.outward(grid.centre_of(i)))
+                    .map(|p| (rate(p) - raised.displacement(p)) / door.gap.depth)
+                    .collect();
+                let growing = exact::growth(&refined.state, &wanted)?;
+                current[k] = loads(&door, refined, |i| growing[i]);
+                size += current[k].iter().map(|load| load.1.abs()).sum::<f64>();
+            }
+            let change: f64 = current
+                .iter()
+                .zip(&before)
+                .map(|(a, b)| (a.iter().map(|l| l.1).sum::<f64>() - b.iter().map(|l| l.1).sum::<f64>()).abs())
+                .sum();
+            if change <= 1e-8 * size {
+                break;
+            }
+        }
+        let e_star = contact.modulus().e_star();
+        for (row, weight) in rates.iter().enumerate() {
+            matrix[row][column] = current.iter().flatten().map(|(p, q)| q * weight(*p)).sum::<f64>() * e_star;
+        }
+    }
+    let mean = |i: usize, j: usize| if with_matrix { 0.5 * (matrix[i][j] + matrix[j][i]) } else { matrix[i][j] };
+    Ok([0, 1, 2].map(|i| [0, 1, 2].map(|j| mean(i, j))))
+}
+
+/// One state from those of all contacts; `missed` is the force that the last sweep still changed.
+fn together(states: Vec<Solution>, settings: &Settings, missed: f64) -> Solution {
+    let force: f64 = states.iter().map(|s| s.force).sum();
+    let error: f64 = states.iter().map(|s| s.force_error.unwrap_or(0.0) * s.force).sum();
+    let strongest =
+        states.iter().max_by(|a, b| a.pressure.max.unwrap_or(0.0).total_cmp(&b.pressure.max.unwrap_or(0.0)));
+    let (max, at) = strongest.map_or((None, None), |s| (s.pressure.max, s.pressure.at));
+    let area: f64 = states.iter().map(|s| s.patch.area).sum();
+    let centroid =
+        |m: usize| states.iter().filter_map(|s| s.patch.centroid.map(|c| c[m] * s.patch.area)).sum::<f64>() / area;
+    let patch = Patch {
+        area,
+        centroid: (area > 0.0).then(|| [centroid(0), centroid(1)]),
+        regions: states.iter().map(|s| s.patch.regions).sum(),
+        max_radius: states.iter().map(|s| s.patch.max_radius).fold(0.0, f64::max),
+        boundary: settings
+            .outputs
+            .patch
+            .then(|| states.iter().filter_map(|s| s.patch.boundary.clone()).flatten().collect()),
+    };
+    let fields: Vec<&Pressure> = states.iter().filter_map(|s| s.pressure.field.as_ref()).collect();
+    let field = settings.outputs.pressure.then(|| spread(&fields)).flatten();
+    let worst = |of: fn(&crate::Residuals) -> f64| {
+        states.iter().filter_map(|s| s.residuals.as_ref().map(of)).fold(0.0, f64::max)
+    };
+    let residuals = crate::Residuals {
+        complementarity: worst(|r| r.complementarity),
+        tension: worst(|r| r.tension),
+        penetration: worst(|r| r.penetration),
+    };
+    let count = states.len();
+    let sum = |of: fn(&Solution) -> Option<f64>| states.iter().map(of).sum::<Option<f64>>();
+    let mut all = states[0].clone();
+    all.force = force;
+    all.force_error = Some((error + missed) / force);
+    all.energy = sum(|s| s.energy);
+    all.moment = sum(|s| s.moment.map(|m| m[0])).zip(sum(|s| s.moment.map(|m| m[1]))).map(|(x, y)| [x, y]);
+    all.pressure = PressureSummary { max, mean: (area > 0.0).then(|| force / area), at, field, gap: None };
+    all.patch = patch;
+    all.residuals = Some(residuals);
+    all.cost.unknowns = states.iter().map(|s| s.cost.unknowns).max().unwrap_or(0);
+    all.left_out = vec!["the grid between the contacts: each has one of its own".to_owned()];
+    all.remarks = vec![format!("{count} contacts far apart, solved in turn on what the others leave of the gap")];
+    all
+}
+
+/// The pressures of several grids as means over the cells of one around all of them; no load is lost.
+fn spread(fields: &[&Pressure]) -> Option<Pressure> {
+    let all = fields.iter().map(|f| f.grid.extent()).reduce(|a, b| a.union(&b))?;
+    let finest = fields.iter().flat_map(|f| f.grid.spacing).fold(f64::INFINITY, f64::min);
+    let [w, h] = all.size();
+    let spacing = finest.max(w.max(h) / FIELD as f64);
+    let shape = [w, h].map(|side| ((side / spacing).ceil() as usize).max(1));
+    let grid = Grid::over(&all, shape);
+    let mut values = vec![0.0; grid.len()];
+    for field in fields {
+        for (k, &p) in field.values.iter().enumerate().filter(|(_, p)| **p != 0.0) {
+            let cell = field.grid.cell(k % field.grid.shape[0], k / field.grid.shape[0]);
+            let place = |x: f64, m: usize| ((x - grid.origin[m]) / grid.spacing[m]).clamp(0.0, grid.shape[m] as f64);
+            let [from, to] =
+                [[place(cell.min[0], 0), place(cell.min[1], 1)], [place(cell.max[0], 0), place(cell.max[1], 1)]];
+            for j in from[1] as usize..(to[1].ceil() as usize).min(grid.shape[1]) {
+                for i in from[0] as usize..(to[0].ceil() as usize).min(grid.shape[0]) {
+                    let overlap = |n: usize, m: usize| (to[m].min(n as f64 + 1.0) - from[m].max(n as f64)).max(0.0);
+                    values[j * grid.shape[0] + i] += p * overlap(i, 0) * overlap(j, 1);
+                }
+            }
+        }
+    }
+    Some(Pressure { grid, values })
+}
