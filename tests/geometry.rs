@@ -9,7 +9,7 @@ use contact_patch::gap::{
     AnyGap, Cone, Flat, Formula, Gap, HeightMap, Heights, Minimum, Outline, Paraboloid, Placed, Polyhedron, Power,
     Sphere, Sum, Surface, Zero,
 };
-use contact_patch::{Contact, EffectiveModulus, Loading, Method, Settings, Solution, plan, solve};
+use contact_patch::{Contact, EffectiveModulus, Loading, Method, Outputs, Settings, Solution, plan, solve};
 
 fn unit() -> EffectiveModulus {
     EffectiveModulus::from_e_star(1.0).unwrap()
@@ -89,6 +89,51 @@ const FLAT: [(f64, &[[f64; 2]]); 2] = [
     (1.152298, &[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]),
     (0.788116, &[[0.0, 0.0], [1.0, 0.0], [0.5, 0.866_025_403_784_438_6]]),
 ];
+
+#[test]
+fn tips_a_thousand_radii_apart_feel_one_another_as_point_loads() {
+    // Each tip: P = 4/3 sqrt(R) (d - P/(pi s))^(3/2) with the other's displacement as of a point load, s apart.
+    let settings = Settings { tolerance: 1e-3, ..Settings::default() };
+    let d = 0.01;
+    for s in [2.0f64, 1000.0] {
+        let one = |d: f64| 4.0 / 3.0 * d.powf(1.5);
+        let each = (0..50).fold(one(d), |p, _| one(d - p / (PI * s)));
+        // dP/dd of both: k (1 - dP/dd/(pi s)) each, k = 2 a.
+        let k = 2.0 * (d - each / (PI * s)).sqrt();
+        let stiffness = 2.0 * k / (1.0 + k / (PI * s));
+        let tip = |x: f64| AnyGap::new(Placed::new(Paraboloid::new([1.0, 1.0]).unwrap(), [x, 0.3], 0.0).unwrap());
+        let named: AnyGap = AnyGap::new(Minimum::new(vec![tip(-0.5 * s), tip(0.5 * s)]).unwrap());
+        let values = Formula::new(&format!("min((x - {0})^2, (x + {0})^2)/2 + (y - 0.3)^2/2", 0.5 * s)).unwrap();
+        for gap in [named, AnyGap::new(values)] {
+            let pair = solved(gap, d, &settings);
+            assert_relative_eq!(pair.force, 2.0 * each, max_relative = 5e-4);
+            assert_relative_eq!(pair.stiffness, stiffness, max_relative = 3e-3);
+            assert_eq!(pair.patch.regions, 2);
+            assert!(pair.residuals.unwrap().worst() < 1e-6, "{:?}", pair.residuals);
+        }
+    }
+}
+
+#[test]
+fn contacts_on_grids_of_their_own_keep_the_laws_of_one() {
+    let tip = |gap: AnyGap, at: [f64; 2]| AnyGap::new(Placed::new(gap, at, 0.3).unwrap());
+    let cone = || AnyGap::new(Cone::with_slope(0.3).unwrap());
+    let pyramid = || AnyGap::new(Polyhedron::pyramid(3, 0.2).unwrap());
+    let gap = || Minimum::new(vec![tip(cone(), [-1.0, 0.0]), tip(pyramid(), [1.0, 2.0])]).unwrap();
+    let at = |d: f64| solved(gap(), d, &Settings { tolerance: 2e-4, outputs: fields(), ..Settings::default() });
+    let (below, state, above) = (at(0.096), at(0.1), at(0.104));
+    // P = dU/dd and k = dP/dd over four per cent either way; the field carries the force and its moments.
+    assert_relative_eq!((above.energy.unwrap() - below.energy.unwrap()) / 8e-3, state.force, max_relative = 2e-3);
+    assert_relative_eq!((above.force - below.force) / 8e-3, state.stiffness, max_relative = 5e-3);
+    let field = state.pressure.field.as_ref().unwrap();
+    assert_relative_eq!(field.force(), state.force, max_relative = 1e-3);
+    let lever: f64 = (0..field.grid.len()).map(|k| field.values[k] * field.grid.centre_of(k)[1]).sum();
+    assert_relative_eq!(lever * field.grid.cell_area(), state.moment.unwrap()[0], max_relative = 1e-3);
+}
+
+fn fields() -> Outputs {
+    Outputs { pressure: true, ..Outputs::default() }
+}
 
 #[test]
 fn flat_square_and_triangle_converge_with_first_order() {
