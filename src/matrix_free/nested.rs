@@ -4,10 +4,9 @@
 //! problem itself, for values at centres it is close, and a start is all that is wanted of it. One table of influence
 //! coefficients serves all grids.
 
-use super::{Settings, Window, no_contact, with_threads};
+use super::{Cells, SYMMETRIC, Settings, Window, no_contact, with_threads};
 use crate::discrete::{Discrete, DiscreteSolution};
 use crate::error::Unsolved;
-use crate::influence::InfluenceTable;
 
 /// Error of the gap on the grids before the last, relative to the depth: their own distance from the next grid.
 const COARSE_TOLERANCE: f64 = 1e-3;
@@ -33,23 +32,21 @@ const COARSEST: usize = 12;
 /// ```
 pub fn solve_nested(problem: &Discrete, settings: &Settings) -> Result<DiscreteSolution, Unsolved> {
     with_threads(settings.threads, |scratch| {
-        let Some(window) = Window::of(problem) else { return Ok(no_contact(problem)) };
-        let table = InfluenceTable::new(problem.kernel, problem.grid.spacing, window.shape);
-        let mut grids = vec![window];
+        let Some(window) = Window::of(problem, SYMMETRIC * settings.tolerance) else { return Ok(no_contact(problem)) };
+        let table = window.table(problem);
+        let mut grids = vec![window.grid(problem)];
         while let Some(coarser) = grids.last().and_then(coarser) {
             grids.push(coarser);
         }
-        grids.iter_mut().for_each(Window::bound);
         let mut start: Option<Vec<f64>> = None;
         for (level, grid) in grids.iter().enumerate().rev() {
-            let spacing = problem.grid.spacing.map(|h| h * f64::from(1_u32 << level));
             let (tolerance, limit) = match level {
                 0 => (settings.tolerance, settings.products),
                 _ => (COARSE_TOLERANCE.max(settings.tolerance), 60),
             };
-            let left = grid.solve(&table, spacing, start.take(), tolerance, limit, scratch);
+            let left = grid.solve(&table, start.take(), tolerance, limit, level == 0, scratch);
             if level == 0 {
-                return grid.finish(problem, left, settings);
+                return window.finish(problem, &table, left, settings);
             }
             start = Some(finer(&left.state.p, grid.shape, grids[level - 1].shape));
         }
@@ -58,18 +55,19 @@ pub fn solve_nested(problem: &Discrete, settings: &Settings) -> Result<DiscreteS
 }
 
 /// Two by two cells made one. `None` when the grid is coarse enough or nothing overlaps on the next.
-fn coarser(fine: &Window) -> Option<Window> {
+fn coarser(fine: &Cells) -> Option<Cells> {
     let [nx, ny] = fine.shape;
-    if nx.max(ny) < 2 * COARSEST || nx.min(ny) < 4 {
+    let height = if fine.mirrored { 2 * ny } else { ny };
+    if nx.max(height) < 2 * COARSEST || nx.min(height) < 4 {
         return None;
     }
     let shape = [nx.div_ceil(2), ny.div_ceil(2)];
-    let mut overlap = vec![f64::NEG_INFINITY; shape[0] * shape[1]];
+    let mut overlap = vec![-1.0; shape[0] * shape[1]];
     for (k, mean) in overlap.iter_mut().enumerate() {
         let (i, j) = (2 * (k % shape[0]), 2 * (k / shape[0]));
         let (mut sum, mut cells) = (0.0, 0);
         for (i, j) in [(i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1)] {
-            if i < nx && j < ny && fine.overlap[j * nx + i].is_finite() {
+            if i < nx && j < ny && fine.overlap[j * nx + i] > -1.0 {
                 sum += fine.overlap[j * nx + i];
                 cells += 1;
             }
@@ -80,10 +78,11 @@ fn coarser(fine: &Window) -> Option<Window> {
         }
     }
     let deepest = overlap.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    (deepest > 0.0).then_some(Window { corner: [0, 0], shape, overlap, deepest })
+    (deepest > 0.0).then_some(Cells { shape, mirrored: fine.mirrored, overlap })
 }
 
-/// Bilinear interpolation of the values at the centres of coarse cells, constant beyond the border.
+/// Bilinear interpolation of the values at the centres of coarse cells, constant beyond the border. Halved: the pressure that
+/// moves a cell by the depth is twice as large on cells of half the side.
 fn finer(coarse: &[f64], [cx, cy]: [usize; 2], [nx, ny]: [usize; 2]) -> Vec<f64> {
     let neighbour =
         |i: usize, n: usize| if i.is_multiple_of(2) { (i / 2).saturating_sub(1) } else { (i / 2 + 1).min(n - 1) };
@@ -93,7 +92,7 @@ fn finer(coarse: &[f64], [cx, cy]: [usize; 2], [nx, ny]: [usize; 2]) -> Vec<f64>
         let other = &coarse[neighbour(j, cy) * cx..][..cx];
         for i in 0..nx {
             let (a, b) = (i / 2, neighbour(i, cx));
-            fine.push(0.75 * (0.75 * near[a] + 0.25 * near[b]) + 0.25 * (0.75 * other[a] + 0.25 * other[b]));
+            fine.push(0.5 * (0.75 * (0.75 * near[a] + 0.25 * near[b]) + 0.25 * (0.75 * other[a] + 0.25 * other[b])));
         }
     }
     fine
