@@ -75,7 +75,8 @@ impl Symbol {
     pub(super) fn of(length: [usize; 2], fill: impl Fn(usize, &mut [f64])) -> Self {
         let [mx, my] = length;
         let zero = Complex::default();
-        let (along, across) = f64::with_planners(|real, complex| (real.plan_fft_forward(mx), complex.plan_fft_forward(my)));
+        let (along, across) =
+            f64::with_planners(|real, complex| (real.plan_fft_forward(mx), complex.plan_fft_forward(my)));
         let (columns, half) = (mx / 2 + 1, my / 2 + 1);
         // Rows of the kernel, extended evenly: their transforms are real.
         let mut rows = vec![0.0; half * columns];
@@ -206,7 +207,16 @@ impl<T: Real> Convolution<T> {
         } else {
             symbol.values.iter().map(|s| T::of(norm * s)).collect()
         };
-        Self { shape, length: [mx, my], symbol: values, turns, row_forward, row_inverse, column_forward, column_inverse }
+        Self {
+            shape,
+            length: [mx, my],
+            symbol: values,
+            turns,
+            row_forward,
+            row_inverse,
+            column_forward,
+            column_inverse,
+        }
     }
 
     /// Number of cells along x and y.

@@ -51,7 +51,8 @@ pub fn growth(problem: &Discrete, pressure: &[f64], rates: &[f64], settings: &Se
         let mut products = 0;
         let mut before = f64::INFINITY;
         loop {
-            let worst = residual.iter().zip(&face).filter(|(_, m)| **m > 0.0).fold(0.0, |e: f64, (r, _)| e.max(r.abs()));
+            let worst =
+                residual.iter().zip(&face).filter(|(_, m)| **m > 0.0).fold(0.0, |e: f64, (r, _)| e.max(r.abs()));
             if worst <= tolerance {
                 // From the units of the window to those of the rates.
                 let unit = largest / table.get(0, 0);

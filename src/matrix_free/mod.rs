@@ -280,11 +280,19 @@ impl Cells {
         scratch: &mut Scratch,
     ) -> Left {
         let operators = Operators::new(table, self.shape, self.mirrored, answer);
+        let mut near = [[0.0; faces::NEAR]; faces::NEAR];
+        for (j, row) in near.iter_mut().enumerate().take(table.shape()[1]) {
+            for (value, coefficient) in row.iter_mut().zip(table.row(j)) {
+                *value = (coefficient / table.row(0)[0]) as f32;
+            }
+        }
         let level = Level {
             f: &self.overlap,
             compliance: operators.compliance.as_ref(),
             single: &operators.single,
             preconditioner: &operators.preconditioner,
+            near: &near,
+            mirrored: self.mirrored,
             tolerance,
             limit,
         };

@@ -236,8 +236,9 @@ mod tests {
             let full = Operator::compliance(&table, h, whole);
             let half: Convolution<f64> =
                 Convolution::new(shape, &compliance(&table, InfluenceTable::scale(h), shape, true), true);
-            let p: Vec<f64> =
-                (0..nx * m).map(|k| if given.contains(&(k / nx)) { ((k * 7919) % 13) as f64 - 3.0 } else { 0.0 }).collect();
+            let p: Vec<f64> = (0..nx * m)
+                .map(|k| if given.contains(&(k / nx)) { ((k * 7919) % 13) as f64 - 3.0 } else { 0.0 })
+                .collect();
             let row = |j: usize| if j < m { m - 1 - j } else { j - m };
             let unfolded: Vec<f64> = (0..nx * 2 * m).map(|k| p[row(k / nx) * nx + k % nx]).collect();
             let (mut u, mut v) = (vec![0.0; nx * 2 * m], vec![0.0; nx * m]);
