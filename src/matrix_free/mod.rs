@@ -264,6 +264,7 @@ impl Window {
             unknowns: problem.overlap.iter().filter(|&&f| f > 0.0).count(),
             iterations: state.iterations,
             operator_products: state.all_products(),
+            single_precision: state.single_products,
         })
     }
 }
@@ -335,7 +336,13 @@ fn error(p: &[f64], r: &[f64]) -> f64 {
 
 fn no_contact(problem: &Discrete) -> DiscreteSolution {
     let zero = vec![0.0; problem.grid.len()];
-    let residuals = problem.residuals(&zero, &zero);
-    let displacement = zero.clone();
-    DiscreteSolution { pressure: zero, displacement, residuals, unknowns: 0, iterations: 0, operator_products: 0 }
+    DiscreteSolution {
+        residuals: problem.residuals(&zero, &zero),
+        displacement: zero.clone(),
+        pressure: zero,
+        unknowns: 0,
+        iterations: 0,
+        operator_products: 0,
+        single_precision: 0,
+    }
 }
