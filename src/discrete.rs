@@ -95,4 +95,6 @@ pub struct DiscreteSolution {
     pub iterations: usize,
     /// Products with the compliance operator on this grid.
     pub operator_products: usize,
+    /// How many of them were in single precision.
+    pub single_precision: usize,
 }

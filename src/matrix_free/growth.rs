@@ -1,6 +1,6 @@
 //! Linear systems on a fixed contact: how the pressure grows when the load does.
 
-use super::{Operator, Settings, Window, with_threads};
+use super::{Operator, Operators, Settings, Window, faces, with_threads};
 use crate::discrete::Discrete;
 use crate::error::{Unsolved, Verdict};
 use crate::influence::InfluenceTable;
@@ -8,7 +8,7 @@ use crate::influence::InfluenceTable;
 /// The pressure that grows at the given rates of overlap on the cells where `pressure` is positive: A m = rate there,
 /// m = 0 elsewhere. Rate 1 is a flat punch of the plan-form of the contact: its force is the stiffness dP/dd.
 ///
-/// Conjugate gradients with the preconditioner of the contact solver.
+/// Conjugate gradients with the preconditioner of the contact solver, in single precision; the residual in double.
 ///
 /// ```
 /// use contact_patch::{Discrete, Grid, Kernel, gap::Paraboloid, geometry::Rect, matrix_free};
@@ -26,45 +26,57 @@ use crate::influence::InfluenceTable;
 /// # Errors
 /// `IterationLimit` when the products are used up.
 pub fn growth(problem: &Discrete, pressure: &[f64], rates: &[f64], settings: &Settings) -> Result<Vec<f64>, Unsolved> {
-    let masked = pressure.iter().map(|&p| if p > 0.0 { 1.0 } else { f64::NEG_INFINITY }).collect();
-    let contact = Discrete { grid: problem.grid, kernel: problem.kernel, overlap: masked };
-    let Some(window) = Window::of(&contact) else { return Ok(vec![0.0; pressure.len()]) };
-    let spacing = problem.grid.spacing;
-    let table = InfluenceTable::new(problem.kernel, spacing, window.shape);
-    let compliance = Operator::compliance(&table, spacing, window.shape);
-    let preconditioner = Operator::preconditioner(&table, spacing, window.shape);
-    let cells: Vec<usize> = (0..window.overlap.len()).filter(|&k| window.overlap[k] > 0.0).collect();
-    let rate = window.cut(problem.grid.shape[0], rates);
-    let largest = cells.iter().map(|&k| rate[k].abs()).fold(0.0, f64::max);
-    let (size, rows) = (window.overlap.len(), 0..window.shape[1]);
-    let (mut m, mut r, mut z) = (vec![0.0; size], vec![0.0; size], vec![0.0; size]);
-    let (mut direction, mut image) = (vec![0.0; size], vec![0.0; size]);
-    cells.iter().for_each(|&k| r[k] = rate[k]);
-    let dot = |a: &[f64], b: &[f64]| cells.iter().map(|&k| a[k] * b[k]).sum::<f64>();
+    let grid = problem.grid;
+    let width = grid.shape[0];
+    let masked: Vec<f64> = pressure.iter().map(|&p| if p > 0.0 { 1.0 } else { f64::NEG_INFINITY }).collect();
+    let contact = Discrete { grid, kernel: problem.kernel, overlap: masked };
+    let Some(mut window) = Window::of(&contact, 0.0) else { return Ok(vec![0.0; pressure.len()]) };
+    let rate = |k: usize| if pressure[k] > 0.0 { rates[k] } else { 0.0 };
+    let largest = (0..rates.len()).map(|k| rate(k).abs()).fold(0.0, f64::max);
+    let tolerance = settings.tolerance;
+    if !window.symmetric(width, |a, b| (rate(a) - rate(b)).abs() <= 1e-3 * tolerance * largest) {
+        window.unfold();
+    }
+    let table = window.table(&contact);
+    let Operators { compliance, single, preconditioner, .. } =
+        Operators::new(&table, window.shape(), window.mirrored, true);
+    let Some(compliance) = compliance.filter(|_| largest > 0.0) else { return Ok(vec![0.0; pressure.len()]) };
+    let face: Vec<f32> = window.grid(&contact).overlap.iter().map(|&f| if f > 0.0 { 1.0 } else { 0.0 }).collect();
+    let mut target = window.cut(width, rates);
+    target.iter_mut().zip(&face).for_each(|(t, m)| *t = if *m > 0.0 { *t / largest } else { 0.0 });
+    let rows = 0..window.shape()[1];
+    let mut residual = target.clone();
+    let mut m = vec![0.0; target.len()];
     with_threads(settings.threads, |scratch| {
-        let mut slope_before = 0.0;
-        for step in 0..settings.products {
-            let worst = cells.iter().map(|&k| r[k].abs()).fold(0.0, f64::max);
-            if worst <= settings.tolerance * largest {
-                return Ok(window.paste(problem.grid.shape, &m));
+        let mut products = 0;
+        let mut before = f64::INFINITY;
+        loop {
+            let worst =
+                residual.iter().zip(&face).filter(|(_, m)| **m > 0.0).fold(0.0, |e: f64, (r, _)| e.max(r.abs()));
+            if worst <= tolerance {
+                // From the units of the window to those of the rates.
+                let unit = largest / table.get(0, 0);
+                m.iter_mut().for_each(|m| *m *= unit);
+                return Ok(window.paste(grid.shape, &m));
             }
-            preconditioner.apply(&r, rows.clone(), &mut z, rows.clone(), scratch);
-            let slope = dot(&r, &z);
-            let beta = if step == 0 { 0.0 } else { slope / slope_before };
-            slope_before = slope;
-            cells.iter().for_each(|&k| direction[k] = z[k] + beta * direction[k]);
-            compliance.apply(&direction, rows.clone(), &mut image, rows.clone(), scratch);
-            let length = slope / dot(&direction, &image);
-            if !length.is_finite() {
-                break;
+            if products >= settings.products || worst > 0.5 * before {
+                let reason = format!("the stiffness of the contact was not found in {products} products");
+                return Err(Unsolved::new(Verdict::IterationLimit, reason));
             }
-            for &k in &cells {
-                m[k] += length * direction[k];
-                r[k] -= length * image[k];
+            before = worst;
+            let fixed = faces::Fixed { single: &single, preconditioner: &preconditioner, face: &face };
+            let mut r: Vec<f32> = residual.iter().zip(&face).map(|(r, m)| (r / worst) as f32 * m).collect();
+            let goal = (0.7 * tolerance / worst).max(faces::FALL);
+            products += 1 + fixed.relax(&mut r, goal as f32, settings.products - products, scratch, |alpha, d| {
+                for (m, d) in m.iter_mut().zip(d) {
+                    *m += worst * alpha * f64::from(*d);
+                }
+            });
+            compliance.product(&m, rows.clone(), &mut residual, rows.clone(), scratch);
+            for (r, t) in residual.iter_mut().zip(&target) {
+                *r = t - *r;
             }
         }
-        let reason = format!("the stiffness of the contact was not found in {} products", settings.products);
-        Err(Unsolved::new(Verdict::IterationLimit, reason))
     })
 }
 

@@ -6,19 +6,22 @@
 //! While |beta| is not the larger, conjugate gradients on the face, cut at the first pressure that vanishes and followed by
 //! a projected step of fixed length 1/|A|; else a step along -beta.
 
-use super::faces::{Level, State, dot, occupied};
+use super::faces::{Level, State, occupied};
 use super::operator::Scratch;
 
-/// From p >= 0 with its residual to the tolerance: true. False when the limit of products is met first.
-pub(super) fn minimise(level: &Level, state: &mut State, scratch: &mut Scratch) -> bool {
+/// From p >= 0 with its residual to the tolerance: true. False when the limit of products is met first. `norm`: that of A.
+pub(super) fn minimise(level: &Level, norm: f64, state: &mut State, scratch: &mut Scratch) -> bool {
     let n = level.f.len();
-    let [width, height] = level.compliance.shape();
-    let fixed = 1.0 / level.compliance.norm();
+    let [width, height] = level.shape();
+    let Some(compliance) = level.compliance else { return false };
+    let fixed = 1.0 / norm;
     let (mut z, mut d, mut work) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
+    // The preconditioner works in single precision.
+    let (mut given, mut taken) = (vec![0.0_f32; n], vec![0.0_f32; n]);
     let mut restart = true;
     let mut rz_old = 0.0;
     let mut since = 0;
-    while state.products < level.limit {
+    while state.all_products() < level.limit {
         if level.error(state) <= level.tolerance {
             // The residual was carried along: looked at once more from scratch.
             if since == 0 {
@@ -41,9 +44,16 @@ pub(super) fn minimise(level: &Level, state: &mut State, scratch: &mut Scratch) 
             for ((w, p), r) in work.iter_mut().zip(&state.p).zip(&state.r) {
                 *w = if *p > 0.0 { *r } else { 0.0 };
             }
-            let rows = occupied(&work, width);
-            z.fill(0.0);
-            level.preconditioner.apply(&work, rows.clone(), &mut z, rows, scratch);
+            let largest = work.iter().fold(0.0, |m: f64, w| m.max(w.abs()));
+            for (given, w) in given.iter_mut().zip(&work) {
+                *given = (w / largest) as f32;
+            }
+            let rows = occupied(&given, width);
+            taken.fill(0.0);
+            level.preconditioner.product(&given, rows.clone(), &mut taken, rows, scratch);
+            for (z, taken) in z.iter_mut().zip(&taken) {
+                *z = largest * f64::from(*taken);
+            }
             // work is r on the face: its product with z leaves out the rest.
             let rz = dot(&z, &work);
             let beta = if restart { 0.0 } else { rz / rz_old };
@@ -57,7 +67,7 @@ pub(super) fn minimise(level: &Level, state: &mut State, scratch: &mut Scratch) 
             }
             restart = true;
         }
-        level.compliance.apply(&d, occupied(&d, width), &mut work, 0..height, scratch);
+        compliance.product(&d, occupied(&d, width), &mut work, 0..height, scratch);
         state.products += 1;
         state.iterations += 1;
         since += 1;
@@ -94,4 +104,15 @@ pub(super) fn minimise(level: &Level, state: &mut State, scratch: &mut Scratch) 
     }
     level.refresh(state, scratch);
     level.error(state) <= level.tolerance
+}
+
+/// a . b, in eight sums side by side.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let (mut sums, whole) = ([0.0; 8], a.len() / 8 * 8);
+    for (a, b) in a.chunks_exact(8).zip(b.chunks_exact(8)) {
+        for ((sum, a), b) in sums.iter_mut().zip(a).zip(b) {
+            *sum += a * b;
+        }
+    }
+    sums.iter().sum::<f64>() + a[whole..].iter().zip(&b[whole..]).map(|(a, b)| a * b).sum::<f64>()
 }

@@ -4,13 +4,12 @@
 //! problem itself, for values at centres it is close, and a start is all that is wanted of it. One table of influence
 //! coefficients serves all grids.
 
-use super::{Settings, Window, no_contact, with_threads};
+use super::{Cells, SYMMETRIC, Settings, Window, no_contact, with_threads};
 use crate::discrete::{Discrete, DiscreteSolution};
 use crate::error::Unsolved;
-use crate::influence::InfluenceTable;
 
 /// Error of the gap on the grids before the last, relative to the depth: their own distance from the next grid.
-const COARSE_TOLERANCE: f64 = 1e-3;
+const COARSE_TOLERANCE: f64 = 5e-4;
 
 /// Cells along the longer side of the coarsest grid.
 const COARSEST: usize = 12;
@@ -33,43 +32,42 @@ const COARSEST: usize = 12;
 /// ```
 pub fn solve_nested(problem: &Discrete, settings: &Settings) -> Result<DiscreteSolution, Unsolved> {
     with_threads(settings.threads, |scratch| {
-        let Some(window) = Window::of(problem) else { return Ok(no_contact(problem)) };
-        let table = InfluenceTable::new(problem.kernel, problem.grid.spacing, window.shape);
-        let mut grids = vec![window];
+        let Some(window) = Window::of(problem, SYMMETRIC * settings.tolerance) else { return Ok(no_contact(problem)) };
+        let table = window.table(problem);
+        let mut grids = vec![window.grid(problem)];
         while let Some(coarser) = grids.last().and_then(coarser) {
             grids.push(coarser);
         }
-        grids.iter_mut().for_each(Window::bound);
         let mut start: Option<Vec<f64>> = None;
         for (level, grid) in grids.iter().enumerate().rev() {
-            let spacing = problem.grid.spacing.map(|h| h * f64::from(1_u32 << level));
             let (tolerance, limit) = match level {
                 0 => (settings.tolerance, settings.products),
                 _ => (COARSE_TOLERANCE.max(settings.tolerance), 60),
             };
-            let left = grid.solve(&table, spacing, start.take(), tolerance, limit, scratch);
+            let left = grid.solve(&table, start.take(), tolerance, limit, level == 0, scratch);
             if level == 0 {
-                return grid.finish(problem, left, settings);
+                return window.finish(problem, &table, left, settings);
             }
-            start = Some(finer(&left.state.p, grid.shape, grids[level - 1].shape));
+            start = Some(finer(grid, &left.state.p, grids[level - 1].shape));
         }
         Ok(no_contact(problem))
     })
 }
 
 /// Two by two cells made one. `None` when the grid is coarse enough or nothing overlaps on the next.
-fn coarser(fine: &Window) -> Option<Window> {
+fn coarser(fine: &Cells) -> Option<Cells> {
     let [nx, ny] = fine.shape;
-    if nx.max(ny) < 2 * COARSEST || nx.min(ny) < 4 {
+    let height = if fine.mirrored { 2 * ny } else { ny };
+    if nx.max(height) < 2 * COARSEST || nx.min(height) < 4 {
         return None;
     }
     let shape = [nx.div_ceil(2), ny.div_ceil(2)];
-    let mut overlap = vec![f64::NEG_INFINITY; shape[0] * shape[1]];
+    let mut overlap = vec![-1.0; shape[0] * shape[1]];
     for (k, mean) in overlap.iter_mut().enumerate() {
         let (i, j) = (2 * (k % shape[0]), 2 * (k / shape[0]));
         let (mut sum, mut cells) = (0.0, 0);
         for (i, j) in [(i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1)] {
-            if i < nx && j < ny && fine.overlap[j * nx + i].is_finite() {
+            if i < nx && j < ny && fine.overlap[j * nx + i] > -1.0 {
                 sum += fine.overlap[j * nx + i];
                 cells += 1;
             }
@@ -80,21 +78,57 @@ fn coarser(fine: &Window) -> Option<Window> {
         }
     }
     let deepest = overlap.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    (deepest > 0.0).then_some(Window { corner: [0, 0], shape, overlap, deepest })
+    (deepest > 0.0).then_some(Cells { shape, mirrored: fine.mirrored, overlap })
 }
 
-/// Bilinear interpolation of the values at the centres of coarse cells, constant beyond the border.
-fn finer(coarse: &[f64], [cx, cy]: [usize; 2], [nx, ny]: [usize; 2]) -> Vec<f64> {
-    let neighbour =
-        |i: usize, n: usize| if i.is_multiple_of(2) { (i / 2).saturating_sub(1) } else { (i / 2 + 1).min(n - 1) };
-    let mut fine = Vec::with_capacity(nx * ny);
-    for j in 0..ny {
-        let near = &coarse[j / 2 * cx..][..cx];
-        let other = &coarse[neighbour(j, cy) * cx..][..cx];
-        for i in 0..nx {
-            let (a, b) = (i / 2, neighbour(i, cx));
-            fine.push(0.75 * (0.75 * near[a] + 0.25 * near[b]) + 0.25 * (0.75 * other[a] + 0.25 * other[b]));
+/// The pressure of coarse cells shared out among their quarters. Each keeps its load; within it the pressure is linear, with the
+/// slope of its neighbours (exact for means of quadratics), or like the root of the distance at the edge of the contact.
+/// Halved: the pressure that moves a cell by the depth is twice as large on cells of half the side.
+fn finer(coarse: &Cells, p: &[f64], [nx, ny]: [usize; 2]) -> Vec<f64> {
+    let [cx, cy] = coarse.shape;
+    let mut fine = vec![0.0; nx * ny];
+    for j in 0..cy {
+        for i in 0..cx {
+            let here = p[j * cx + i];
+            if here <= 0.0 {
+                continue;
+            }
+            let at = |inside: bool, k: usize| if inside { p[k] } else { 0.0 };
+            let k = j * cx + i;
+            let west = at(i > 0, k.wrapping_sub(1));
+            let east = at(i + 1 < cx, k + 1);
+            let south = if j == 0 && coarse.mirrored { here } else { at(j > 0, k.wrapping_sub(cx)) };
+            let north = at(j + 1 < cy, k + cx);
+            let (along, across) = (halves(west, here, east), halves(south, here, north));
+            for (t, v) in across.into_iter().enumerate() {
+                for (s, u) in along.into_iter().enumerate() {
+                    let (x, y) = (2 * i + s, 2 * j + t);
+                    if x < nx && y < ny {
+                        fine[y * nx + x] = 0.5 * here * u * v;
+                    }
+                }
+            }
         }
     }
     fine
+}
+
+/// Shares of the two halves of a cell between two others; their mean is 1.
+fn halves(before: f64, here: f64, after: f64) -> [f64; 2] {
+    let rise = |step: f64| {
+        let root = |share: f64| share.max(0.0).sqrt();
+        let (a, b) = (root(1.0 - step), root(1.0 + step));
+        let mean = 0.5 * (a + b);
+        [a / mean, b / mean]
+    };
+    match (before > 0.0, after > 0.0) {
+        (true, true) => {
+            let step = ((after - before) / (8.0 * here)).clamp(-1.0, 1.0);
+            [1.0 - step, 1.0 + step]
+        }
+        // p^2 is linear.
+        (false, true) => rise(0.25 * ((after / here).powi(2) - 1.0).min(4.0)),
+        (true, false) => rise(-0.25 * ((before / here).powi(2) - 1.0).min(4.0)),
+        (false, false) => [1.0, 1.0],
+    }
 }

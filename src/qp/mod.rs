@@ -109,8 +109,15 @@ fn run(problem: &Discrete, candidates: Option<&[bool]>, interior: bool) -> Resul
             let reason = format!("the active set did not close and residuals of {:.1e} are left", residuals.worst());
             return Err(Unsolved::new(Verdict::IterationLimit, reason));
         }
-        let solution =
-            DiscreteSolution { pressure, displacement, residuals, unknowns, iterations, operator_products: products };
+        let solution = DiscreteSolution {
+            pressure,
+            displacement,
+            residuals,
+            unknowns,
+            iterations,
+            operator_products: products,
+            single_precision: 0,
+        };
         return Ok(QpSolution { solution, polished: outcome.closed, symmetry });
     }
 }
