@@ -49,6 +49,7 @@ impl Compare {
         let mut plan = Plan::new(scene.settings);
         plan.settings.threads = checked_threads("--threads", Some(self.threads))?;
         plan.repeats = self.repeats.max(1);
+        plan.heap = Some(super::heap::peak_of);
         let chosen = |name: &str, given: &[usize]| {
             given.iter().map(|&n| checked_cells(name, n)).collect::<Result<Vec<_>, _>>().map_err(|e| wrong(&e))
         };

@@ -9,6 +9,7 @@ use super::{Failure, Overrides, scene};
 use crate::contact::Load;
 use crate::curve::{Curve, CurveRange};
 use crate::error::{InputError, Unsolved};
+use crate::plot;
 use crate::report::write::Target;
 use crate::scene::Scene;
 
@@ -40,6 +41,9 @@ pub(super) struct CurveCommand {
     /// Where to write
     #[arg(long, value_name = "FILE", default_value = "-")]
     output: PathBuf,
+    /// Draw force against depth, with the states that were solved
+    #[arg(long, value_name = "FILE.svg|.png")]
+    plot: Option<PathBuf>,
     /// Name in the C header, number of the Adams spline is 1
     #[arg(long, value_name = "NAME", default_value = "contact")]
     name: String,
@@ -74,6 +78,13 @@ impl CurveCommand {
             return Err(wrong(&InputError::new("--accuracy", self.accuracy, allowed)));
         }
         let target = Target::check(&self.output).map_err(|e| Failure::unwritable(&self.output, &e))?;
+        let picture = match &self.plot {
+            Some(path) => {
+                let format = plot::Format::of(path).map_err(|e| wrong(&e.within("--plot")))?;
+                Some((path, format, Target::check(path).map_err(|e| Failure::unwritable(path, &e))?))
+            }
+            None => None,
+        };
         let curve = match self.curve(&scene).map_err(|e| Failure::wrong("scene", &e))? {
             Ok(curve) => curve,
             Err(unsolved) => {
@@ -88,6 +99,11 @@ impl CurveCommand {
             Format::Adams => curve.adams(self.steps, 1),
             Format::C => curve.c_header(&self.name),
         };
+        if let Some((path, format, target)) = picture {
+            let bytes = plot::curve(scene.name.as_deref().unwrap_or(""), &curve, format)
+                .map_err(|e| Failure::Message(format!("{}: {e}", path.display())))?;
+            target.write(|to| to.write_all(&bytes)).map_err(|e| Failure::unwritable(path, &e))?;
+        }
         target.write(|to| to.write_all(text.as_bytes())).map_err(|e| Failure::unwritable(&self.output, &e))?;
         Ok(ExitCode::SUCCESS)
     }

@@ -7,6 +7,7 @@ mod batch;
 mod compare;
 mod completions;
 mod curve;
+mod heap;
 mod plan;
 mod schema;
 mod solve;

@@ -130,7 +130,7 @@ fn draw(scene: &Scene, steps: &[report::Step], path: &Path, target: &Target, for
         (Loading::Single(_), [Ok(solution)]) => plot::pressure_map(title, solution, format),
         _ => {
             let points: Vec<[f64; 2]> = steps.iter().flatten().map(|s| [s.depth, s.force]).collect();
-            plot::force_depth(title, &points, format)
+            plot::force_depth(title, &points, &points, format)
         }
     };
     match picture {

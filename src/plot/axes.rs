@@ -27,9 +27,19 @@ pub(super) fn power_of_ten(largest: f64) -> i32 {
     }
 }
 
-/// "force (1e-3)", or "force" when no power was taken out.
-pub(super) fn named(quantity: &str, power: i32) -> String {
-    if power == 0 { quantity.to_owned() } else { format!("{quantity} (1e{power})") }
+/// What the numbers of an axis count. Units are the user's own, so they are named by their kind.
+pub(super) const LENGTH: &str = "length";
+pub(super) const FORCE: &str = "force";
+pub(super) const PRESSURE: &str = "force/length²";
+
+/// "depth (1e-6 length)": the quantity, the power taken out, the kind of unit.
+pub(super) fn named(quantity: &str, unit: &str, power: i32) -> String {
+    format!("{quantity} ({})", scaled(unit, power))
+}
+
+/// "1e-6 length", or "length" when no power was taken out.
+pub(super) fn scaled(unit: &str, power: i32) -> String {
+    if power == 0 { unit.to_owned() } else { format!("1e{power} {unit}") }
 }
 
 /// A tick, without trailing noise.

@@ -5,23 +5,41 @@ use plotters::prelude::*;
 
 use super::axes::{self, BOTTOM, EDGE, LABEL, LEFT, RIGHT, TOP};
 use super::{COLOURS, Error, FONT, Fault, Figure, Format, render};
+use crate::curve::Curve;
 
-/// Points (depth, force), in any order, joined by lines.
+/// A solved curve: its interpolant as a line, its states as dots.
+///
+/// # Errors
+/// When drawing fails.
+pub fn curve(title: &str, curve: &Curve, format: Format) -> Result<Vec<u8>, Error> {
+    let overlap = curve.deepest() - curve.first_touch();
+    let at = |k: i32| curve.first_touch() + overlap * f64::from(k) / 200.0;
+    let line: Vec<[f64; 2]> = (0..=200).filter_map(|k| Some([at(k), curve.force(at(k))?])).collect();
+    let solved: Vec<[f64; 2]> = curve.samples().iter().map(|s| [s.depth, s.force]).collect();
+    force_depth(title, &line, &solved, format)
+}
+
+/// A line through points (depth, force), and dots on the states that were solved, both in any order.
 ///
 /// # Errors
 /// When there is no point, or drawing fails.
-pub fn force_depth(title: &str, points: &[[f64; 2]], format: Format) -> Result<Vec<u8>, Error> {
-    let mut points: Vec<[f64; 2]> = points.iter().copied().filter(|p| p.iter().all(|x| x.is_finite())).collect();
-    points.sort_by(|p, q| p[0].total_cmp(&q[0]));
-    if points.is_empty() {
+pub fn force_depth(title: &str, line: &[[f64; 2]], solved: &[[f64; 2]], format: Format) -> Result<Vec<u8>, Error> {
+    let in_order = |points: &[[f64; 2]]| {
+        let mut points: Vec<[f64; 2]> = points.iter().copied().filter(|p| p.iter().all(|x| x.is_finite())).collect();
+        points.sort_by(|p, q| p[0].total_cmp(&q[0]));
+        points
+    };
+    let (line, solved) = (in_order(line), in_order(solved));
+    if line.is_empty() && solved.is_empty() {
         return Err(Error::Empty("there is no point of the curve"));
     }
-    render(&Picture { title, points }, format)
+    render(&Picture { title, line, solved }, format)
 }
 
 struct Picture<'a> {
     title: &'a str,
-    points: Vec<[f64; 2]>,
+    line: Vec<[f64; 2]>,
+    solved: Vec<[f64; 2]>,
 }
 
 impl Figure for Picture<'_> {
@@ -31,12 +49,13 @@ impl Figure for Picture<'_> {
 
     fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), Fault<DB>> {
         axes::title(area, self.title)?;
-        let largest = |m: usize| self.points.iter().map(|p| p[m].abs()).fold(0.0, f64::max);
-        let least = |m: usize| self.points.iter().map(|p| p[m]).fold(0.0, f64::min);
+        let points = || self.line.iter().chain(&self.solved);
+        let largest = |m: usize| points().map(|p| p[m].abs()).fold(0.0, f64::max);
+        let least = |m: usize| points().map(|p| p[m]).fold(0.0, f64::min);
         let power = [0, 1].map(|m| axes::power_of_ten(largest(m)));
         let unit = power.map(|p| 10f64.powi(p));
         let range = |m: usize| {
-            let high = self.points.iter().map(|p| p[m]).fold(least(m), f64::max);
+            let high = points().map(|p| p[m]).fold(least(m), f64::max);
             let high = if high > least(m) { high } else { least(m) + unit[m] };
             least(m) / unit[m]..1.05 * high / unit[m]
         };
@@ -47,8 +66,8 @@ impl Figure for Picture<'_> {
             .build_cartesian_2d(range(0), range(1))?;
         chart
             .configure_mesh()
-            .x_desc(axes::named("depth", power[0]))
-            .y_desc(axes::named("force", power[1]))
+            .x_desc(axes::named("depth", axes::LENGTH, power[0]))
+            .y_desc(axes::named("force", axes::FORCE, power[1]))
             .x_label_formatter(&|x| axes::tick(*x))
             .y_label_formatter(&|y| axes::tick(*y))
             .label_style((FONT, LABEL))
@@ -57,8 +76,8 @@ impl Figure for Picture<'_> {
             .bold_line_style(RGBColor(225, 225, 225))
             .draw()?;
         let at = |p: &[f64; 2]| (p[0] / unit[0], p[1] / unit[1]);
-        chart.draw_series(LineSeries::new(self.points.iter().map(at), COLOURS[1].stroke_width(2)))?;
-        chart.draw_series(self.points.iter().map(|p| Circle::new(at(p), 3, COLOURS[1].filled())))?;
+        chart.draw_series(LineSeries::new(self.line.iter().map(at), COLOURS[1].stroke_width(2)))?;
+        chart.draw_series(self.solved.iter().map(|p| Circle::new(at(p), 3, COLOURS[1].filled())))?;
         Ok(())
     }
 }

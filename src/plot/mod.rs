@@ -1,18 +1,23 @@
-//! Pictures, as SVG or PNG with the same look: pressure map, patch boundaries, force against depth, error against run time.
+//! Pictures, as SVG or PNG with the same look: pressure map, patch boundaries, section through gap and displacement, force
+//! against depth, error against run time, width of a bracket against cells.
 //!
 //! Colours are those of Okabe & Ito (2008) for lines and viridis, light to dark, for fields: both can be told apart by the
-//! colour-blind and in a grey print. Units are the user's own, so axes name the quantity and the power of ten taken out.
+//! colour-blind and in a grey print. Units are the user's own, so axes name the kind of unit and the power of ten taken out.
 
 mod axes;
 mod curve;
 mod error_time;
 mod outlines;
 mod pressure;
+mod section;
+mod width;
 
-pub use curve::force_depth;
+pub use curve::{curve, force_depth};
 pub use error_time::error_against_time;
 pub use outlines::{Outline, outlines};
 pub use pressure::pressure_map;
+pub use section::{Section, section};
+pub use width::{Refinement, width_against_cells};
 
 use std::path::Path;
 use std::sync::Once;

@@ -105,8 +105,8 @@ pub(super) fn frame<'b, DB: DrawingBackend + 'b>(
     >,
     power: i32,
 ) -> Result<(), Fault<DB>> {
-    mesh.x_desc(axes::named("x", power))
-        .y_desc(axes::named("y", power))
+    mesh.x_desc(axes::named("x", axes::LENGTH, power))
+        .y_desc(axes::named("y", axes::LENGTH, power))
         .x_label_formatter(&|x| axes::tick(*x))
         .y_label_formatter(&|y| axes::tick(*y))
         .label_style((FONT, LABEL))

@@ -38,7 +38,7 @@ struct Picture<'a> {
 const MOST_CELLS: usize = 140;
 
 /// Means over square blocks of cells.
-fn coarsened(field: &Pressure) -> Pressure {
+pub(super) fn coarsened(field: &Pressure) -> Pressure {
     let Grid { origin, spacing, shape } = field.grid;
     let block = shape[0].max(shape[1]).div_ceil(MOST_CELLS).max(1);
     let coarse = shape.map(|n| n.div_ceil(block));
@@ -51,7 +51,7 @@ fn coarsened(field: &Pressure) -> Pressure {
 }
 
 /// Room beside the map for the scale of colours.
-const BESIDE: u32 = 110;
+const BESIDE: u32 = 150;
 
 /// Steps of the colour scale.
 const SHADES: u32 = 48;
@@ -124,7 +124,8 @@ impl Picture<'_> {
         area.draw(&Rectangle::new([(left, top), (left + 20, bottom)], BLACK.stroke_width(1)))?;
         let power = axes::power_of_ten(self.highest);
         let style = (FONT, LABEL).into_font().into_text_style(area);
-        area.draw_text(&axes::named("pressure", power), &style, (left - 24, TOP as i32))?;
+        area.draw_text("pressure", &style, (left, TOP as i32 - 22))?;
+        area.draw_text(&axes::scaled(axes::PRESSURE, power), &style, (left, TOP as i32 - 2))?;
         let largest = self.highest / 10f64.powi(power);
         let step = axes::round_step(largest);
         let mut value = 0.0;

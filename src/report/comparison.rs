@@ -5,6 +5,7 @@ use std::fmt::Write;
 use serde::Serialize;
 
 use super::table::{aligned, figure};
+use crate::bracket::{Evidence, ForceBracket};
 use crate::compare::{Comparison, Figures, Run};
 
 /// A table of the runs, a line each, with the reference above it.
@@ -14,12 +15,9 @@ pub fn comparison_table(name: Option<&str>, comparison: &Comparison) -> String {
     if let Some(r) = &comparison.reference {
         lines.push(format!("reference: {}; relative error of its force about {:.1e}", r.source, r.uncertainty));
         lines.push(format!("force {}, patch area {}", figure(r.force), figure(r.area)));
+        lines.extend(r.bracket.as_ref().map(in_words));
     }
-    let heads = ["method", "at", "force", "error", "own estimate", "area error", "patch diff.", "unknowns", "products"];
-    let mut rows = vec![[""; 11].map(str::to_owned)];
-    for (cell, head) in rows[0].iter_mut().zip(heads.into_iter().chain(["seconds", "behind"])) {
-        *cell = head.to_owned();
-    }
+    let mut rows = vec![COLUMNS.map(str::to_owned)];
     rows.extend(comparison.runs.iter().map(row));
     lines.extend(aligned(&rows));
     if comparison.reference.is_some() {
@@ -32,7 +30,35 @@ pub fn comparison_table(name: Option<&str>, comparison: &Comparison) -> String {
     lines.join("\n")
 }
 
-fn row(run: &Run) -> [String; 11] {
+/// Heads of the columns of [`row`].
+pub(crate) const COLUMNS: [&str; 13] = [
+    "method",
+    "at",
+    "force",
+    "error",
+    "own estimate",
+    "area error",
+    "patch diff.",
+    "pressure diff.",
+    "unknowns",
+    "products",
+    "seconds",
+    "bytes",
+    "behind",
+];
+
+/// The bracket of the reference in a line.
+pub(crate) fn in_words(bracket: &ForceBracket) -> String {
+    let evidence = match bracket.evidence() {
+        Evidence::Proved => "proved",
+        Evidence::Sampled { .. } => "sampled",
+    };
+    let [lower, upper] = [bracket.lower(), bracket.upper()];
+    format!("bracket {lower:.6e} to {upper:.6e}, {:.1e} wide, {evidence}", bracket.relative_width())
+}
+
+/// A run as a line of the table.
+pub(crate) fn row(run: &Run) -> [String; 13] {
     let dash = || "-".to_owned();
     let [method, at] = [run.method.name().to_owned(), setting(run)];
     match &run.outcome {
@@ -44,13 +70,15 @@ fn row(run: &Run) -> [String; 11] {
             f.estimate.map_or_else(dash, |e| format!("{e:.1e}")),
             signed(f.area_error),
             f.patch_difference.map_or_else(dash, |d| format!("{d:.1e}")),
+            f.pressure_difference.map_or_else(dash, |d| format!("{d:.1e}")),
             f.unknowns.to_string(),
             f.products.to_string(),
             format!("{:.2e}", f.seconds),
+            f.peak_bytes.map_or_else(dash, |b| format!("{:.1e}", b as f64)),
             behind(f),
         ],
         Err(e) => {
-            let mut row: [String; 11] = std::array::from_fn(|_| dash());
+            let mut row: [String; 13] = std::array::from_fn(|_| dash());
             [row[0], row[1], row[2]] = [method, at, e.verdict.to_string()];
             row
         }
@@ -78,8 +106,8 @@ fn behind(figures: &Figures) -> String {
 #[must_use]
 pub fn comparison_csv(comparison: &Comparison) -> String {
     let mut text =
-        "method,cells,tolerance,ran,force,error,estimate,area,area_error,patch_difference,unknowns,products,seconds,\
-                    behind,verdict,reason\n"
+        "method,cells,tolerance,ran,force,error,estimate,area,area_error,patch_difference,pressure_difference,unknowns,\
+                    products,seconds,peak_bytes,behind,verdict,reason\n"
             .to_owned();
     let number = |x: Option<f64>| x.filter(|x| x.is_finite()).map_or(String::new(), |x| format!("{x:e}"));
     for run in &comparison.runs {
@@ -88,14 +116,16 @@ pub fn comparison_csv(comparison: &Comparison) -> String {
         // Writing to a string does not fail.
         let _ = match &run.outcome {
             Ok(f) => {
-                let values =
-                    [Some(f.force), Some(f.error), f.estimate, Some(f.area), Some(f.area_error), f.patch_difference];
-                let values = values.map(number).join(",");
-                let cost =
-                    format!("{},{},{},{}", f.unknowns, f.products, number(Some(f.seconds)), number(Some(f.behind)));
+                let [force, area] = [f.force, f.area].map(Some);
+                let differences = [Some(f.area_error), f.patch_difference, f.pressure_difference];
+                let values = [[force, Some(f.error), f.estimate].map(number).join(","), number(area)];
+                let values = [values.join(","), differences.map(number).join(",")].join(",");
+                let bytes = f.peak_bytes.map_or(String::new(), |b| b.to_string());
+                let [seconds, behind] = [f.seconds, f.behind].map(|x| number(Some(x)));
+                let cost = format!("{},{},{seconds},{bytes},{behind}", f.unknowns, f.products);
                 writeln!(text, "{asked},{},{values},{cost},solved,", f.ran.name())
             }
-            Err(e) => writeln!(text, "{asked}{},{},\"{}\"", ",".repeat(11), e.verdict, e.reason.replace('"', "\"\"")),
+            Err(e) => writeln!(text, "{asked}{},{},\"{}\"", ",".repeat(13), e.verdict, e.reason.replace('"', "\"\"")),
         };
     }
     text
@@ -107,7 +137,16 @@ struct ReferenceForm<'a> {
     source: &'a str,
     force: f64,
     uncertainty: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    bracket: Option<BracketForm>,
     area: f64,
+}
+
+#[derive(Serialize)]
+struct BracketForm {
+    lower: f64,
+    upper: f64,
+    evidence: &'static str,
 }
 
 #[derive(Serialize)]
@@ -133,9 +172,11 @@ struct FiguresForm<'a> {
     area: f64,
     area_error: f64,
     patch_difference: Option<f64>,
+    pressure_difference: Option<f64>,
     unknowns: usize,
     products: usize,
     seconds: f64,
+    peak_bytes: Option<usize>,
     behind: f64,
 }
 
@@ -147,7 +188,7 @@ struct ComparisonForm<'a> {
     remarks: &'a [String],
 }
 
-/// The comparison as JSON: `scene`, `reference: {method, source, force, uncertainty, area}`, and `runs`, each with
+/// The comparison as JSON: `scene`, `reference: {method, source, force, uncertainty, bracket?, area}`, and `runs`, each with
 /// `method`, `cells` or `tolerance`, `verdict` (`solved`, or what is wrong, with its `reason`) and what [`Figures`] holds.
 ///
 /// # Errors
@@ -158,6 +199,11 @@ pub fn comparison_json(scene: &crate::Scene, comparison: &Comparison) -> Result<
         source: &r.source,
         force: r.force,
         uncertainty: Some(r.uncertainty).filter(|u| u.is_finite()),
+        bracket: r.bracket.as_ref().map(|b| BracketForm {
+            lower: b.lower(),
+            upper: b.upper(),
+            evidence: if b.evidence() == Evidence::Proved { "proved" } else { "sampled" },
+        }),
         area: r.area,
     });
     let run = |run: &'_ Run| -> RunForm<'static> {
@@ -169,9 +215,11 @@ pub fn comparison_json(scene: &crate::Scene, comparison: &Comparison) -> Result<
             area: f.area,
             area_error: f.area_error,
             patch_difference: f.patch_difference,
+            pressure_difference: f.pressure_difference,
             unknowns: f.unknowns,
             products: f.products,
             seconds: f.seconds,
+            peak_bytes: f.peak_bytes,
             behind: f.behind,
         });
         let verdict = run.outcome.as_ref().err().map_or("solved", |e| e.verdict.word());

@@ -1,14 +1,21 @@
 //! Every method on one state of contact, against the tightest force known: what each costs and how wrong it is.
 
+mod distance;
+mod front;
+
+use crate::bracket::{self, BracketSettings, ForceBracket};
 use crate::contact::{Contact, Loading};
 use crate::error::Unsolved;
-use crate::geometry::Rect;
+use crate::gap::{AnyGap, Tilted};
 use crate::settings::{Method, Outputs, Settings};
 use crate::solution::Solution;
 use crate::solve::solve;
 
+/// Does the work and tells the most bytes of heap it held at once beyond those held before.
+pub type HeapMeter = fn(&mut dyn FnMut()) -> usize;
+
 /// What to run.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Plan {
     /// Kernel, boundary family and threads of every run; method, cells, tolerance and outputs are the plan's own.
     pub settings: Settings,
@@ -20,10 +27,14 @@ pub struct Plan {
     pub tolerances: Vec<f64>,
     /// Timed runs; the median stands. Runs of more than two seconds are not repeated.
     pub repeats: usize,
+    /// Cells along the longer side of the grid that brackets the force; `None`: no bracket.
+    pub bracket_cells: Option<usize>,
+    /// How to measure memory: by an allocator that counts, which only the program that runs this can install.
+    pub heap: Option<HeapMeter>,
 }
 
 impl Plan {
-    /// The usual resolutions, three repeats.
+    /// The usual resolutions, three repeats, a bracket on 64 cells.
     #[must_use]
     pub fn new(settings: Settings) -> Self {
         Self {
@@ -32,6 +43,8 @@ impl Plan {
             qp_cells: vec![12, 24, 48],
             tolerances: vec![1e-2, 1e-3, 1e-4],
             repeats: 3,
+            bracket_cells: Some(64),
+            heap: None,
         }
     }
 
@@ -57,6 +70,8 @@ pub struct Reference {
     pub force: f64,
     /// Estimate of the relative error of that force; infinite when no estimate could be made.
     pub uncertainty: f64,
+    /// Bounds of that force with their evidence, from a grid; `None` when not asked for or not to be had.
+    pub bracket: Option<ForceBracket>,
     /// Its patch area.
     pub area: f64,
     /// How it was made, in words.
@@ -80,12 +95,16 @@ pub struct Figures {
     pub area_error: f64,
     /// Area that belongs to one of the two patches but not to both, over that of the reference.
     pub patch_difference: Option<f64>,
+    /// Integral of the difference of both pressures over the force, on the cells of the coarser grid.
+    pub pressure_difference: Option<f64>,
     /// Unknowns of the largest system.
     pub unknowns: usize,
     /// Products with the compliance operator.
     pub products: usize,
     /// Median of the run times, seconds.
     pub seconds: f64,
+    /// Most bytes of heap held at once, where it was measured.
+    pub peak_bytes: Option<usize>,
     /// Run time over that of the quickest run that is as close to the reference (errors below the uncertainty count
     /// as equal to it); 1 on the Pareto front.
     pub behind: f64,
@@ -121,7 +140,8 @@ pub struct Comparison {
 /// use contact_patch::{Contact, EffectiveModulus, Loading, Method, Settings, compare, gap::Polyhedron};
 /// let punch = Polyhedron::pyramid(3, 45f64.to_radians())?;
 /// let contact = Contact::new(EffectiveModulus::from_e_star(1.0)?, punch, Loading::depth(1.0))?;
-/// let plan = compare::Plan { fft_cells: vec![32], qp_cells: vec![], repeats: 1, ..compare::Plan::new(Settings::default()) };
+/// let plan = compare::Plan { fft_cells: vec![32], qp_cells: vec![], repeats: 1,
+///     ..compare::Plan::new(Settings::default()) };
 /// let comparison = compare::compare(&contact, &plan);
 /// let fabrikant = comparison.runs.iter().find(|r| r.method == Method::Fabrikant).unwrap();
 /// // Barber & Billings 1990, table 1: 1.696 against 1.7648.
@@ -144,8 +164,8 @@ pub fn compare(contact: &Contact, plan: &Plan) -> Comparison {
     let mut solved = Vec::new();
     for (method, cells, tolerance) in plan.runs() {
         let settings = asked(plan, method, cells, tolerance);
-        let outcome = timed(&contact, &settings, plan.repeats);
-        if let (None, Ok((solution, _))) = (&best, &outcome)
+        let outcome = timed(&contact, &settings, plan);
+        if let (None, Ok(Timed { solution, .. })) = (&best, &outcome)
             && solution.force_error.is_some()
         {
             best = Some((solution.clone(), format!("{} with {} cells", method.name(), cells.unwrap_or(0))));
@@ -162,17 +182,19 @@ pub fn compare(contact: &Contact, plan: &Plan) -> Comparison {
         method: best.method,
         force: best.force,
         uncertainty: best.force_error.unwrap_or(f64::INFINITY),
+        bracket: plan.bracket_cells.and_then(|cells| bracket(&contact, &best, &plan.settings, cells)),
         area: best.patch.area,
         source,
     };
     let mut runs: Vec<Run> = solved
         .into_iter()
         .map(|(method, cells, tolerance, outcome)| {
-            let outcome = outcome.map(|(solution, seconds)| figures(&solution, seconds, &best));
+            let outcome = outcome.map(|timed| figures(&timed, &best));
             Run { method, cells, tolerance, outcome }
         })
         .collect();
-    rank(&mut runs, reference.uncertainty);
+    front::rank(&mut runs, reference.uncertainty);
+    remarks.extend(front::of_auto(&runs));
     Comparison { reference: Some(reference), runs, remarks }
 }
 
@@ -192,8 +214,7 @@ const MANY_UNKNOWNS: usize = 30_000;
 /// The closed form; else the extrapolated force of grids refined to 1e-5, or 1e-4, or 1e-3.
 fn reference(contact: &Contact, plan: &Plan) -> Option<(Solution, String)> {
     let with_patch = |method, tolerance| {
-        let outputs = Outputs { patch: true, ..Outputs::default() };
-        let settings = Settings { outputs, ..asked(plan, method, None, tolerance) };
+        let settings = Settings { outputs: COMPARED, ..asked(plan, method, None, tolerance) };
         solve(contact, &settings).pop()?.ok()
     };
     if let Some(solution) = with_patch(Method::ClosedForm, None) {
@@ -212,34 +233,60 @@ fn reference(contact: &Contact, plan: &Plan) -> Option<(Solution, String)> {
     by_grid(1e-5).or(Some(good))
 }
 
-/// Seconds of a run that is not worth repeating for its time.
+/// Seconds of a run that is not worth repeating, for its time or for its patch.
 const LONG: f64 = 2.0;
 
-/// The answer with its boundary, and the median run time without it.
-fn timed(contact: &Contact, settings: &Settings, repeats: usize) -> Result<(Solution, f64), Unsolved> {
+/// What is compared besides the force.
+const COMPARED: Outputs = Outputs { patch: true, pressure: true, gap: false, bracket: false, curve: false };
+
+/// The answer with its boundary and field, and what it took without them.
+struct Timed {
+    solution: Solution,
+    /// Median.
+    seconds: f64,
+    peak_bytes: Option<usize>,
+}
+
+fn timed(contact: &Contact, settings: &Settings, plan: &Plan) -> Result<Timed, Unsolved> {
     let once = |settings: &Settings| {
         solve(contact, settings)
             .pop()
             .unwrap_or_else(|| Err(Unsolved::new(crate::Verdict::NotApplicable, "there is no state of loading")))
     };
-    let first = once(settings)?;
+    let mut first = None;
+    let mut peak_bytes = plan.heap.map(|meter| meter(&mut || first = Some(once(settings))));
+    let first = first.unwrap_or_else(|| once(settings))?;
     let mut times = vec![first.cost.seconds];
-    while times.len() < repeats && first.cost.seconds < LONG {
+    while times.len() < plan.repeats && first.cost.seconds < LONG {
         times.push(once(settings)?.cost.seconds);
     }
     times.sort_by(f64::total_cmp);
     let seconds = times[times.len() / 2];
-    let solution = if seconds < LONG {
-        once(&Settings { outputs: Outputs { patch: true, ..Outputs::default() }, ..*settings })?
-    } else {
-        first
-    };
-    Ok((solution, seconds))
+    let solution =
+        if seconds < LONG { once(&Settings { outputs: COMPARED, ..*settings })? } else { first };
+    peak_bytes = peak_bytes.filter(|&bytes| bytes > 0);
+    Ok(Timed { solution, seconds, peak_bytes })
 }
 
-fn figures(solution: &Solution, seconds: f64, reference: &Solution) -> Figures {
+/// Bounds of the force at the depth and tilt of the reference.
+fn bracket(contact: &Contact, best: &Solution, settings: &Settings, cells: usize) -> Option<ForceBracket> {
+    let gap = match best.tilt {
+        [0.0, 0.0] => contact.gap().clone(),
+        tilt => AnyGap::new(Tilted::new(contact.gap().clone(), tilt)),
+    };
+    let outputs = Outputs { pressure: true, ..Outputs::default() };
+    let settings = Settings { method: Method::Fft, cells: Some(cells), outputs, ..*settings };
+    let at_depth = Contact::new(contact.modulus(), gap.clone(), Loading::depth(best.depth)).ok()?;
+    let field = solve(&at_depth, &settings).pop()?.ok()?.pressure.field?;
+    let look = BracketSettings { threads: settings.threads, ..BracketSettings::default() };
+    bracket::sharp(&*gap, contact.modulus(), best.depth, &field, &look).ok()
+}
+
+fn figures(timed: &Timed, reference: &Solution) -> Figures {
+    let Timed { solution, seconds, peak_bytes } = timed;
     let relative = |value: f64, reference: f64| if value == reference { 0.0 } else { value / reference - 1.0 };
     let boundaries = solution.patch.boundary.as_deref().zip(reference.patch.boundary.as_deref());
+    let fields = solution.pressure.field.as_ref().zip(reference.pressure.field.as_ref());
     Figures {
         ran: solution.method,
         force: solution.force,
@@ -247,102 +294,12 @@ fn figures(solution: &Solution, seconds: f64, reference: &Solution) -> Figures {
         estimate: solution.force_error,
         area: solution.patch.area,
         area_error: relative(solution.patch.area, reference.patch.area),
-        patch_difference: boundaries.and_then(|(a, b)| symmetric_difference(a, b)),
+        patch_difference: boundaries.and_then(|(a, b)| distance::between_patches(a, b)),
+        pressure_difference: fields.and_then(|(p, q)| distance::between_pressures(p, q)),
         unknowns: solution.cost.unknowns,
         products: solution.cost.operator_products,
-        seconds,
+        seconds: *seconds,
+        peak_bytes: *peak_bytes,
         behind: 1.0,
-    }
-}
-
-/// Fills in how far behind the Pareto front of error and run time each run lies.
-fn rank(runs: &mut [Run], uncertainty: f64) {
-    let size = |f: &Figures| f.error.abs().max(uncertainty);
-    let points: Vec<(f64, f64)> = runs.iter().flat_map(|r| &r.outcome).map(|f| (size(f), f.seconds)).collect();
-    for figures in runs.iter_mut().flat_map(|r| &mut r.outcome) {
-        let error = size(figures);
-        let as_close = points.iter().filter(|p| p.0 <= error).map(|p| p.1);
-        let quickest = as_close.fold(figures.seconds, f64::min);
-        // A run too short for the clock is on the front.
-        figures.behind = if quickest > 0.0 { figures.seconds / quickest } else { 1.0 };
-    }
-}
-
-/// Lines across both patches, on which lengths are exact: the area between two boundaries is good to about 1e-3 of it.
-const SCAN_LINES: usize = 1000;
-
-/// Area inside one set of closed polylines but not the other, over the area inside the second (even-odd rule).
-fn symmetric_difference(a: &[Vec<[f64; 2]>], b: &[Vec<[f64; 2]>]) -> Option<f64> {
-    let points = a.iter().chain(b).flatten().copied();
-    let extent = Rect::holding(points)?;
-    let height = extent.size()[1] / SCAN_LINES as f64;
-    let (mut between, mut within) = (0.0, 0.0);
-    for k in 0..SCAN_LINES {
-        let y = extent.min[1] + (k as f64 + 0.5) * height;
-        let (own, other) = (crossings(a, y), crossings(b, y));
-        within += other.chunks_exact(2).map(|pair| pair[1] - pair[0]).sum::<f64>();
-        // A point is in exactly one of the two where it has passed an odd number of crossings of both together.
-        let mut all = [own, other].concat();
-        all.sort_by(f64::total_cmp);
-        between += all.chunks_exact(2).map(|pair| pair[1] - pair[0]).sum::<f64>();
-    }
-    (within > 0.0).then(|| between / within)
-}
-
-/// Where the line at this height crosses closed polylines, ascending.
-fn crossings(loops: &[Vec<[f64; 2]>], y: f64) -> Vec<f64> {
-    let mut at = Vec::new();
-    for points in loops {
-        for (p, q) in points.iter().zip(points.iter().cycle().skip(1)) {
-            if (p[1] > y) != (q[1] > y) {
-                at.push(p[0] + (y - p[1]) / (q[1] - p[1]) * (q[0] - p[0]));
-            }
-        }
-    }
-    at.sort_by(f64::total_cmp);
-    at
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn square(x: f64, side: f64) -> Vec<Vec<[f64; 2]>> {
-        vec![vec![[x, 0.0], [x + side, 0.0], [x + side, side], [x, side]]]
-    }
-
-    #[test]
-    fn area_between_two_boundaries() {
-        // Shifted by a quarter: two strips of a quarter each.
-        assert!((symmetric_difference(&square(0.25, 1.0), &square(0.0, 1.0)).unwrap() - 0.5).abs() < 1e-12);
-        assert_eq!(symmetric_difference(&square(0.0, 1.0), &square(0.0, 1.0)), Some(0.0));
-        // Half the side inside: three quarters missing; the scan lines are 1/1000 apart.
-        assert!((symmetric_difference(&square(0.0, 0.5), &square(0.0, 1.0)).unwrap() - 0.75).abs() < 1e-3);
-    }
-
-    #[test]
-    fn behind_the_front() {
-        let run = |error, seconds| Run {
-            method: Method::Fft,
-            cells: None,
-            tolerance: None,
-            outcome: Ok(Figures {
-                ran: Method::Fft,
-                force: 1.0,
-                error,
-                estimate: None,
-                area: 1.0,
-                area_error: 0.0,
-                patch_difference: None,
-                unknowns: 1,
-                products: 1,
-                seconds,
-                behind: 0.0,
-            }),
-        };
-        let mut runs = [run(1e-2, 1.0), run(-1e-3, 2.0), run(2e-3, 3.0), run(1e-7, 8.0), run(1e-9, 9.0)];
-        rank(&mut runs, 1e-6);
-        let behind: Vec<f64> = runs.iter().map(|r| r.outcome.as_ref().unwrap().behind).collect();
-        assert_eq!(behind, [1.0, 1.0, 1.5, 1.0, 9.0 / 8.0]);
     }
 }
