@@ -127,7 +127,6 @@ impl Contact {
     }
 
     /// The same bodies under another loading, known to be valid.
-    #[cfg(feature = "cli")]
     pub(crate) fn under(&self, loading: Loading) -> Self {
         Self { loading, ..self.clone() }
     }

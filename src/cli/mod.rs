@@ -9,6 +9,8 @@ mod completions;
 mod curve;
 mod heap;
 mod plan;
+mod progress;
+mod report;
 mod schema;
 mod solve;
 mod stability;
@@ -37,6 +39,7 @@ enum Command {
     Solve(solve::Solve),
     Plan(plan::Plan),
     Compare(compare::Compare),
+    Report(report::Report),
     Stability(stability::Stability),
     Batch(batch::Batch),
     Curve(curve::CurveCommand),
@@ -113,6 +116,7 @@ pub fn run() -> ExitCode {
         Command::Solve(command) => command.run(),
         Command::Plan(command) => command.run(),
         Command::Compare(command) => command.run(),
+        Command::Report(command) => command.run(),
         Command::Stability(command) => command.run(),
         Command::Batch(command) => command.run(),
         Command::Curve(command) => command.run(),

@@ -71,9 +71,7 @@ fn shares(coarse: &Pressure, fine: &Pressure, axis: usize) -> Vec<Vec<(usize, f6
         .map(|k| {
             let [from, to] = [place(k), place(k + 1)].map(|x| x.clamp(0.0, last));
             let cells = from.floor() as usize..to.ceil() as usize;
-            cells
-                .map(|n| (n, (to.min(n as f64 + 1.0) - from.max(n as f64)).max(0.0) * c.spacing[axis]))
-                .collect()
+            cells.map(|n| (n, (to.min(n as f64 + 1.0) - from.max(n as f64)).max(0.0) * c.spacing[axis])).collect()
         })
         .collect()
 }

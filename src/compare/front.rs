@@ -16,6 +16,9 @@ pub(super) fn rank(runs: &mut [Run], uncertainty: f64) {
     }
 }
 
+/// Run times closer than this are the same.
+const BESIDE: f64 = 1.2;
+
 /// How far `auto` lies from the front, in words.
 pub(super) fn of_auto(runs: &[Run]) -> Option<String> {
     let auto = runs.iter().filter(|r| r.method == Method::Auto);
@@ -23,14 +26,14 @@ pub(super) fn of_auto(runs: &[Run]) -> Option<String> {
         .filter_map(|run| {
             let figures = run.outcome.as_ref().ok()?;
             let at = run.tolerance.map_or(String::new(), |t| format!(" at {t:e}"));
-            Some(if figures.behind <= 1.0 {
-                format!("on the front{at}")
+            Some(if figures.behind <= BESIDE {
+                format!("on or beside the front{at}")
             } else {
-                format!("{:.1} times the time of the quickest run as close{at}", figures.behind)
+                format!("{:.1} times as long as the quickest run as close{at}", figures.behind)
             })
         })
         .collect();
-    (!told.is_empty()).then(|| format!("auto is {}", told.join(", ")))
+    (!told.is_empty()).then(|| format!("auto: {}", told.join("; ")))
 }
 
 #[cfg(test)]
@@ -69,7 +72,10 @@ mod tests {
     fn auto_is_told_apart() {
         let mut runs = [run(Method::Fft, 1e-3, 2.0), run(Method::Auto, 2e-3, 5.0), run(Method::Auto, 1e-5, 6.0)];
         rank(&mut runs, 0.0);
-        assert_eq!(of_auto(&runs).unwrap(), "auto is 2.5 times the time of the quickest run as close, on the front");
+        assert_eq!(
+            of_auto(&runs).unwrap(),
+            "auto: 2.5 times as long as the quickest run as close; on or beside the front"
+        );
         assert_eq!(of_auto(&runs[..1]), None);
     }
 }

@@ -4,7 +4,7 @@ mod distance;
 mod front;
 
 use crate::bracket::{self, BracketSettings, ForceBracket};
-use crate::contact::{Contact, Loading};
+use crate::contact::{Contact, Load, Loading};
 use crate::error::Unsolved;
 use crate::gap::{AnyGap, Tilted};
 use crate::settings::{Method, Outputs, Settings};
@@ -156,11 +156,17 @@ pub fn compare(contact: &Contact, plan: &Plan) -> Comparison {
         remarks.push(format!("the last of {} states of loading", loads.len()));
     }
     let last = loads.last().map_or(Loading::depth(0.0), |&load| Loading::Single(load));
-    let contact = match Contact::new(contact.modulus(), contact.gap().clone(), last) {
-        Ok(contact) => contact,
-        Err(e) => return Comparison { reference: None, runs: Vec::new(), remarks: vec![e.to_string()] },
-    };
+    let contact = contact.under(last);
     let mut best = reference(&contact, plan);
+    // Under a given force every method answers that force: what differs is the force at a given depth.
+    let given = matches!(contact.loading().loads(), [Load::Force(_) | Load::ForceMoment { .. }]);
+    let contact = match &best {
+        Some((solution, _)) if given && solution.force > 0.0 => {
+            remarks.push("a force is given: methods are compared at the depth and tilt that it leads to".to_owned());
+            contact.under(Loading::Single(at(solution)))
+        }
+        _ => contact,
+    };
     let mut solved = Vec::new();
     for (method, cells, tolerance) in plan.runs() {
         let settings = asked(plan, method, cells, tolerance);
@@ -198,6 +204,14 @@ pub fn compare(contact: &Contact, plan: &Plan) -> Comparison {
     Comparison { reference: Some(reference), runs, remarks }
 }
 
+/// The depth and tilt of a state, as a loading.
+fn at(state: &Solution) -> Load {
+    match state.tilt {
+        [0.0, 0.0] => Load::Depth(state.depth),
+        tilt => Load::Tilted { depth: state.depth, tilt },
+    }
+}
+
 fn asked(plan: &Plan, method: Method, cells: Option<usize>, tolerance: Option<f64>) -> Settings {
     Settings {
         method,
@@ -208,6 +222,9 @@ fn asked(plan: &Plan, method: Method, cells: Option<usize>, tolerance: Option<f6
     }
 }
 
+/// Cells along the longer side on which the pressure of a formula is sampled for comparison.
+const FIELD_CELLS: usize = 256;
+
 /// Unknowns of the solve to 1e-4 beyond which 1e-5 is not tried: the grid would be of millions of cells.
 const MANY_UNKNOWNS: usize = 30_000;
 
@@ -217,7 +234,10 @@ fn reference(contact: &Contact, plan: &Plan) -> Option<(Solution, String)> {
         let settings = Settings { outputs: COMPARED, ..asked(plan, method, None, tolerance) };
         solve(contact, &settings).pop()?.ok()
     };
-    if let Some(solution) = with_patch(Method::ClosedForm, None) {
+    // The field of a formula is sampled on as many cells as are asked for.
+    let outputs = COMPARED;
+    let sampled = Settings { cells: Some(FIELD_CELLS), outputs, ..asked(plan, Method::ClosedForm, None, None) };
+    if let Some(Ok(solution)) = solve(contact, &sampled).pop() {
         return Some((solution, "closed form".to_owned()));
     }
     let by_grid = |tolerance: f64| {
@@ -262,22 +282,20 @@ fn timed(contact: &Contact, settings: &Settings, plan: &Plan) -> Result<Timed, U
     }
     times.sort_by(f64::total_cmp);
     let seconds = times[times.len() / 2];
-    let solution =
-        if seconds < LONG { once(&Settings { outputs: COMPARED, ..*settings })? } else { first };
+    let solution = if seconds < LONG { once(&Settings { outputs: COMPARED, ..*settings })? } else { first };
     peak_bytes = peak_bytes.filter(|&bytes| bytes > 0);
     Ok(Timed { solution, seconds, peak_bytes })
 }
 
 /// Bounds of the force at the depth and tilt of the reference.
 fn bracket(contact: &Contact, best: &Solution, settings: &Settings, cells: usize) -> Option<ForceBracket> {
+    let outputs = Outputs { pressure: true, ..Outputs::default() };
+    let settings = Settings { method: Method::Fft, cells: Some(cells), outputs, ..*settings };
+    let field = solve(&contact.under(Loading::Single(at(best))), &settings).pop()?.ok()?.pressure.field?;
     let gap = match best.tilt {
         [0.0, 0.0] => contact.gap().clone(),
         tilt => AnyGap::new(Tilted::new(contact.gap().clone(), tilt)),
     };
-    let outputs = Outputs { pressure: true, ..Outputs::default() };
-    let settings = Settings { method: Method::Fft, cells: Some(cells), outputs, ..*settings };
-    let at_depth = Contact::new(contact.modulus(), gap.clone(), Loading::depth(best.depth)).ok()?;
-    let field = solve(&at_depth, &settings).pop()?.ok()?.pressure.field?;
     let look = BracketSettings { threads: settings.threads, ..BracketSettings::default() };
     bracket::sharp(&*gap, contact.modulus(), best.depth, &field, &look).ok()
 }

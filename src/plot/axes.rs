@@ -6,17 +6,33 @@ use plotters::prelude::*;
 use super::{FONT, Fault};
 use crate::geometry::Rect;
 
-/// Room for the title, for the labels below and on the left, and beside.
-pub(super) const TOP: u32 = 48;
-pub(super) const BOTTOM: u32 = 54;
-pub(super) const LEFT: u32 = 86;
-pub(super) const RIGHT: u32 = 24;
-/// Free space at the left edge, so that the description of the axis is not cut.
-pub(super) const EDGE: u32 = 12;
+/// Points of a picture for one pixel on the screen: positions are whole numbers, and lines drawn on whole pixels are ragged.
+pub(super) const FINE: u32 = 3;
 
-/// Size of titles and labels, pixels.
-pub(super) const TITLE: u32 = 20;
-pub(super) const LABEL: u32 = 16;
+/// So many pixels on the screen, in points.
+pub(super) const fn px(pixels: u32) -> u32 {
+    FINE * pixels
+}
+
+/// As [`px`], for positions.
+pub(super) const fn at(pixels: i32) -> i32 {
+    FINE as i32 * pixels
+}
+
+/// Grid lines.
+pub(super) const GRID: RGBColor = RGBColor(225, 225, 225);
+
+/// Room for the title, for the labels below and on the left, and beside.
+pub(super) const TOP: u32 = px(48);
+pub(super) const BOTTOM: u32 = px(54);
+pub(super) const LEFT: u32 = px(86);
+pub(super) const RIGHT: u32 = px(24);
+/// Free space at the left edge, so that the description of the axis is not cut.
+pub(super) const EDGE: u32 = px(12);
+
+/// Size of titles and labels.
+pub(super) const TITLE: u32 = px(20);
+pub(super) const LABEL: u32 = px(16);
 
 /// The power of 1000 by which numbers up to `largest` become readable.
 pub(super) fn power_of_ten(largest: f64) -> i32 {
@@ -32,9 +48,13 @@ pub(super) const LENGTH: &str = "length";
 pub(super) const FORCE: &str = "force";
 pub(super) const PRESSURE: &str = "force/length²";
 
-/// "depth (1e-6 length)": the quantity, the power taken out, the kind of unit.
+/// "depth (1e-6 length)": the quantity, the power taken out, the kind of unit unless it is the quantity itself.
 pub(super) fn named(quantity: &str, unit: &str, power: i32) -> String {
-    format!("{quantity} ({})", scaled(unit, power))
+    match (quantity == unit, power) {
+        (true, 0) => quantity.to_owned(),
+        (true, power) => format!("{quantity} (1e{power})"),
+        (false, power) => format!("{quantity} ({})", scaled(unit, power)),
+    }
 }
 
 /// "1e-6 length", or "length" when no power was taken out.
@@ -85,7 +105,7 @@ pub(super) struct Window {
 
 impl Window {
     /// Longer side of the plotting area, pixels.
-    const LONGEST: f64 = 560.0;
+    const LONGEST: f64 = px(560) as f64;
 
     /// `seen` with a margin of 6 %.
     pub fn onto(seen: &Rect) -> Self {

@@ -3,7 +3,7 @@
 use plotters::coord::Shift;
 use plotters::prelude::*;
 
-use super::axes::{self, BOTTOM, EDGE, LABEL, LEFT, RIGHT, TOP};
+use super::axes::{self, BOTTOM, EDGE, LABEL, LEFT, RIGHT, TOP, px};
 use super::{COLOURS, Error, FONT, Fault, Figure, Format, render};
 use crate::curve::Curve;
 
@@ -44,7 +44,7 @@ struct Picture<'a> {
 
 impl Figure for Picture<'_> {
     fn size(&self) -> (u32, u32) {
-        (720, 520)
+        (px(720), px(520))
     }
 
     fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), Fault<DB>> {
@@ -73,11 +73,13 @@ impl Figure for Picture<'_> {
             .label_style((FONT, LABEL))
             .axis_desc_style((FONT, LABEL))
             .light_line_style(TRANSPARENT)
-            .bold_line_style(RGBColor(225, 225, 225))
+            .bold_line_style(axes::GRID.stroke_width(px(1)))
+            .axis_style(BLACK.stroke_width(px(1)))
+            .set_all_tick_mark_size(px(5))
             .draw()?;
         let at = |p: &[f64; 2]| (p[0] / unit[0], p[1] / unit[1]);
-        chart.draw_series(LineSeries::new(self.line.iter().map(at), COLOURS[1].stroke_width(2)))?;
-        chart.draw_series(self.solved.iter().map(|p| Circle::new(at(p), 3, COLOURS[1].filled())))?;
+        chart.draw_series(LineSeries::new(self.line.iter().map(at), COLOURS[1].stroke_width(px(2))))?;
+        chart.draw_series(self.solved.iter().map(|p| Circle::new(at(p), axes::at(3), COLOURS[1].filled())))?;
         Ok(())
     }
 }

@@ -3,7 +3,7 @@
 use plotters::coord::Shift;
 use plotters::prelude::*;
 
-use super::axes::{self, BOTTOM, EDGE, LABEL, LEFT, TOP};
+use super::axes::{self, BOTTOM, EDGE, LABEL, LEFT, TOP, at, px};
 use super::{COLOURS, Error, FONT, Fault, Figure, Format, render};
 use crate::compare::{Comparison, Figures};
 use crate::settings::Method;
@@ -38,7 +38,7 @@ const METHODS: [Method; 6] =
     [Method::ClosedForm, Method::Fft, Method::Fabrikant, Method::Qp, Method::Auto, Method::Ritz];
 
 /// Room beside the picture for the legend.
-const BESIDE: u32 = 170;
+const BESIDE: u32 = px(170);
 
 /// Shortest run time shown, seconds: what a clock can tell.
 const SHORTEST: f64 = 1e-7;
@@ -53,7 +53,7 @@ fn decade_above(x: f64) -> f64 {
 
 impl Figure for Picture<'_> {
     fn size(&self) -> (u32, u32) {
-        (820, 540)
+        (px(820), px(540))
     }
 
     fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), Fault<DB>> {
@@ -62,7 +62,8 @@ impl Figure for Picture<'_> {
         let times = || self.runs.iter().map(|(_, f)| f.seconds.max(SHORTEST));
         let (first, last) = (times().fold(f64::INFINITY, f64::min), times().fold(0.0, f64::max));
         let highest = self.runs.iter().map(|(_, f)| f.error.abs()).fold(10.0 * self.floor, f64::max);
-        let (left, right) = (decade_below(0.8 * first), decade_above(1.25 * last));
+        // A little wider, so that rounding does not lose the label of the end.
+        let (left, right) = ((1.0 - 1e-9) * decade_below(0.8 * first), (1.0 + 1e-9) * decade_above(1.25 * last));
         let top = decade_above(1.25 * highest.max(self.uncertainty));
         let inner = area.margin(TOP, 0, EDGE, BESIDE);
         let mut chart = ChartBuilder::on(&inner)
@@ -82,35 +83,37 @@ impl Figure for Picture<'_> {
             .label_style((FONT, LABEL))
             .axis_desc_style((FONT, LABEL))
             .light_line_style(TRANSPARENT)
-            .bold_line_style(RGBColor(225, 225, 225))
+            .bold_line_style(axes::GRID.stroke_width(px(1)))
+            .axis_style(BLACK.stroke_width(px(1)))
+            .set_all_tick_mark_size(px(5))
             .draw()?;
         for (k, method) in METHODS.into_iter().enumerate() {
             let colour = COLOURS[k];
             let mine: Vec<&Figures> = self.runs.iter().filter(|(m, _)| *m == method).map(|(_, f)| *f).collect();
             let place = |f: &Figures| (f.seconds.max(SHORTEST), f.error.abs().max(self.floor));
-            chart.draw_series(LineSeries::new(mine.iter().map(|f| place(f)), colour.stroke_width(2)))?;
+            chart.draw_series(LineSeries::new(mine.iter().map(|f| place(f)), colour.stroke_width(px(2))))?;
             for figures in &mine {
                 let (t, e) = place(figures);
                 let size = figures.error.abs();
                 let bar = [(size - self.uncertainty).max(self.floor), (size + self.uncertainty).max(self.floor)];
-                chart.draw_series([PathElement::new(bar.map(|e| (t, e)).to_vec(), colour.stroke_width(1))])?;
-                chart.draw_series([Circle::new((t, e), 4, colour.filled())])?;
+                chart.draw_series([PathElement::new(bar.map(|e| (t, e)).to_vec(), colour.stroke_width(px(1)))])?;
+                chart.draw_series([Circle::new((t, e), at(4), colour.filled())])?;
                 if figures.behind <= 1.0 {
-                    chart.draw_series([Circle::new((t, e), 8, BLACK.stroke_width(1))])?;
+                    chart.draw_series([Circle::new((t, e), at(8), BLACK.stroke_width(px(1)))])?;
                 }
             }
             if !mine.is_empty() {
-                legend(area, (width - BESIDE) as i32 + 12, k, method.name(), colour)?;
+                legend(area, (width - BESIDE) as i32 + at(12), k, method.name(), colour)?;
             }
         }
-        let x = (width - BESIDE) as i32 + 12;
+        let x = (width - BESIDE) as i32 + at(12);
         let style = (FONT, LABEL).into_font().into_text_style(area);
-        let y = TOP as i32 + 24 * METHODS.len() as i32 + 16;
-        area.draw(&Circle::new((x + 12, y), 8, BLACK.stroke_width(1)))?;
-        area.draw_text("Pareto front", &style, (x + 30, y - LABEL as i32 / 2))?;
-        area.draw(&Rectangle::new([(x, y + 16), (x + 24, y + 32)], RGBColor(232, 232, 232).filled()))?;
-        area.draw_text("uncertainty of", &style, (x + 30, y + 16))?;
-        area.draw_text("the reference", &style, (x + 30, y + 34))
+        let y = TOP as i32 + at(24) * METHODS.len() as i32 + at(16);
+        area.draw(&Circle::new((x + at(12), y), at(8), BLACK.stroke_width(px(1))))?;
+        area.draw_text("Pareto front", &style, (x + at(30), y - LABEL as i32 / 2))?;
+        area.draw(&Rectangle::new([(x, y + at(16)), (x + at(24), y + at(32))], RGBColor(232, 232, 232).filled()))?;
+        area.draw_text("uncertainty of", &style, (x + at(30), y + at(16)))?;
+        area.draw_text("the reference", &style, (x + at(30), y + at(34)))
     }
 }
 
@@ -121,9 +124,9 @@ fn legend<DB: DrawingBackend>(
     name: &str,
     colour: RGBColor,
 ) -> Result<(), Fault<DB>> {
-    let y = TOP as i32 + 12 + 24 * line as i32;
-    area.draw(&PathElement::new(vec![(x, y), (x + 24, y)], colour.stroke_width(2)))?;
-    area.draw(&Circle::new((x + 12, y), 4, colour.filled()))?;
+    let y = TOP as i32 + at(12) + at(24) * line as i32;
+    area.draw(&PathElement::new(vec![(x, y), (x + at(24), y)], colour.stroke_width(px(2))))?;
+    area.draw(&Circle::new((x + at(12), y), at(4), colour.filled()))?;
     let style = (FONT, LABEL).into_font().into_text_style(area);
-    area.draw_text(name, &style, (x + 30, y - LABEL as i32 / 2))
+    area.draw_text(name, &style, (x + at(30), y - LABEL as i32 / 2))
 }

@@ -68,7 +68,7 @@ type Fault<DB> = DrawingAreaErrorKind<<DB as DrawingBackend>::ErrorType>;
 
 /// A picture that can be drawn on any backend.
 trait Figure {
-    /// Width and height, pixels.
+    /// Width and height, in points of [`axes::FINE`] to a pixel.
     fn size(&self) -> (u32, u32);
 
     fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), Fault<DB>>;
@@ -86,6 +86,13 @@ fn load_font() {
     });
 }
 
+/// The picture at its size on the screen; cells of a field meet without a seam.
+fn on_screen(svg: &str, width: u32, height: u32) -> String {
+    let size = |w: u32, h: u32| format!("width=\"{w}\" height=\"{h}\"");
+    let (drawn, shown) = (size(width, height), size(width / axes::FINE, height / axes::FINE));
+    svg.replacen(&drawn, &shown, 1).replace("<rect ", "<rect shape-rendering=\"crispEdges\" ")
+}
+
 /// The bytes of a file with this picture.
 fn render(figure: &impl Figure, format: Format) -> Result<Vec<u8>, Error> {
     load_font();
@@ -100,7 +107,7 @@ fn render(figure: &impl Figure, format: Format) -> Result<Vec<u8>, Error> {
                 figure.draw(&area).map_err(|e| failed(&e))?;
                 area.present().map_err(|e| failed(&e))?;
             }
-            Ok(text.into_bytes())
+            Ok(on_screen(&text, width, height).into_bytes())
         }
         Format::Png => {
             let mut pixels = vec![0; 3 * width as usize * height as usize];

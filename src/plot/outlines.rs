@@ -3,7 +3,7 @@
 use plotters::coord::Shift;
 use plotters::prelude::*;
 
-use super::axes::{self, BOTTOM, EDGE, LABEL, LEFT, RIGHT, TOP, Window};
+use super::axes::{self, BOTTOM, EDGE, LABEL, LEFT, RIGHT, TOP, Window, at, px};
 use super::{COLOURS, Error, FONT, Fault, Figure, Format, render};
 use crate::geometry::Rect;
 
@@ -42,11 +42,12 @@ struct Picture<'a> {
     window: Window,
 }
 
-/// Lengths of dash and space, pixels; no space: a full line.
-const DASHES: [[i32; 2]; 6] = [[1, 0], [12, 5], [3, 4], [20, 4], [6, 6], [2, 7]];
+/// Lengths of dash and space; no space: a full line.
+const DASHES: [[i32; 2]; 6] =
+    [[at(1), 0], [at(12), at(5)], [at(3), at(4)], [at(20), at(4)], [at(6), at(6)], [at(2), at(7)]];
 
-/// Room for the names, pixels a line.
-const LEGEND: u32 = 22;
+/// Room for the names, a line each.
+const LEGEND: u32 = px(22);
 
 impl Figure for Picture<'_> {
     fn size(&self) -> (u32, u32) {
@@ -69,26 +70,26 @@ impl Figure for Picture<'_> {
             for points in &outline.loops {
                 let closed = points.iter().chain(points.first()).map(|&p| self.window.place(p));
                 if space == 0 {
-                    chart.draw_series(LineSeries::new(closed, colour.stroke_width(2)))?;
+                    chart.draw_series(LineSeries::new(closed, colour.stroke_width(px(2))))?;
                 } else {
                     chart.draw_series(DashedLineSeries::new(
                         closed,
                         dash as u32,
                         space as u32,
-                        colour.stroke_width(2),
+                        colour.stroke_width(px(2)),
                     ))?;
                 }
             }
             let y = (TOP + LEGEND * k as u32 + LEGEND / 2) as i32;
             let left = (EDGE + LEFT) as i32;
             let mut x = left;
-            while x < left + 44 {
-                let end = if space == 0 { left + 44 } else { (x + dash).min(left + 44) };
-                area.draw(&PathElement::new(vec![(x, y), (end, y)], colour.stroke_width(2)))?;
+            while x < left + at(44) {
+                let end = if space == 0 { left + at(44) } else { (x + dash).min(left + at(44)) };
+                area.draw(&PathElement::new(vec![(x, y), (end, y)], colour.stroke_width(px(2))))?;
                 x = end + space.max(1);
             }
             let style = (FONT, LABEL).into_font().into_text_style(area);
-            area.draw_text(&outline.label, &style, (left + 54, y - LABEL as i32 / 2))?;
+            area.draw_text(&outline.label, &style, (left + at(54), y - LABEL as i32 / 2))?;
         }
         Ok(())
     }
@@ -114,6 +115,8 @@ pub(super) fn frame<'b, DB: DrawingBackend + 'b>(
         .x_labels(7)
         .y_labels(7)
         .light_line_style(TRANSPARENT)
-        .bold_line_style(RGBColor(225, 225, 225))
+        .bold_line_style(axes::GRID.stroke_width(px(1)))
+        .axis_style(BLACK.stroke_width(px(1)))
+        .set_all_tick_mark_size(px(5))
         .draw()
 }

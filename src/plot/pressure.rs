@@ -3,7 +3,7 @@
 use plotters::coord::Shift;
 use plotters::prelude::*;
 
-use super::axes::{self, BOTTOM, EDGE, LABEL, LEFT, RIGHT, TOP, Window};
+use super::axes::{self, BOTTOM, EDGE, LABEL, LEFT, RIGHT, TOP, Window, at, px};
 use super::outlines::frame;
 use super::{Error, FONT, Fault, Figure, Format, render, shade};
 use crate::geometry::Rect;
@@ -51,7 +51,7 @@ pub(super) fn coarsened(field: &Pressure) -> Pressure {
 }
 
 /// Room beside the map for the scale of colours.
-const BESIDE: u32 = 150;
+const BESIDE: u32 = px(150);
 
 /// Steps of the colour scale.
 const SHADES: u32 = 48;
@@ -105,7 +105,7 @@ impl Figure for Picture<'_> {
         }
         for points in self.boundary {
             let closed = points.iter().chain(points.first()).map(|&p| self.window.place(p));
-            chart.draw_series(LineSeries::new(closed, BLACK.stroke_width(2)))?;
+            chart.draw_series(LineSeries::new(closed, BLACK.stroke_width(px(2))))?;
         }
         if self.highest > 0.0 { self.scale(area) } else { Ok(()) }
     }
@@ -116,23 +116,23 @@ impl Picture<'_> {
     fn scale<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), Fault<DB>> {
         let (width, _) = area.dim_in_pixel();
         let (left, height) = ((width - BESIDE) as i32, self.window.pixels[1] as i32);
-        let (top, bottom) = (TOP as i32 + 24, TOP as i32 + height);
+        let (top, bottom) = (TOP as i32 + at(24), TOP as i32 + height);
         let level = |k: u32| bottom - (bottom - top) * k as i32 / SHADES as i32;
         for k in 0..SHADES {
-            area.draw(&Rectangle::new([(left, level(k + 1)), (left + 20, level(k))], colour(k).filled()))?;
+            area.draw(&Rectangle::new([(left, level(k + 1)), (left + at(20), level(k))], colour(k).filled()))?;
         }
-        area.draw(&Rectangle::new([(left, top), (left + 20, bottom)], BLACK.stroke_width(1)))?;
+        area.draw(&Rectangle::new([(left, top), (left + at(20), bottom)], BLACK.stroke_width(px(1))))?;
         let power = axes::power_of_ten(self.highest);
         let style = (FONT, LABEL).into_font().into_text_style(area);
-        area.draw_text("pressure", &style, (left, TOP as i32 - 22))?;
-        area.draw_text(&axes::scaled(axes::PRESSURE, power), &style, (left, TOP as i32 - 2))?;
+        area.draw_text("pressure", &style, (left, TOP as i32 - at(22)))?;
+        area.draw_text(&axes::scaled(axes::PRESSURE, power), &style, (left, TOP as i32 - at(2)))?;
         let largest = self.highest / 10f64.powi(power);
         let step = axes::round_step(largest);
         let mut value = 0.0;
         while value <= largest {
             let y = bottom - (f64::from(bottom - top) * value / largest).round() as i32;
-            area.draw(&PathElement::new(vec![(left + 20, y), (left + 25, y)], BLACK.stroke_width(1)))?;
-            area.draw_text(&axes::tick(value), &style, (left + 30, y - LABEL as i32 / 2))?;
+            area.draw(&PathElement::new(vec![(left + at(20), y), (left + at(25), y)], BLACK.stroke_width(px(1))))?;
+            area.draw_text(&axes::tick(value), &style, (left + at(30), y - LABEL as i32 / 2))?;
             value += step;
         }
         Ok(())

@@ -3,9 +3,9 @@
 use plotters::coord::Shift;
 use plotters::prelude::*;
 
-use super::axes::{self, BOTTOM, EDGE, LABEL, LEFT, RIGHT, TOP};
+use super::axes::{self, BOTTOM, EDGE, LABEL, LEFT, RIGHT, TOP, at, px};
 use super::pressure::coarsened;
-use super::{COLOURS, Error, FONT, Fault, Figure, Format, render, shade};
+use super::{COLOURS, Error, FONT, Fault, Figure, Format, render};
 use crate::contact::Contact;
 use crate::gap::Gap;
 use crate::grid::Pressure;
@@ -72,18 +72,24 @@ impl Section {
             let [ax, ay] = solution.tilt;
             section.punch.push(contact.gap().gap(x, y) - solution.depth - ax * x - ay * y);
             section.surface.push(-displacement(&loaded, grid.spacing, [x, y]) / contact.modulus().e_star());
-            section.pressure.push(at(&field, [x, y]));
+            section.pressure.push(interpolated(&field, [x, y]));
         }
         Some(section)
     }
 }
 
-/// The pressure of the cell that holds a point.
-fn at(field: &Pressure, point: [f64; 2]) -> f64 {
+/// The pressure at a point, bilinear between the centres of cells.
+fn interpolated(field: &Pressure, point: [f64; 2]) -> f64 {
     let grid = field.grid;
-    let cell = [0, 1].map(|m| ((point[m] - grid.origin[m]) / grid.spacing[m]).floor());
-    let inside = (0..2).all(|m| cell[m] >= 0.0 && cell[m] < grid.shape[m] as f64);
-    if inside { field.values[cell[1] as usize * grid.shape[0] + cell[0] as usize] } else { 0.0 }
+    let place = [0, 1].map(|m| (point[m] - grid.origin[m]) / grid.spacing[m] - 0.5);
+    let value = |cell: [f64; 2]| {
+        let inside = (0..2).all(|m| cell[m] >= 0.0 && cell[m] < grid.shape[m] as f64);
+        if inside { field.values[cell[1] as usize * grid.shape[0] + cell[0] as usize] } else { 0.0 }
+    };
+    let [i, j] = place.map(f64::floor);
+    let [s, t] = [place[0] - i, place[1] - j];
+    (1.0 - t) * ((1.0 - s) * value([i, j]) + s * value([i + 1.0, j]))
+        + t * ((1.0 - s) * value([i, j + 1.0]) + s * value([i + 1.0, j + 1.0]))
 }
 
 /// u(x) = 1/pi sum of p times the integral of 1/r over its cell (E* = 1; Love 1929).
@@ -124,19 +130,19 @@ struct Picture<'a> {
     deepest: f64,
 }
 
-/// Heights of the panels, pixels.
-const HEIGHTS: u32 = 330;
-const PRESSURES: u32 = 170;
+/// Heights of the panels.
+const HEIGHTS: u32 = px(330);
+const PRESSURES: u32 = px(170);
 
 /// Room for the legend below the title.
-const LEGEND: u32 = 24;
+const LEGEND: u32 = px(24);
 
 /// How much of the punch is seen above the undeformed surface, against the depth of the dent.
 const ABOVE: f64 = 0.5;
 
 impl Figure for Picture<'_> {
     fn size(&self) -> (u32, u32) {
-        (720, TOP + LEGEND + HEIGHTS + PRESSURES + BOTTOM)
+        (px(720), TOP + LEGEND + HEIGHTS + PRESSURES + BOTTOM)
     }
 
     fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), Fault<DB>> {
@@ -152,7 +158,7 @@ impl Figure for Picture<'_> {
 
         let mut chart = ChartBuilder::on(&upper)
             .y_label_area_size(LEFT)
-            .margin_bottom(10)
+            .margin_bottom(px(10))
             .build_cartesian_2d(x.clone(), low / height..high / height)?;
         chart
             .configure_mesh()
@@ -163,7 +169,9 @@ impl Figure for Picture<'_> {
             .label_style((FONT, LABEL))
             .axis_desc_style((FONT, LABEL))
             .light_line_style(TRANSPARENT)
-            .bold_line_style(RGBColor(225, 225, 225))
+            .bold_line_style(axes::GRID.stroke_width(px(1)))
+            .axis_style(BLACK.stroke_width(px(1)))
+            .set_all_tick_mark_size(px(5))
             .draw()?;
         // The gap that is left, between the surface and the punch above it.
         for k in 1..along.len() {
@@ -172,23 +180,22 @@ impl Figure for Picture<'_> {
             let strip = vec![bottom(k - 1), top(k - 1), top(k), bottom(k)];
             chart.draw_series([Polygon::new(strip, RGBColor(236, 236, 236).filled())])?;
         }
-        let points = |of: &[f64]| -> Vec<[f64; 2]> {
-            along.iter().zip(of).map(|(&s, &z)| [s / length, z / height]).collect()
-        };
+        let points =
+            |of: &[f64]| -> Vec<[f64; 2]> { along.iter().zip(of).map(|(&s, &z)| [s / length, z / height]).collect() };
         chart.draw_series(DashedLineSeries::new(
             [(-reach / length, 0.0), (reach / length, 0.0)],
-            3,
-            5,
-            BLACK.stroke_width(1),
+            px(3),
+            px(5),
+            BLACK.stroke_width(px(1)),
         ))?;
         let surface = points(surface).into_iter().map(|[s, z]| (s, z));
-        chart.draw_series(LineSeries::new(surface, COLOURS[1].stroke_width(3)))?;
+        chart.draw_series(LineSeries::new(surface, COLOURS[1].stroke_width(px(3))))?;
         for piece in below(&points(punch), high / height) {
             chart.draw_series(DashedLineSeries::new(
                 piece.into_iter().map(|[s, z]| (s, z)),
-                9,
-                5,
-                COLOURS[2].stroke_width(2),
+                px(9),
+                px(5),
+                COLOURS[2].stroke_width(px(2)),
             ))?;
         }
 
@@ -205,34 +212,36 @@ impl Figure for Picture<'_> {
             .x_labels(9)
             .y_labels(4)
             .label_style((FONT, LABEL))
-            .axis_desc_style((FONT, LABEL - 2))
+            .axis_desc_style((FONT, LABEL - px(2)))
             .light_line_style(TRANSPARENT)
-            .bold_line_style(RGBColor(225, 225, 225))
+            .bold_line_style(axes::GRID.stroke_width(px(1)))
+            .axis_style(BLACK.stroke_width(px(1)))
+            .set_all_tick_mark_size(px(5))
             .draw()?;
         let line = || along.iter().zip(pressure).map(|(&s, &p)| (s / length, p / load));
         let ends = [(reach / length, 0.0), (-reach / length, 0.0)];
-        chart.draw_series([Polygon::new(line().chain(ends).collect::<Vec<_>>(), shade(0.12).filled())])?;
-        chart.draw_series(LineSeries::new(line(), BLACK.stroke_width(2)))?;
+        chart.draw_series([Polygon::new(line().chain(ends).collect::<Vec<_>>(), RGBColor(206, 224, 236).filled())])?;
+        chart.draw_series(LineSeries::new(line(), BLACK.stroke_width(px(2))))?;
         self.legend(area)
     }
 }
 
 impl Picture<'_> {
     fn legend<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), Fault<DB>> {
-        let y = (TOP + LEGEND / 2) as i32 - 4;
+        let y = (TOP + LEGEND / 2) as i32 - at(4);
         let style = (FONT, LABEL).into_font().into_text_style(area);
         let mut x = (EDGE + LEFT) as i32;
-        let stroke = |x: i32| vec![(x, y), (x + 36, y)];
-        area.draw(&PathElement::new(stroke(x), COLOURS[1].stroke_width(3)))?;
-        area.draw_text("surface under load", &style, (x + 44, y - LABEL as i32 / 2))?;
-        x += 210;
-        for piece in [x, x + 14, x + 28] {
-            area.draw(&PathElement::new(vec![(piece, y), (piece + 8, y)], COLOURS[2].stroke_width(2)))?;
+        let stroke = |x: i32| vec![(x, y), (x + at(36), y)];
+        area.draw(&PathElement::new(stroke(x), COLOURS[1].stroke_width(px(3))))?;
+        area.draw_text("surface under load", &style, (x + at(44), y - LABEL as i32 / 2))?;
+        x += at(210);
+        for piece in [x, x + at(14), x + at(28)] {
+            area.draw(&PathElement::new(vec![(piece, y), (piece + at(8), y)], COLOURS[2].stroke_width(px(2))))?;
         }
-        area.draw_text("gap less approach", &style, (x + 44, y - LABEL as i32 / 2))?;
-        x += 200;
-        area.draw(&Rectangle::new([(x, y - 7), (x + 30, y + 7)], RGBColor(236, 236, 236).filled()))?;
-        area.draw_text("gap that is left", &style, (x + 38, y - LABEL as i32 / 2))
+        area.draw_text("gap less approach", &style, (x + at(44), y - LABEL as i32 / 2))?;
+        x += at(200);
+        area.draw(&Rectangle::new([(x, y - at(7)), (x + at(30), y + at(7))], RGBColor(236, 236, 236).filled()))?;
+        area.draw_text("gap that is left", &style, (x + at(38), y - LABEL as i32 / 2))
     }
 }
 

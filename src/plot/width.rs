@@ -3,7 +3,7 @@
 use plotters::coord::Shift;
 use plotters::prelude::*;
 
-use super::axes::{self, BOTTOM, EDGE, LABEL, LEFT, RIGHT, TOP};
+use super::axes::{self, BOTTOM, EDGE, LABEL, LEFT, RIGHT, TOP, at, px};
 use super::{COLOURS, Error, FONT, Fault, Figure, Format, render};
 
 /// A line with its name: points (cells along the longer side, size relative to the force).
@@ -22,7 +22,12 @@ pub struct Refinement {
 pub fn width_against_cells(title: &str, lines: &[Refinement], format: Format) -> Result<Vec<u8>, Error> {
     let lines: Vec<(&str, Vec<[f64; 2]>)> = lines
         .iter()
-        .map(|line| (line.label.as_str(), line.points.iter().copied().filter(|p| p.iter().all(|x| *x > 0.0 && x.is_finite())).collect()))
+        .map(|line| {
+            (
+                line.label.as_str(),
+                line.points.iter().copied().filter(|p| p.iter().all(|x| *x > 0.0 && x.is_finite())).collect(),
+            )
+        })
         .collect();
     if lines.iter().all(|(_, points)| points.is_empty()) {
         return Err(Error::Empty("there is no width greater than zero"));
@@ -35,12 +40,12 @@ struct Picture<'a> {
     lines: Vec<(&'a str, Vec<[f64; 2]>)>,
 }
 
-/// Room for the names, pixels a line.
-const LEGEND: u32 = 22;
+/// Room for the names, a line each.
+const LEGEND: u32 = px(22);
 
 impl Figure for Picture<'_> {
     fn size(&self) -> (u32, u32) {
-        (720, 440 + LEGEND * self.lines.len() as u32)
+        (px(720), px(440) + LEGEND * self.lines.len() as u32)
     }
 
     fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), Fault<DB>> {
@@ -55,13 +60,10 @@ impl Figure for Picture<'_> {
         let up = |x: f64| 10f64.powf(x.log10().ceil());
         let names = LEGEND * self.lines.len() as u32;
         let inner = area.margin(TOP + names, 0, EDGE, RIGHT);
-        let mut chart = ChartBuilder::on(&inner)
-            .x_label_area_size(BOTTOM)
-            .y_label_area_size(LEFT)
-            .build_cartesian_2d(
-                (0.8 * coarse..1.25 * fine).log_scale().base(2.0),
-                (down(0.9 * least)..up(1.1 * most)).log_scale(),
-            )?;
+        let mut chart = ChartBuilder::on(&inner).x_label_area_size(BOTTOM).y_label_area_size(LEFT).build_cartesian_2d(
+            (0.8 * coarse..1.25 * fine).log_scale().base(2.0),
+            (down(0.9 * least)..up(1.1 * most)).log_scale(),
+        )?;
         chart
             .configure_mesh()
             .x_desc("cells along the longer side")
@@ -71,18 +73,20 @@ impl Figure for Picture<'_> {
             .label_style((FONT, LABEL))
             .axis_desc_style((FONT, LABEL))
             .light_line_style(TRANSPARENT)
-            .bold_line_style(RGBColor(225, 225, 225))
+            .bold_line_style(axes::GRID.stroke_width(px(1)))
+            .axis_style(BLACK.stroke_width(px(1)))
+            .set_all_tick_mark_size(px(5))
             .draw()?;
         for (k, (label, points)) in self.lines.iter().enumerate() {
             let colour = COLOURS[(k + 1) % COLOURS.len()];
             let place = || points.iter().map(|p| (p[0], p[1]));
-            chart.draw_series(LineSeries::new(place(), colour.stroke_width(2)))?;
-            chart.draw_series(place().map(|at| Circle::new(at, 4, colour.filled())))?;
-            let (x, y) = ((EDGE + LEFT) as i32, (TOP + LEGEND * k as u32 + LEGEND / 2) as i32 - 4);
-            area.draw(&PathElement::new(vec![(x, y), (x + 44, y)], colour.stroke_width(2)))?;
-            area.draw(&Circle::new((x + 22, y), 4, colour.filled()))?;
+            chart.draw_series(LineSeries::new(place(), colour.stroke_width(px(2))))?;
+            chart.draw_series(place().map(|place| Circle::new(place, at(4), colour.filled())))?;
+            let (x, y) = ((EDGE + LEFT) as i32, (TOP + LEGEND * k as u32 + LEGEND / 2) as i32 - at(4));
+            area.draw(&PathElement::new(vec![(x, y), (x + at(44), y)], colour.stroke_width(px(2))))?;
+            area.draw(&Circle::new((x + at(22), y), at(4), colour.filled()))?;
             let style = (FONT, LABEL).into_font().into_text_style(area);
-            area.draw_text(label, &style, (x + 54, y - LABEL as i32 / 2))?;
+            area.draw_text(label, &style, (x + at(54), y - LABEL as i32 / 2))?;
         }
         Ok(())
     }

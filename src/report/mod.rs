@@ -1,10 +1,16 @@
-//! Results out: JSON for programs, a table for people, CSV for spreadsheets, .npy for fields.
+//! Results out: JSON for programs, a table for people, CSV for spreadsheets, .npy for fields, a page for reading.
 
 mod comparison;
 mod csv;
+#[cfg(feature = "plot")]
+mod evidence;
+#[cfg(feature = "plot")]
+mod html;
 mod json;
 #[cfg(feature = "cli")]
 pub(crate) mod npy;
+#[cfg(feature = "plot")]
+mod page;
 pub(crate) mod table;
 #[cfg(feature = "cli")]
 pub(crate) mod write;
@@ -12,6 +18,8 @@ pub(crate) mod write;
 pub use comparison::{comparison_csv, comparison_json, comparison_table};
 pub use csv::csv;
 pub use json::{Outcome, json};
+#[cfg(feature = "plot")]
+pub use page::{Page, page};
 pub use table::table;
 
 use crate::error::Unsolved;

@@ -1,0 +1,38 @@
+//! What is going on, on stderr: only on a terminal, only for work longer than a second.
+
+use std::io::IsTerminal;
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressDrawTarget};
+
+/// Work shorter than this is not talked about.
+const SILENCE: Duration = Duration::from_secs(1);
+
+/// A line that is there while work goes on, and then is not.
+pub(super) struct Progress {
+    bar: ProgressBar,
+    started: Instant,
+    shown: bool,
+}
+
+impl Progress {
+    pub fn new() -> Self {
+        Self { bar: ProgressBar::hidden(), started: Instant::now(), shown: false }
+    }
+
+    /// Says what begins now.
+    pub fn say(&mut self, what: &str) {
+        if !self.shown && self.started.elapsed() > SILENCE && std::io::stderr().is_terminal() {
+            self.bar.set_draw_target(ProgressDrawTarget::stderr());
+            self.shown = true;
+        }
+        self.bar.set_message(what.to_owned());
+        self.bar.tick();
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}

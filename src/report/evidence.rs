@@ -1,0 +1,165 @@
+//! Everything a report shows of a scene, computed: the answers, every method on one of its states, brackets, the curve.
+
+use std::time::Instant;
+
+use super::Step;
+use crate::bracket::{self, BracketSettings, ForceBracket};
+use crate::compare::{self, Comparison};
+use crate::contact::{Contact, Load, Loading};
+use crate::curve::{Curve, CurveRange};
+use crate::error::Unsolved;
+use crate::gap::{AnyGap, Gap, Tilted, lowest};
+use crate::plan::{Plan, plan};
+use crate::plot::Section;
+use crate::scene::Scene;
+use crate::settings::{Method, Outputs, Settings};
+use crate::solution::Solution;
+use crate::solve::solve;
+
+/// Cells along the longer side of the grid behind the pictures, unless the scene says.
+const PICTURE_CELLS: usize = 128;
+
+/// Cells along the longer side of the grids that bracket the force.
+const BRACKET_CELLS: [usize; 4] = [16, 32, 64, 128];
+
+/// Seconds a bracket may take for the next one, about five times as long, to be tried.
+const PATIENCE: f64 = 1.0;
+
+/// Relative error of interpolation of the curve: less than can be seen.
+const CURVE_ACCURACY: f64 = 3e-3;
+
+/// A bracket and the grid it is from.
+pub(super) struct Bracketing {
+    pub cells: usize,
+    /// Force of the grid itself.
+    pub force: f64,
+    pub bracket: ForceBracket,
+    pub seconds: f64,
+}
+
+/// One state in all detail.
+pub(super) struct Detail {
+    /// Which of the states, from 0.
+    pub index: usize,
+    /// The solved state on a grid, with boundary and field.
+    pub grid: Result<Solution, Unsolved>,
+    pub section: Option<Section>,
+    /// The boundary that each method gives.
+    pub boundaries: Vec<(Method, Vec<Vec<[f64; 2]>>)>,
+    pub comparison: Comparison,
+    pub brackets: Vec<Bracketing>,
+}
+
+/// What a report is made from.
+pub(super) struct Evidence {
+    pub plan: Result<Plan, Unsolved>,
+    pub steps: Vec<Step>,
+    /// The last state that was solved and touches.
+    pub detail: Option<Detail>,
+    /// The curve up to the deepest state, or why there is none.
+    pub curve: Result<Curve, String>,
+    /// Parts of the work and the seconds each took.
+    pub seconds: Vec<(&'static str, f64)>,
+}
+
+impl Evidence {
+    /// Runs everything; `say` hears what is going on.
+    pub fn gather(scene: &Scene, runs: &compare::Plan, say: &mut dyn FnMut(&str)) -> Self {
+        let mut clock = Clock { seconds: Vec::new(), say };
+        let plan = plan(&scene.contact, &scene.settings);
+        let outputs = Outputs { patch: true, curve: false, ..scene.settings.outputs };
+        let settings = Settings { outputs, ..scene.settings };
+        let steps = clock.time("the answer", || solve(&scene.contact, &settings));
+        let touching = |step: &Step| step.as_ref().is_ok_and(|s| s.force > 0.0);
+        let detail = steps.iter().rposition(touching).map(|index| {
+            // Found by the line above.
+            let state = steps[index].as_ref().expect("a solved state");
+            detail(scene, index, state, runs, &mut clock)
+        });
+        let curve = clock.time("the force-depth curve", || curve(scene, &steps));
+        Self { plan, detail, curve, seconds: clock.seconds, steps }
+    }
+}
+
+struct Clock<'s> {
+    seconds: Vec<(&'static str, f64)>,
+    say: &'s mut dyn FnMut(&str),
+}
+
+impl Clock<'_> {
+    fn time<T>(&mut self, what: &'static str, work: impl FnOnce() -> T) -> T {
+        (self.say)(what);
+        let started = Instant::now();
+        let done = work();
+        self.seconds.push((what, started.elapsed().as_secs_f64()));
+        done
+    }
+}
+
+fn detail(scene: &Scene, index: usize, state: &Solution, runs: &compare::Plan, clock: &mut Clock) -> Detail {
+    // The depth of the answer, whatever the load was: all that follows is about this one state.
+    let load = match state.tilt {
+        [0.0, 0.0] => Load::Depth(state.depth),
+        tilt => Load::Tilted { depth: state.depth, tilt },
+    };
+    let contact = scene.contact.under(Loading::Single(load));
+    let gap = match state.tilt {
+        [0.0, 0.0] => contact.gap().clone(),
+        tilt => AnyGap::new(Tilted::new(contact.gap().clone(), tilt)),
+    };
+    let run = |method, cells, outputs| {
+        let settings = Settings { method, cells, outputs, ..scene.settings };
+        solve(&contact, &settings).pop()
+    };
+    let both = Outputs { patch: true, pressure: true, ..Outputs::default() };
+    let patch = Outputs { patch: true, ..Outputs::default() };
+    let cells = scene.settings.cells.unwrap_or(PICTURE_CELLS);
+    let grid = clock.time("the state on a grid, for the pictures", || run(Method::Fft, Some(cells), both));
+    let grid =
+        grid.unwrap_or_else(|| Err(Unsolved::new(crate::Verdict::NotApplicable, "there is no state of loading")));
+    let section = grid.as_ref().ok().and_then(|s| Section::through(&contact, s));
+    let mut boundaries: Vec<(Method, Vec<Vec<[f64; 2]>>)> = Vec::new();
+    boundaries.extend(grid.as_ref().ok().and_then(|s| Some((Method::Fft, s.patch.boundary.clone()?))));
+    clock.time("the boundaries of other methods", || {
+        for method in [Method::ClosedForm, Method::Fabrikant, Method::Ritz] {
+            if let Some(Ok(solution)) = run(method, None, patch) {
+                boundaries.extend(solution.patch.boundary.map(|boundary| (method, boundary)));
+            }
+        }
+    });
+    let comparison = clock.time("every method, at several resolutions", || compare::compare(&contact, runs));
+    let mut brackets: Vec<Bracketing> = Vec::new();
+    clock.time("brackets", || {
+        let look = BracketSettings { threads: scene.settings.threads, ..BracketSettings::default() };
+        for cells in BRACKET_CELLS {
+            if brackets.last().is_some_and(|b| b.seconds > PATIENCE) {
+                break;
+            }
+            let started = Instant::now();
+            let Some(Ok(solution)) = run(Method::Fft, Some(cells), both) else { continue };
+            let Some(field) = &solution.pressure.field else { continue };
+            if let Ok(bracket) = bracket::sharp(&*gap, contact.modulus(), state.depth, field, &look) {
+                let seconds = started.elapsed().as_secs_f64();
+                brackets.push(Bracketing { cells, force: solution.force, bracket, seconds });
+            }
+        }
+    });
+    Detail { index, grid, section, boundaries, comparison, brackets }
+}
+
+/// The curve up to the deepest state of a punch that does not tilt.
+fn curve(scene: &Scene, steps: &[Step]) -> Result<Curve, String> {
+    let upright = scene.contact.loading().loads().iter().all(|load| matches!(load, Load::Depth(_) | Load::Force(_)));
+    if !upright {
+        return Err("A curve is for a punch that does not tilt.".to_owned());
+    }
+    let touching = steps.iter().flatten().filter(|s| s.force > 0.0);
+    let deepest = touching.map(|s| s.depth).reduce(f64::max).ok_or("No state was solved that touches.")?;
+    let contact: &Contact = &scene.contact;
+    let gap = contact.gap();
+    let [x, y] = lowest(&**gap, gap.centre());
+    let to = deepest - gap.gap(x, y);
+    let settings = Settings { outputs: Outputs::default(), ..scene.settings };
+    let range = CurveRange { from: 0.01 * to, to, accuracy: CURVE_ACCURACY };
+    Curve::new(contact, &settings, range).map_err(|e| e.to_string())
+}

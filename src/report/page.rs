@@ -1,0 +1,384 @@
+//! The report: one page that needs nothing else, for the screen and for paper.
+
+use std::fmt::Write;
+
+use super::comparison::{COLUMNS, in_words, row};
+use super::evidence::{Detail, Evidence};
+use super::html::{escaped, facts, figure as picture, list, table, typeset};
+use super::table::figure;
+use super::{Step, centre_of_pressure, said_once};
+use crate::bracket::Evidence as Proof;
+use crate::compare;
+use crate::contact::Load;
+use crate::plot::{self, Format, Outline, Refinement};
+use crate::scene::Scene;
+use crate::settings::Method;
+use crate::solution::Solution;
+
+/// A page, and whether every state of the scene was solved.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Page {
+    /// The document, complete: no script, no style or picture from elsewhere.
+    pub html: String,
+    /// Every state of loading has an answer.
+    pub solved: bool,
+}
+
+/// Solves the scene, runs every method of `runs` on the last of its states that touches, and writes all of it down: the
+/// problem, the plan, the answers, pictures, comparison, brackets and cost. `say` hears what is going on.
+///
+/// ```
+/// use contact_patch::{Scene, compare, report};
+/// let scene = Scene::from_json(br#"{"name": "ball & plate", "effective_modulus": 1.0,
+///     "gap": {"kind": "sphere", "radius": 1.0}, "loading": {"depth": -0.5}}"#)?;
+/// let page = report::page(&scene, &compare::Plan::new(scene.settings), &mut |_| ());
+/// assert!(page.solved && page.html.contains("<h1>ball &amp; plate</h1>"));
+/// # Ok::<(), contact_patch::InputError>(())
+/// ```
+#[must_use]
+pub fn page(scene: &Scene, runs: &compare::Plan, say: &mut dyn FnMut(&str)) -> Page {
+    let evidence = Evidence::gather(scene, runs, say);
+    let name = escaped(scene.name.as_deref().unwrap_or("Contact without a name"));
+    let mut html = format!(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+         <link rel=\"icon\" href=\"data:,\">\n<title>{name}</title>\n<style>\n{}</style>\n</head>\n<body>\n<main>\n",
+        include_str!("page.css")
+    );
+    let sections = [
+        head(&name, &evidence),
+        problem(scene),
+        plan(&evidence),
+        result(&evidence),
+        evidence.detail.as_ref().map_or(String::new(), |d| pictures(d, evidence.steps.len())),
+        curve(&evidence),
+        evidence.detail.as_ref().map_or(String::new(), comparison),
+        evidence.detail.as_ref().map_or(String::new(), brackets),
+        cost(&evidence),
+    ];
+    sections.iter().for_each(|section| html.push_str(section));
+    let _ = writeln!(
+        html,
+        "<footer>contact-patch {}. Units are those of the scene; angles there are in degrees.</footer>\n</main>\n</body>\n\
+         </html>",
+        env!("CARGO_PKG_VERSION")
+    );
+    Page { html, solved: evidence.steps.iter().all(Result::is_ok) }
+}
+
+fn head(name: &str, evidence: &Evidence) -> String {
+    let mut html = format!("<header>\n<h1>{name}</h1>\n");
+    match evidence.steps.iter().find_map(|step| step.as_ref().err()) {
+        None => html.push_str("<p class=\"verdict\">solved</p>\n"),
+        Some(e) => {
+            let _ = writeln!(
+                html,
+                "<p class=\"verdict no\">not solved: {}</p>\n<p>{}</p>",
+                escaped(e.verdict.word()),
+                escaped(&e.reason)
+            );
+        }
+    }
+    if let [Ok(s)] = &evidence.steps[..] {
+        let mut keys = vec![("force", figure(s.force)), ("depth", figure(s.depth)), ("stiffness", figure(s.stiffness))];
+        keys.push(("patch area", figure(s.patch.area)));
+        keys.extend(s.pressure.max.map(|p| ("largest pressure", figure(p))));
+        keys.push(("method", s.method.name().to_owned()));
+        html.push_str("<ul class=\"key\">");
+        for (what, value) in keys {
+            let _ = write!(html, "<li><span>{what}</span><b>{}</b></li>", typeset(&value));
+        }
+        html.push_str("</ul>\n");
+    }
+    html + "</header>\n"
+}
+
+fn problem(scene: &Scene) -> String {
+    let loads = scene.contact.loading().loads();
+    let one = |load: &Load| match load {
+        Load::Depth(d) => format!("depth {}", figure(*d)),
+        Load::Force(p) => format!("force {}", figure(*p)),
+        Load::Tilted { depth, tilt: [ax, ay] } => {
+            format!("depth {} and tilt ({}, {}) rad", figure(*depth), figure(*ax), figure(*ay))
+        }
+        Load::ForceMoment { force, moment: [mx, my] } => {
+            format!(
+                "force {} and moments ({}, {}) about the origin, free to tilt",
+                figure(*force),
+                figure(*mx),
+                figure(*my)
+            )
+        }
+    };
+    let loading = match loads {
+        [load] => one(load),
+        [first, .., last] => format!("{} states, from {} to {}", loads.len(), one(first), one(last)),
+        [] => String::new(),
+    };
+    let document = serde_json::to_string_pretty(&scene.document).unwrap_or_default();
+    format!(
+        "<section>\n<h2>Problem</h2>\n{}<pre>{}</pre>\n</section>\n",
+        facts(&[
+            ("effective modulus E*", figure(scene.contact.modulus().e_star())),
+            ("loading", loading),
+            ("relative error of the force asked for", format!("{:e}", scene.settings.tolerance)),
+        ]),
+        escaped(&document)
+    )
+}
+
+fn plan(evidence: &Evidence) -> String {
+    let told = match &evidence.plan {
+        Ok(plan) => {
+            let left_out = if plan.left_out.is_empty() { "" } else { "<p>Left out:</p>\n" };
+            format!(
+                "<p>Method: <b>{}</b></p>\n{}{left_out}{}",
+                plan.method.map_or("none", Method::name),
+                list(plan.steps.iter().map(String::as_str)),
+                list(plan.left_out.iter().map(String::as_str))
+            )
+        }
+        Err(unsolved) => format!("<p>Nothing can be planned: {}.</p>\n", escaped(&unsolved.to_string())),
+    };
+    format!("<section>\n<h2>Plan</h2>\n{told}</section>\n")
+}
+
+fn result(evidence: &Evidence) -> String {
+    let told = match &evidence.steps[..] {
+        [Ok(solution)] => single(solution),
+        [Err(_)] => String::new(),
+        steps => several(steps),
+    };
+    let remarks = said_once(&evidence.steps, |s| &s.remarks);
+    let left_out = said_once(&evidence.steps, |s| &s.left_out);
+    let left_out = if left_out.is_empty() { left_out } else { [vec!["left out: "], left_out].concat() };
+    let left_out = match left_out.split_first() {
+        Some((_, what)) => format!("<p class=\"soft\">Left out: {}.</p>\n", escaped(&what.join("; "))),
+        None => String::new(),
+    };
+    if told.is_empty() {
+        return String::new();
+    }
+    format!("<section>\n<h2>Result</h2>\n{told}{}{left_out}</section>\n", list(remarks))
+}
+
+/// Two numbers; what is rounding against `size` is zero.
+fn pair(values: [f64; 2], size: f64) -> String {
+    let [x, y] = values.map(|v| figure(if v.abs() < 1e-9 * size { 0.0 } else { v }));
+    format!("({x}, {y})")
+}
+
+fn single(s: &Solution) -> String {
+    let size = s.patch.max_radius;
+    let mut rows = vec![("method", s.method.name().to_owned()), ("depth", figure(s.depth))];
+    if s.tilt != [0.0; 2] {
+        rows.push(("tilt", pair(s.tilt, 0.0)));
+    }
+    rows.push(("force", figure(s.force)));
+    rows.extend(s.force_error.map(|e| ("relative error of the force, estimate", format!("{e:.1e}"))));
+    rows.extend(s.bracket.as_ref().map(|b| ("bounds of the force", in_words(b))));
+    rows.push(("stiffness", figure(s.stiffness)));
+    rows.extend(s.moment.map(|m| ("moments about the origin", pair(m, size * s.force))));
+    rows.extend(centre_of_pressure(s).map(|c| ("centre of pressure", pair(c, size))));
+    rows.extend(s.energy.map(|e| ("stored energy", figure(e))));
+    rows.push(("patch area", figure(s.patch.area)));
+    rows.push(("patch regions", s.patch.regions.to_string()));
+    rows.push(("largest radius", figure(s.patch.max_radius)));
+    rows.extend(s.pressure.mean.map(|p| ("mean pressure", figure(p))));
+    if let Some(max) = s.pressure.max {
+        let at = s.pressure.at.map_or(String::new(), |at| format!(" at {}", pair(at, size)));
+        rows.push(("largest pressure", format!("{}{at}", figure(max))));
+    }
+    if let Some(r) = s.residuals {
+        rows.push(("complementarity, recomputed", format!("{:.1e}", r.complementarity)));
+        rows.push(("tension, recomputed", format!("{:.1e}", r.tension)));
+        rows.push(("penetration, recomputed", format!("{:.1e}", r.penetration)));
+    }
+    facts(&rows)
+}
+
+fn several(steps: &[Step]) -> String {
+    let heads =
+        ["state", "depth", "force", "stiffness", "area", "regions", "mean pressure", "largest pressure", "method"];
+    let rows = steps.iter().enumerate().map(|(k, step)| match step {
+        Ok(s) => vec![
+            (k + 1).to_string(),
+            figure(s.depth),
+            figure(s.force),
+            figure(s.stiffness),
+            figure(s.patch.area),
+            s.patch.regions.to_string(),
+            s.pressure.mean.map_or("-".to_owned(), figure),
+            s.pressure.max.map_or("-".to_owned(), figure),
+            s.method.name().to_owned(),
+        ],
+        Err(e) => {
+            let mut row = vec!["-".to_owned(); heads.len()];
+            row[0] = (k + 1).to_string();
+            row[8] = e.verdict.to_string();
+            row
+        }
+    });
+    table(&heads, &rows.collect::<Vec<_>>(), |_| false)
+}
+
+/// A picture with its caption; why there is none otherwise.
+fn drawn(picture_of: Result<Vec<u8>, plot::Error>, caption: &str) -> String {
+    match picture_of {
+        Ok(svg) => picture(&svg, caption),
+        Err(e) => format!("<p class=\"soft\">{}: {}.</p>\n", escaped(caption), escaped(&e.to_string())),
+    }
+}
+
+fn pictures(detail: &Detail, states: usize) -> String {
+    let mut html = "<section>\n<h2>Patch, pressure, section</h2>\n".to_owned();
+    if states > 1 {
+        let _ = writeln!(html, "<p>State {} of {states}.</p>", detail.index + 1);
+    }
+    let called = |method: Method| match method {
+        Method::Fft => "grid",
+        Method::ClosedForm => "closed form",
+        Method::Fabrikant => "Fabrikant, stationary boundary",
+        _ => "best ellipse",
+    };
+    let drawn_boundaries: Vec<Outline> = detail
+        .boundaries
+        .iter()
+        .map(|(method, loops)| Outline { label: called(*method).to_owned(), loops: loops.clone() })
+        .collect();
+    html.push_str("<div class=\"pair\">\n");
+    html.push_str(&drawn(
+        plot::outlines("Contact patch", &drawn_boundaries, Format::Svg),
+        "The contact patch by every method that gives its boundary.",
+    ));
+    match &detail.grid {
+        Ok(solution) => html.push_str(&drawn(
+            plot::pressure_map("Pressure", solution, Format::Svg),
+            "Pressure in the cells of the grid, with the boundary of the patch.",
+        )),
+        Err(e) => {
+            let _ = writeln!(html, "<p class=\"soft\">No pressure map: {}.</p>", escaped(&e.to_string()));
+        }
+    }
+    html.push_str("</div>\n");
+    if let Some(section) = &detail.section {
+        let reach = section.along.last().copied().unwrap_or(0.0);
+        let centre = pair(section.centre, reach);
+        let angle = section.direction[1].atan2(section.direction[0]).to_degrees();
+        html.push_str(&drawn(
+            plot::section("Section", section, Format::Svg),
+            &format!(
+                "Section through the centre of pressure {centre} at {angle:.1} degrees to x, where the pressure is spread \
+                 widest. Heights count from the undeformed surface."
+            ),
+        ));
+    }
+    html + "</section>\n"
+}
+
+fn curve(evidence: &Evidence) -> String {
+    let told = match &evidence.curve {
+        Ok(curve) => {
+            let law = curve.power_law();
+            format!(
+                "{}<p>{} solved; error of interpolation about {}. Least squares over the range: force = {} · \
+                 overlap<sup>{:.4}</sup>, within {:.2} %.</p>\n",
+                drawn(
+                    plot::curve("Force against depth", curve, Format::Svg),
+                    "The contact as a non-linear spring; dots are states that were solved or follow from one by similarity."
+                ),
+                match curve.solves() {
+                    1 => "1 state".to_owned(),
+                    n => format!("{n} states"),
+                },
+                typeset(&format!("{:.1e}", curve.interpolation_error())),
+                typeset(&figure(law.coefficient)),
+                law.exponent,
+                100.0 * law.error
+            )
+        }
+        Err(why) => format!("<p class=\"soft\">{}</p>\n", escaped(why)),
+    };
+    format!("<section>\n<h2>Force against depth</h2>\n{told}</section>\n")
+}
+
+fn comparison(detail: &Detail) -> String {
+    let comparison = &detail.comparison;
+    let mut html = "<section>\n<h2>Every method</h2>\n".to_owned();
+    if let Some(r) = &comparison.reference {
+        let _ = writeln!(
+            html,
+            "<p>Reference: {}. Force {}, relative error about {}.{}</p>",
+            typeset(&r.source),
+            typeset(&figure(r.force)),
+            typeset(&format!("{:.1e}", r.uncertainty)),
+            r.bracket.as_ref().map_or(String::new(), |b| format!(" Its {}.", typeset(&in_words(b))))
+        );
+    }
+    let rows: Vec<Vec<String>> = comparison.runs.iter().map(|run| row(run).to_vec()).collect();
+    let on_front = |k: usize| comparison.runs[k].outcome.as_ref().is_ok_and(|f| f.behind <= 1.0);
+    html.push_str(&table(&COLUMNS, &rows, on_front));
+    html.push_str(
+        "<p class=\"soft\">behind: run time over that of the quickest run as close to the reference; shaded lines (*) are the \
+         Pareto front. patch diff.: area in one patch but not in both, over the reference's; pressure diff.: integral of the \
+         difference over the force; bytes: most heap held at once.</p>\n",
+    );
+    html.push_str(&list(comparison.remarks.iter().map(String::as_str)));
+    html.push_str(&drawn(
+        plot::error_against_time("Error against run time", comparison, Format::Svg),
+        "Relative error of the force against run time, one line a method.",
+    ));
+    html + "</section>\n"
+}
+
+fn brackets(detail: &Detail) -> String {
+    let mut html = "<section>\n<h2>Bounds of the force</h2>\n".to_owned();
+    if detail.brackets.is_empty() {
+        return html + "<p class=\"soft\">No grid gave a bracket.</p>\n</section>\n";
+    }
+    let heads = ["cells", "lower", "force of the grid", "upper", "width", "evidence", "seconds"];
+    let rows = detail.brackets.iter().map(|b| {
+        let evidence = match b.bracket.evidence() {
+            Proof::Proved => "proved".to_owned(),
+            Proof::Sampled { per_cell } => format!("sampled at {per_cell} x {per_cell} points a cell"),
+        };
+        let [lower, force, upper] = [b.bracket.lower(), b.force, b.bracket.upper()].map(|x| format!("{x:.6e}"));
+        let width = format!("{:.1e}", b.bracket.relative_width());
+        vec![b.cells.to_string(), lower, force, upper, width, evidence, format!("{:.2}", b.seconds)]
+    });
+    html.push_str(&table(&heads, &rows.collect::<Vec<_>>(), |_| false));
+    let points = |of: &dyn Fn(&super::evidence::Bracketing) -> f64| {
+        detail.brackets.iter().map(|b| [b.cells as f64, of(b)]).collect::<Vec<_>>()
+    };
+    let mut lines =
+        vec![Refinement { label: "width of the bracket".into(), points: points(&|b| b.bracket.relative_width()) }];
+    if let Some(r) = &detail.comparison.reference {
+        let error = |b: &super::evidence::Bracketing| (b.force / r.force - 1.0).abs();
+        lines.push(Refinement { label: "error of the grid's force".into(), points: points(&error) });
+    }
+    html.push_str(&drawn(
+        plot::width_against_cells("Bracket width against cells", &lines, Format::Svg),
+        "What is proved or sampled of the force narrows with the cells, behind the error itself.",
+    ));
+    html + "</section>\n"
+}
+
+fn cost(evidence: &Evidence) -> String {
+    let mut html = "<section>\n<h2>Cost</h2>\n".to_owned();
+    let costs: Vec<_> = evidence.steps.iter().flatten().map(|s| s.cost).collect();
+    if !costs.is_empty() {
+        let total = |of: fn(&crate::Cost) -> usize| costs.iter().map(of).sum::<usize>().to_string();
+        let unknowns = costs.iter().map(|c| c.unknowns).max().unwrap_or(0);
+        html.push_str(&facts(&[
+            ("seconds of the answer", format!("{:.2e}", costs.iter().map(|c| c.seconds).sum::<f64>())),
+            ("unknowns of the largest system", unknowns.to_string()),
+            ("iterations", total(|c| c.iterations)),
+            ("products with the compliance operator", total(|c| c.operator_products)),
+        ]));
+    }
+    let sum: f64 = evidence.seconds.iter().map(|(_, s)| s).sum();
+    let mut rows: Vec<Vec<String>> =
+        evidence.seconds.iter().map(|(what, s)| vec![(*what).to_owned(), format!("{s:.3}")]).collect();
+    rows.push(vec!["all of this report".to_owned(), format!("{sum:.3}")]);
+    html + &table(&["part of this report", "seconds"], &rows, |_| false) + "</section>\n"
+}
