@@ -13,9 +13,13 @@
 
 use serde::Deserialize;
 
+use crate::contact::Load;
 use crate::error::{InputError, Unsolved};
+use crate::grid::{Grid, Kernel, Pressure};
+use crate::influence::InfluenceTable;
+use crate::matrix_free::{Operator, Scratch};
 use crate::scene::Scene;
-use crate::settings::Settings;
+use crate::settings::{Method, Outputs, Settings};
 use crate::solution::Solution;
 use crate::solve::solve;
 
@@ -43,6 +47,7 @@ struct CaseForm {
     force: Option<f64>,
     source: Option<String>,
     verdict: Option<String>,
+    regions: Option<usize>,
 }
 
 #[derive(Deserialize)]
@@ -67,6 +72,8 @@ pub struct Case {
     pub reference: Option<(f64, String)>,
     /// The verdict that every run must give; "solved or stopped" allows any verdict.
     pub verdict: Option<String>,
+    /// Separate patches that every run must find at least.
+    pub regions: Option<usize>,
 }
 
 /// All cases.
@@ -108,7 +115,7 @@ fn case(topic: &str, form: CaseForm) -> Result<Case, InputError> {
         runs.push((settings, run.within));
     }
     let reference = form.force.map(|force| (force, form.source.unwrap_or_default()));
-    Ok(Case { name, scene, runs, reference, verdict: form.verdict })
+    Ok(Case { name, scene, runs, reference, verdict: form.verdict, regions: form.regions })
 }
 
 /// What one run of a case gave.
@@ -124,6 +131,8 @@ pub struct Check {
     pub error: Option<f64>,
     /// Largest of the relative residuals, recomputed; `None` for methods without a grid.
     pub residual: Option<f64>,
+    /// Estimate of the condition of the compliance matrix of the cells in contact; `None` for methods without a grid.
+    pub condition: Option<f64>,
     /// Whether error, residual and verdict are what they must be.
     pub passed: bool,
 }
@@ -135,31 +144,76 @@ impl Case {
         let mut reference = self.reference.as_ref().map(|(force, _)| *force);
         let mut checks = Vec::new();
         for &(settings, bound) in &self.runs {
-            let Some(outcome) = solve(&self.scene.contact, &settings).pop() else { continue };
+            let on_a_grid = !matches!(settings.method, Method::ClosedForm | Method::Fabrikant | Method::Ritz);
+            let outputs = Outputs { pressure: on_a_grid, ..settings.outputs };
+            let Some(mut outcome) = solve(&self.scene.contact, &Settings { outputs, ..settings }).pop() else {
+                continue;
+            };
+            let field = outcome.as_mut().ok().and_then(|solution| solution.pressure.field.take());
             let error = outcome.as_ref().ok().map(|solution| {
                 let force = solution.force;
                 let against = *reference.get_or_insert(force);
                 // A force of nothing has no relative error: any other is wrong by all of itself.
                 let off = (force - against).abs() / against.abs().max(f64::MIN_POSITIVE);
-                if force == against { 0.0 } else { off }
+                let off = if force == against { 0.0 } else { off };
+                off.max(self.moment_missed(solution))
             });
-            let residual = outcome
-                .as_ref()
-                .ok()
-                .and_then(|s| s.residuals)
-                .map(|r| [r.complementarity, r.tension, r.penetration].into_iter().fold(0.0, f64::max));
+            let residual = outcome.as_ref().ok().and_then(|s| s.residuals).map(|r| r.worst());
+            let condition = field.filter(|_| residual.is_some()).and_then(|field| condition(&field, settings.kernel));
+            let regions = outcome.as_ref().map_or(0, |solution| solution.patch.regions);
             let passed = match (&outcome, self.verdict.as_deref()) {
                 (Ok(_), None | Some(SOLVED_OR_STOPPED)) => {
-                    error.is_none_or(|e| e <= bound) && residual.is_none_or(|r| r <= MOST_RESIDUAL)
+                    error.is_none_or(|e| e <= bound)
+                        && residual.is_none_or(|r| r <= MOST_RESIDUAL)
+                        && self.regions.is_none_or(|least| regions >= least)
                 }
                 (Err(_), Some(SOLVED_OR_STOPPED)) => true,
                 (Err(unsolved), Some(wanted)) => unsolved.verdict.word() == wanted,
                 (Ok(_), Some(_)) | (Err(_), None) => false,
             };
-            checks.push(Check { settings, bound, outcome, error, residual, passed });
+            checks.push(Check { settings, bound, outcome, error, residual, condition, passed });
         }
         checks
     }
+
+    /// By how much a prescribed moment is missed, over force times radius.
+    fn moment_missed(&self, solution: &Solution) -> f64 {
+        match (self.scene.contact.loading().loads(), solution.moment) {
+            ([Load::ForceMoment { force, moment }], Some(found)) if *force > 0.0 => {
+                (found[0] - moment[0]).hypot(found[1] - moment[1]) / (force * solution.patch.max_radius)
+            }
+            _ => 0.0,
+        }
+    }
+}
+
+/// Largest over smallest eigenvalue of the compliance of the loaded cells: an estimate from below. The largest by three
+/// steps of the power method from the uniform pressure; the smallest by the Rayleigh quotient of the pressure that changes
+/// its sign from cell to cell, as the spectrum of 1/r falls with the wave number.
+fn condition(field: &Pressure, kernel: Kernel) -> Option<f64> {
+    let Grid { spacing, shape, .. } = field.grid;
+    let operator = Operator::compliance(&InfluenceTable::new(kernel, spacing, shape), spacing, shape);
+    let loaded: Vec<bool> = field.values.iter().map(|&p| p > 0.0).collect();
+    let (mut image, mut scratch) = (vec![0.0; loaded.len()], Scratch::new());
+    let mut product = |p: &[f64]| {
+        operator.apply(p, 0..shape[1], &mut image, 0..shape[1], &mut scratch);
+        let masked: Vec<f64> = image.iter().zip(&loaded).map(|(u, &l)| if l { *u } else { 0.0 }).collect();
+        masked
+    };
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let mut quotient = |p: &[f64]| {
+        let u = product(p);
+        (dot(p, &u) / dot(p, p), u)
+    };
+    let uniform: Vec<f64> = loaded.iter().map(|&l| f64::from(u8::from(l))).collect();
+    let signs = |k: usize| if (k % shape[0] + k / shape[0]) % 2 == 0 { 1.0 } else { -1.0 };
+    let alternating: Vec<f64> = uniform.iter().enumerate().map(|(k, l)| l * signs(k)).collect();
+    let smallest = quotient(&alternating).0;
+    let (mut largest, mut u) = quotient(&uniform);
+    for _ in 0..2 {
+        (largest, u) = quotient(&u);
+    }
+    Some(largest / smallest).filter(|c| c.is_finite() && *c > 0.0)
 }
 
 #[cfg(test)]
@@ -190,11 +244,28 @@ mod tests {
                 runs: vec![(Settings::default(), 1e-6)],
                 reference: Some((force, "Love 1939".into())),
                 verdict: verdict.map(str::to_owned),
+                regions: None,
             }
         };
         let exact = 2.0 / std::f64::consts::PI;
         assert!(case(exact, None).run()[0].passed);
         assert!(!case(exact * 1.001, None).run()[0].passed);
         assert!(!case(exact, Some("unbounded")).run()[0].passed);
+    }
+
+    #[test]
+    fn condition_against_eigenvalues() {
+        // Two cells at a distance: eigenvalues a + b and a - b, with the coefficients a (itself) and b (the other).
+        let grid = Grid { origin: [0.0; 2], spacing: [1.0; 2], shape: [2, 1] };
+        let table = InfluenceTable::new(Kernel::Galerkin, grid.spacing, grid.shape);
+        let (a, b) = (table.get(0, 0), table.get(1, 0));
+        let found = condition(&Pressure { grid, values: vec![1.0, 2.0] }, Kernel::Galerkin).unwrap();
+        assert!((found / ((a + b) / (a - b)) - 1.0).abs() < 1e-12);
+        // A square of n x n cells: the spectrum of 1/r makes it grow like n.
+        let of = |n: usize| {
+            let grid = Grid { origin: [0.0; 2], spacing: [1.0; 2], shape: [n, n] };
+            condition(&Pressure { grid, values: vec![1.0; n * n] }, Kernel::Galerkin).unwrap()
+        };
+        assert!((of(64) / of(32) - 2.0).abs() < 0.1);
     }
 }

@@ -23,12 +23,14 @@ def run(method, within, cells=None, tolerance=None):
     return out
 
 
-def case(name, scene, runs, force=None, source=None, verdict=None):
+def case(name, scene, runs, force=None, source=None, verdict=None, regions=None):
     out = {"name": name, "scene": scene, "runs": runs}
     if force is not None:
         out["force"], out["source"] = float(force), source
     if verdict:
         out["verdict"] = verdict
+    if regions:
+        out["regions"] = regions
     return out
 
 
@@ -86,6 +88,10 @@ shapes.append(case("1000 faces", scene(pyramid(1000), depth(1.0)), [run("auto", 
 for t in [1e-6, 1e-2]:
     # The flat of inradius t lowers the gap by t tan(45): between the punch at depth 1 and at depth 1 + t.
     shapes.append(case(f"flat tip of {t:g}", scene(pyramid(4, 45.0, flat=t), depth(1.0)), [run("auto", 1e-3 + 3 * t), run("fft", 2e-3 + 3 * t, 64)], K4, CONVERGED))
+for t in [1e-6, 1e-3]:
+    # A hyperboloid of tip radius t: between the cone of depth 1 and that of depth 1 + t.
+    tip = {"kind": "formula", "expression": f"sqrt(r^2 + {t * t:g}) - {t:g}"}
+    shapes.append(case(f"tip of radius {t:g}", scene(tip, depth(1.0)), [run("auto", 1e-6 + 2 * t), run("fft", 5e-3 + 2 * t, 64)], 2 / pi, "Love 1939, the cone; a rounder tip differs by less than 2 t"))
 
 
 def hertz(ratio):
@@ -111,6 +117,10 @@ for aspect in [10, 1000]:
     stiffness = pi * aspect / ellipk(1 - k**2)
     runs = [run("closed_form", 1e-10), run("auto", 1e-10), run("fft", 4e-2, 128)]
     shapes.append(case(f"flat ellipse {aspect}:1", scene({"kind": "flat", "outline": {"ellipse": [float(aspect), 1.0]}}, depth(1.0)), runs, stiffness, "Galin 1961"))
+# A box takes at least half as many cells across as along: here they are 1000 times longer than wide.
+k = mpf(1) / 2000
+runs = [run("closed_form", 1e-10), run("fft", 5e-2, 64), run("fft", 5e-2, 128), run("qp", 0.1, 24)]
+shapes.append(case("cells 1000 times longer than wide", scene({"kind": "flat", "outline": {"ellipse": [2000.0, 1.0]}}, depth(1.0)), runs, pi * 2000 / ellipk(1 - k**2), "Galin 1961"))
 write("shapes", shapes)
 
 # Meshes and places.
@@ -128,6 +138,13 @@ for at in [[1e-9, 0.0], [1e-3, 1e-9], [0.1234, -0.4321], [1e6, -1e6]]:
     grids.append(case(f"apex at ({at[0]:g}, {at[1]:g})", scene(pyramid(3, at=at), depth(1.0)), QUICK, K3, CONVERGED))
 for turn in [1e-9, 15.0, 45.0]:
     grids.append(case(f"turned by {turn:g} degrees", scene(pyramid(4, rotate=turn), depth(1.0)), [run("auto", 1e-3), run("fft", 2e-3, 64)], K4, CONVERGED))
+# Contact over a whole rectangle, so that its corners place the cells and the apex lies where it is put.
+for where, n in [("a node", 24), ("an edge", 28), ("a cell centre", 25)]:
+    for off in [0.0, 1e-9, 1e-4]:
+        corners = [[-1.0 + off, -0.75 + off], [1.0 + off, -0.75 + off], [1.0 + off, 0.75 + off], [-1.0 + off, 0.75 + off]]
+        gap = {"kind": "formula", "expression": "0.05*(abs(x) + abs(y))", "region": {"polygon": corners}}
+        name = f"apex on {where} of a full contact" if off == 0.0 else f"apex {off:g} beside {where} of a full contact"
+        grids.append(case(name, scene(gap, depth(1.0)), [run("fft", 0.0, n), run("qp", 1e-6, n), run("auto", 2e-2, None, 1e-2)]))
 write("grids", grids)
 
 # Several patches.
@@ -145,6 +162,10 @@ for s in [1e-3, 1e-2]:
 for s in [0.3, 1.0, 1.9, 2.0, 2.1, 2.5, 5.0]:
     patches.append(case(f"two tips {s:g} radii apart", scene(tips(s), depth(1.0)), [run("auto", 2e-2), run("fft", 2e-2, 96), run("qp", 2e-2, 32)]))
 patches.append(case("merging tips, two solvers on one grid", scene(tips(2.0), depth(1.0)), [run("fft", 1e-6, 48), run("qp", 1e-6, 48)]))
+for d in [0.1, 0.2, 0.3, 0.4]:
+    # Two valleys and the saddle between them, of height 1/4: the patches merge somewhere below 0.4.
+    valleys = {"kind": "formula", "expression": "0.25*(x^2 - 1)^2 + 0.5*y^2"}
+    patches.append(case(f"two valleys at depth {d:g}", scene(valleys, depth(d)), [run("fft", 0.0, 40), run("qp", 1e-6, 40), run("auto", 3e-2)]))
 for s in [30.0, 100.0, 1000.0]:
     # Each tip is lowered by u = P/(pi E* s) of the other: P = 4/3 (1 - u)^(3/2).
     p = mpf(4) / 3
@@ -158,12 +179,30 @@ patches.append(case("rough disc, half in contact", scene({"kind": "formula", "ex
 patches.append(case("rough disc, two solvers on one grid", scene({"kind": "formula", "expression": rough, "region": disc}, depth(0.2)), [run("fft", 1e-6, 40), run("qp", 1e-6, 40)]))
 smooth = "1e-3*(cos(8*x) + cos(8*y))"
 patches.append(case("wavy disc, full contact", scene({"kind": "formula", "expression": smooth, "region": disc}, depth(1.0)), [run("auto", 2e-2, None, 1e-2), run("fft", 3e-2, 128)], 2, "flat disc, 2 E* a d; the waves are of 1e-3"))
+# The waves are flattened where the mean pressure is above E* k h/2 for each: near the middle it is not, by a little.
+wavy = "0.045*(cos(8*x) + cos(8*y)) + 0.09"
+nearly = {"kind": "formula", "expression": wavy, "region": disc}
+patches.append(case("wavy disc, nearly full contact", scene(nearly, depth(1.0)), [run("auto", 2e-2, None, 1e-2), run("fft", 3e-2, 128)]))
+patches.append(case("wavy disc, nearly full contact, two solvers on one grid", scene(nearly, depth(1.0)), [run("fft", 0.0, 32), run("qp", 1e-6, 32)]))
+# Waves of two lengths on a dome: some two hundred summits, none like the other.
+summits = "0.002*(2 - cos(31*x + 0.3)*cos(31*y) - 0.2*cos(11*x + 7*y)) + 0.001*r^2"
+square = {"polygon": [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]}
+rough_map = {"kind": "formula", "expression": summits, "region": square}
+patches.append(case("rough map of 200 patches", scene(rough_map, depth(3.5e-3)), [run("fft", 0.0, 512), run("fft", 2e-2, 256)], regions=200))
+patches.append(case("rough map of 200 patches, two solvers on one grid", scene(rough_map, depth(3.5e-3)), [run("fft", 0.0, 60), run("qp", 1e-6, 60)]))
 write("patches", patches)
 
 # Tilts and moments.
 moments = []
 moments.append(case("force at the middle of a disc", scene({"kind": "flat", "outline": disc}, {"force": 1.0, "through": [0.0, 0.0]}), [run("auto", 1e-9)], 1, "prescribed"))
 moments.append(case("force at a third of the radius", scene({"kind": "flat", "outline": disc}, {"force": 1.0, "through": [0.333, 0.0]}), [run("auto", 1e-9)], 1, "prescribed"))
+for e in [0.5, 0.8, 0.95]:
+    # Beyond a/3 the far side lifts: contact at a part of the rim.
+    moments.append(case(f"force at {e:g} of the radius: part of the disc lifts", scene({"kind": "flat", "outline": disc}, {"force": 1.0, "through": [e, 0.0]}), [run("auto", 1e-3, None, 1e-2)], 1, "prescribed, and its moment"))
+for t in [0.5, 1.0, 3.0, 100.0]:
+    # The middle is pressed in by 1, the rim by 1 + t: contact of a part of the disc for t > 1, at last of a sliver at the rim.
+    tilted = scene({"kind": "flat", "outline": disc}, {"depth": 1.0, "tilt": [t, 0.0]})
+    moments.append(case(f"disc tilted by {t:g} of its depth", tilted, [run("fft", 0.0, 40), run("qp", 1e-6, 40), run("auto", 5e-2, None, 1e-2)]))
 moments.append(case("force beyond the rim", scene({"kind": "flat", "outline": disc}, {"force": 1.0, "through": [1.5, 0.0]}), [run("auto", 0.0)], verdict="no_equilibrium"))
 moments.append(case("force 1e-30", scene(pyramid(3), {"force": 1e-30}), [run("auto", 1e-9), run("fft", 1e-9, 64)], 1e-30, "prescribed"))
 moments.append(case("force 1e30", scene(pyramid(3), {"force": 1e30}), [run("auto", 1e-9), run("fft", 1e-9, 64)], 1e30, "prescribed"))

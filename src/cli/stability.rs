@@ -6,6 +6,8 @@ use std::time::Instant;
 use clap::Args;
 
 use super::Failure;
+use super::progress::Progress;
+use crate::error::InputError;
 use crate::report::table::{aligned, figure};
 use crate::report::write::Target;
 use crate::stability::{Check, cases};
@@ -20,23 +22,35 @@ pub(super) struct Stability {
 
 impl Stability {
     pub(super) fn run(&self) -> Result<ExitCode, Failure> {
-        let heads = ["case", "method", "at", "verdict", "force", "error", "bound", "residual", "seconds", ""];
+        let heads =
+            ["case", "method", "at", "verdict", "force", "error", "bound", "residual", "condition", "seconds", ""];
         let mut rows = vec![heads.map(str::to_owned)];
         let (mut run, mut missed) = (0, Vec::new());
         let started = Instant::now();
         let all = cases().map_err(|e| Failure::wrong("stability", &e))?;
+        let mut progress = Progress::new();
         let chosen = all.iter().filter(|c| self.only.as_ref().is_none_or(|text| c.name.contains(text.as_str())));
         for case in chosen {
             let mut name = case.name.as_str();
+            progress.say(name);
             for check in case.run() {
                 run += 1;
                 if !check.passed {
-                    let why = check.outcome.as_ref().err().map_or(String::new(), |e| format!(": {}", e.reason));
+                    let why = match &check.outcome {
+                        Ok(solution) => format!(": {} patches", solution.patch.regions),
+                        Err(e) => format!(": {}", e.reason),
+                    };
                     missed.push(format!("missed: {}, {}{why}", case.name, check.settings.method.name()));
                 }
                 rows.push(row(name, &check));
                 name = "";
             }
+        }
+        drop(progress);
+        if run == 0 {
+            let given = self.only.as_deref().unwrap_or_default();
+            let error = InputError::new("--only", format!("{given:?}"), "text that the name of a case holds");
+            return Err(Failure::wrong("arguments", &error));
         }
         let mut lines = aligned(&rows);
         lines.extend(missed.iter().cloned());
@@ -46,7 +60,7 @@ impl Stability {
     }
 }
 
-fn row(name: &str, check: &Check) -> [String; 10] {
+fn row(name: &str, check: &Check) -> [String; 11] {
     let small = |x: Option<f64>| x.map_or("-".to_owned(), |x| format!("{x:.1e}"));
     let solution = check.outcome.as_ref().ok();
     [
@@ -58,6 +72,7 @@ fn row(name: &str, check: &Check) -> [String; 10] {
         small(check.error),
         small(Some(check.bound)),
         small(check.residual),
+        small(check.condition),
         solution.map_or("-".to_owned(), |s| format!("{:.1e}", s.cost.seconds)),
         if check.passed { String::new() } else { "MISSED".to_owned() },
     ]
