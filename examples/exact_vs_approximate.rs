@@ -1,10 +1,19 @@
 //! How far is the approximate method from the converged force, over shapes from a cone to a triangle and from a ball to a
 //! roller?
 
+use std::fmt::Write;
+
 use contact_patch::gap::{AnyGap, Paraboloid, Polyhedron};
 use contact_patch::{Contact, EffectiveModulus, Loading, Method, Settings, solve};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
+    print!("{}", text()?);
+    Ok(())
+}
+
+/// What is printed.
+pub fn text() -> Result<String, Box<dyn std::error::Error>> {
+    let mut out = String::new();
     let modulus = EffectiveModulus::from_e_star(1.0)?;
     let mut shapes = Vec::new();
     for faces in [3, 4, 6, 12] {
@@ -14,8 +23,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for ratio in [1.0, 2.0, 3.0, 10.0] {
         shapes.push((format!("paraboloid 1:{ratio}"), AnyGap::new(Paraboloid::new([1.0, ratio])?)));
     }
-    println!("depth 1, E* = 1; errors against auto to 1e-4");
-    println!("shape              force      fabrikant            best ellipse");
+    writeln!(out, "depth 1, E* = 1; errors against auto to 1e-4")?;
+    writeln!(out, "shape              force      fabrikant            best ellipse")?;
     for (name, gap) in shapes {
         let contact = Contact::new(modulus, gap, Loading::depth(1.0))?;
         let run = |method, tolerance| solve(&contact, &Settings { method, tolerance, ..Settings::default() }).remove(0);
@@ -25,7 +34,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             Ok(solution) => format!("{:+.3} %", 100.0 * (solution.force / force - 1.0)),
             Err(unsolved) => unsolved.verdict.to_string(),
         };
-        println!("{name:17}  {force:.5}   {:22} {}", error(Method::Fabrikant), error(Method::Ritz));
+        writeln!(out, "{name:17}  {force:.5}   {:22} {}", error(Method::Fabrikant), error(Method::Ritz))?;
     }
-    Ok(())
+    Ok(out)
 }

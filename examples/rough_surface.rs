@@ -1,5 +1,7 @@
 //! How does the real area of contact of a rough surface grow with the load? A self-affine one, pressed step by step.
 
+use std::fmt::Write;
+
 use contact_patch::{Contact, EffectiveModulus, Kernel, Load, Loading, Method, Settings, solve};
 
 /// Waves with random phases whose heights fall as k^-1.8 (Hurst exponent 0.8); always the same ones.
@@ -30,6 +32,13 @@ fn surface() -> impl Fn(f64, f64) -> f64 + Send + Sync + 'static {
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
+    print!("{}", text()?);
+    Ok(())
+}
+
+/// What is printed.
+pub fn text() -> Result<String, Box<dyn std::error::Error>> {
+    let mut out = String::new();
     let modulus = EffectiveModulus::from_e_star(1.0)?;
     let depths = [-0.014, -0.011, -0.008, -0.005, -0.002, 0.001];
     let steps = Loading::Steps(depths.map(Load::Depth).to_vec());
@@ -37,18 +46,19 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // Heights at the centres of cells, as a profilometer gives them.
     let settings =
         Settings { method: Method::Fft, cells: Some(128), kernel: Kernel::Collocation, ..Settings::default() };
-    println!("square of side 1, E* = 1");
-    println!("depth    force        area       area/force   regions");
+    writeln!(out, "square of side 1, E* = 1")?;
+    writeln!(out, "depth    force        area       area/force   regions")?;
     for step in solve(&contact, &settings) {
         let s = step?;
-        println!(
+        writeln!(
+            out,
             "{:+.3}   {:.4e}   {:.6}   {:10.3}   {:7}",
             s.depth,
             s.force,
             s.patch.area,
             s.patch.area / s.force,
             s.patch.regions
-        );
+        )?;
     }
-    Ok(())
+    Ok(out)
 }

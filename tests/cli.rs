@@ -105,7 +105,7 @@ fn options_replace_what_the_scene_says() {
 #[test]
 fn wrong_arguments_end_with_2_and_write_nothing() {
     let directory = tempfile::tempdir().unwrap();
-    let wrong: [&[&str]; 10] = [
+    let wrong: [&[&str]; 27] = [
         &[],
         &["solv"],
         &["solve"],
@@ -116,11 +116,29 @@ fn wrong_arguments_end_with_2_and_write_nothing() {
         &["solve", "-", "--json", "absent/r.json"],
         &["solve", "-", "--json", "-", "--csv", "-"],
         &["batch", "--jobs", "0"],
+        &["batch", "--jobs", "many"],
+        &["batch", "--tolerance", "0"],
+        &["batch", "--cells", "0"],
+        &["batch", "scenes.ndjson"],
+        &["compare"],
+        &["compare", "-", "--cells", "16,0"],
+        &["compare", "-", "--qp-cells", "x"],
+        &["compare", "-", "--threads", "0"],
+        &["compare", "-", "--bracket-cells", "-1"],
+        &["compare", "-", "--plot", "c.pdf"],
+        &["compare", "-", "--csv", "absent/c.csv"],
+        &["compare", "-", "--json", "r", "--csv", "r"],
+        &["curve", "-", "--plot", "c.gif"],
+        &["curve", "-", "--plot", "absent/c.svg"],
+        &["stability", "--only", "no such case"],
+        &["schema", "all"],
+        &["completions", "tcsh"],
     ];
     for arguments in wrong {
         let output = run(arguments, directory.path(), CONE.as_bytes());
         assert_eq!(output.status.code(), Some(2), "{arguments:?}");
         assert!(output.stdout.is_empty() && !output.stderr.is_empty(), "{arguments:?}");
+        assert!(!String::from_utf8_lossy(&output.stderr).contains("panicked"), "{arguments:?}");
         assert_eq!(fs::read_dir(directory.path()).unwrap().count(), 0, "{arguments:?}");
     }
 }
@@ -205,6 +223,55 @@ fn schema_names_every_kind_and_completions_know_the_commands() {
     }
     for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
         let output = run(&["completions", shell], Path::new("."), b"");
-        assert!(String::from_utf8_lossy(&output.stdout).contains("batch"), "{shell}");
+        let script = String::from_utf8_lossy(&output.stdout);
+        for command in ["solve", "plan", "compare", "report", "curve", "batch", "stability", "schema", "completions"] {
+            assert!(script.contains(command), "{shell} does not know {command}");
+        }
+        assert!(script.contains("tolerance") && script.contains("bracket-cells"), "{shell}");
     }
+    // Bash takes its script without a word.
+    let script = run(&["completions", "bash"], Path::new("."), b"").stdout;
+    if let Ok(mut bash) = Command::new("bash").arg("-n").stdin(Stdio::piped()).stderr(Stdio::piped()).spawn() {
+        bash.stdin.take().unwrap().write_all(&script).unwrap();
+        let output = bash.wait_with_output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    }
+}
+
+#[test]
+fn the_schema_knows_every_key_of_every_shipped_scene() {
+    /// Whether the schema has the value's keys somewhere: names of properties, wherever they stand.
+    fn names(schema: &Value, into: &mut std::collections::BTreeSet<String>) {
+        match schema {
+            Value::Object(map) => {
+                if let Some(Value::Object(properties)) = map.get("properties") {
+                    into.extend(properties.keys().cloned());
+                }
+                map.values().for_each(|value| names(value, into));
+            }
+            Value::Array(list) => list.iter().for_each(|value| names(value, into)),
+            _ => {}
+        }
+    }
+    fn keys(value: &Value, into: &mut std::collections::BTreeSet<String>) {
+        match value {
+            Value::Object(map) => {
+                into.extend(map.keys().cloned());
+                map.values().for_each(|value| keys(value, into));
+            }
+            Value::Array(list) => list.iter().for_each(|value| keys(value, into)),
+            _ => {}
+        }
+    }
+    let schema: Value = serde_json::from_slice(&run(&["schema"], Path::new("."), b"").stdout).unwrap();
+    let (mut known, mut used) = Default::default();
+    names(&schema, &mut known);
+    for entry in fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("data/scenes")).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_some_and(|e| e == "json") {
+            keys(&serde_json::from_slice(&fs::read(path).unwrap()).unwrap(), &mut used);
+        }
+    }
+    let unknown: Vec<_> = used.difference(&known).collect();
+    assert!(unknown.is_empty(), "{unknown:?}");
 }

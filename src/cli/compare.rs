@@ -25,6 +25,9 @@ pub(super) struct Compare {
     /// Cells along the longer side for qp, separated by commas
     #[arg(long, value_name = "N,N", value_delimiter = ',')]
     qp_cells: Vec<usize>,
+    /// Cells along the longer side of the grid that brackets the force; 0 for no bracket
+    #[arg(long, value_name = "N", default_value_t = 64)]
+    bracket_cells: usize,
     /// Timed runs of each; the median stands
     #[arg(long, value_name = "N", default_value_t = 3)]
     repeats: usize,
@@ -59,9 +62,20 @@ impl Compare {
         if !self.qp_cells.is_empty() {
             plan.qp_cells = chosen("--qp-cells", &self.qp_cells)?;
         }
+        plan.bracket_cells = match self.bracket_cells {
+            0 => None,
+            cells => Some(checked_cells("--bracket-cells", cells).map_err(|e| wrong(&e))?),
+        };
         let format = self.plot.as_deref().map(Format::of).transpose().map_err(|e| wrong(&e.within("--plot")))?;
+        let paths = [&self.json, &self.csv, &self.plot];
+        for (k, path) in paths.iter().enumerate() {
+            if let Some(path) = path.as_ref().filter(|_| paths[..k].contains(path)) {
+                let given = format!("{} twice", path.display());
+                return Err(wrong(&InputError::new("--json, --csv, --plot", given, "a file of its own for each")));
+            }
+        }
         let mut targets = Vec::new();
-        for path in [&self.json, &self.csv, &self.plot] {
+        for path in paths {
             let checked = |path: &PathBuf| Target::check(path).map_err(|e| Failure::unwritable(path, &e));
             targets.push(path.as_ref().map(|path| checked(path).map(|target| (path, target))).transpose()?);
         }

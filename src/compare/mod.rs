@@ -223,7 +223,7 @@ fn asked(plan: &Plan, method: Method, cells: Option<usize>, tolerance: Option<f6
 }
 
 /// Cells along the longer side on which the pressure of a formula is sampled for comparison.
-const FIELD_CELLS: usize = 256;
+const FIELD_CELLS: usize = 96;
 
 /// Unknowns of the solve to 1e-4 beyond which 1e-5 is not tried: the grid would be of millions of cells.
 const MANY_UNKNOWNS: usize = 30_000;

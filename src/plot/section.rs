@@ -174,12 +174,10 @@ impl Figure for Picture<'_> {
             .set_all_tick_mark_size(px(5))
             .draw()?;
         // The gap that is left, between the surface and the punch above it.
-        for k in 1..along.len() {
-            let top = |k: usize| (along[k] / length, punch[k].clamp(surface[k].min(high), high) / height);
-            let bottom = |k: usize| (along[k] / length, surface[k] / height);
-            let strip = vec![bottom(k - 1), top(k - 1), top(k), bottom(k)];
-            chart.draw_series([Polygon::new(strip, RGBColor(236, 236, 236).filled())])?;
-        }
+        let top = |k: usize| (along[k] / length, punch[k].clamp(surface[k].min(high), high) / height);
+        let bottom = |k: usize| (along[k] / length, surface[k] / height);
+        let around: Vec<(f64, f64)> = (0..along.len()).map(bottom).chain((0..along.len()).rev().map(top)).collect();
+        chart.draw_series([Polygon::new(around, RGBColor(236, 236, 236).filled())])?;
         let points =
             |of: &[f64]| -> Vec<[f64; 2]> { along.iter().zip(of).map(|(&s, &z)| [s / length, z / height]).collect() };
         chart.draw_series(DashedLineSeries::new(
