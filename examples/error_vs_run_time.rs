@@ -15,7 +15,8 @@ pub fn text() -> Result<String, Box<dyn std::error::Error>> {
     let mut out = String::new();
     let punch = Polyhedron::pyramid(4, 22f64.to_radians())?;
     let contact = Contact::new(EffectiveModulus::from_e_star(1.0)?, punch, Loading::depth(1.0))?;
-    let plan = Plan { fft_cells: vec![16, 32, 64, 128], qp_cells: vec![12, 24], ..Plan::new(Settings::default()) };
+    let (fft_cells, qp_cells) = (vec![16, 32, 64, 128], vec![12, 24]);
+    let plan = Plan { fft_cells, qp_cells, bracket_cells: None, ..Plan::new(Settings::default()) };
     let comparison = compare(&contact, &plan);
     if let Some(reference) = &comparison.reference {
         writeln!(out, "reference: {}, relative error {:.1e}", reference.source, reference.uncertainty)?;

@@ -57,8 +57,8 @@ fn table_1_has_the_digits_that_were_printed() {
         text.lines().skip(2).map(|line| line.split_whitespace().filter(|w| *w != "%").map(number).collect()).collect();
     assert_eq!(rows.len(), 10);
     for row in rows {
-        // Three decimals are printed in the paper; those of D at 15 faces are off by more than rounding.
-        let of_d = if row[0] == 15.0 { 1.5e-3 } else { 6e-4 };
+        // Three decimals are printed in the paper; those of D are cut as often as rounded, and off by 1.4e-3 at 15 faces.
+        let of_d = if row[0] == 15.0 { 1.5e-3 } else { 1e-3 };
         assert!((row[1] - row[2]).abs() < of_d && (row[3] - row[4]).abs() < 6e-4, "{row:?}");
         assert!((row[4] - row[5]).abs() < 1e-6, "{row:?}");
     }

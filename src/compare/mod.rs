@@ -282,7 +282,9 @@ fn timed(contact: &Contact, settings: &Settings, plan: &Plan) -> Result<Timed, U
     }
     times.sort_by(f64::total_cmp);
     let seconds = times[times.len() / 2];
-    let solution = if seconds < LONG { once(&Settings { outputs: COMPARED, ..*settings })? } else { first };
+    // Formulas have no cells; sampling them for a field would be work of its own.
+    let outputs = Outputs { pressure: first.residuals.is_some(), ..COMPARED };
+    let solution = if seconds < LONG { once(&Settings { outputs, ..*settings })? } else { first };
     peak_bytes = peak_bytes.filter(|&bytes| bytes > 0);
     Ok(Timed { solution, seconds, peak_bytes })
 }

@@ -19,7 +19,7 @@ use crate::solve::solve;
 /// Cells along the longer side of the grid behind the pictures, unless the scene says.
 const PICTURE_CELLS: usize = 128;
 
-/// Cells along the longer side of the grids that bracket the force.
+/// Cells along the longer side of the grids that bracket the force, as far as the runs go too.
 const BRACKET_CELLS: [usize; 4] = [16, 32, 64, 128];
 
 /// Seconds a bracket may take for the next one, about five times as long, to be tried.
@@ -131,7 +131,8 @@ fn detail(scene: &Scene, index: usize, state: &Solution, runs: &compare::Plan, c
     let mut brackets: Vec<Bracketing> = Vec::new();
     clock.time("brackets", || {
         let look = BracketSettings { threads: scene.settings.threads, ..BracketSettings::default() };
-        for cells in BRACKET_CELLS {
+        let finest = runs.fft_cells.iter().copied().max().unwrap_or(0);
+        for cells in BRACKET_CELLS.into_iter().filter(|&cells| cells <= finest) {
             if brackets.last().is_some_and(|b| b.seconds > PATIENCE) {
                 break;
             }
