@@ -2,10 +2,12 @@
 
 use std::fmt::Write;
 
-use contact_patch::{Contact, EffectiveModulus, Kernel, Load, Loading, Method, Settings, solve};
+use contact_patch::gap::{HeightMap, Heights, Surface, Zero};
+use contact_patch::{Contact, EffectiveModulus, InputError, Load, Loading, Method, Settings, solve};
 
-/// Waves with random phases whose heights fall as k^-1.8 (Hurst exponent 0.8); always the same ones.
-fn surface() -> impl Fn(f64, f64) -> f64 + Send + Sync + 'static {
+/// Heights at 129 x 129 points of a square of side 1, as a profilometer gives them: waves with random phases, always the same
+/// ones, that fall as k^-1.8 (Hurst exponent 0.8).
+fn surface() -> Result<Heights, InputError> {
     let mut state = 1_u64;
     let mut random = move || {
         // A linear congruential generator (Knuth) is random enough for phases.
@@ -22,13 +24,12 @@ fn surface() -> impl Fn(f64, f64) -> f64 + Send + Sync + 'static {
             }
         }
     }
-    move |x, y| {
-        if x.abs() <= 0.5 && y.abs() <= 0.5 {
-            waves.iter().map(|[p, q, phase, height]| height * (p * x + q * y + phase).cos()).sum()
-        } else {
-            f64::INFINITY
-        }
-    }
+    let place = |n: usize| n as f64 / 128.0 - 0.5;
+    let heights = (0..129 * 129).map(|k| {
+        let [x, y] = [place(k % 129), place(k / 129)];
+        waves.iter().map(|[p, q, phase, height]| height * (p * x + q * y + phase).cos()).sum()
+    });
+    Heights::new(heights.collect(), [129; 2], [1.0 / 128.0; 2])
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -42,10 +43,9 @@ pub fn text() -> Result<String, Box<dyn std::error::Error>> {
     let modulus = EffectiveModulus::from_e_star(1.0)?;
     let depths = [-0.014, -0.011, -0.008, -0.005, -0.002, 0.001];
     let steps = Loading::Steps(depths.map(Load::Depth).to_vec());
-    let contact = Contact::new(modulus, surface(), steps)?;
-    // Heights at the centres of cells, as a profilometer gives them.
-    let settings =
-        Settings { method: Method::Fft, cells: Some(128), kernel: Kernel::Collocation, ..Settings::default() };
+    // Heights count from the mean plane of the upper surface, and so do depths.
+    let contact = Contact::new(modulus, HeightMap::new(&surface()?, Surface::Upper, Zero::AsIs)?, steps)?;
+    let settings = Settings { method: Method::Fft, cells: Some(128), ..Settings::default() };
     writeln!(out, "square of side 1, E* = 1")?;
     writeln!(out, "depth    force        area       area/force   regions")?;
     for step in solve(&contact, &settings) {

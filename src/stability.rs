@@ -207,7 +207,7 @@ fn condition(field: &Pressure, kernel: Kernel) -> Option<f64> {
         (dot(p, &u) / dot(p, p), u)
     };
     let uniform: Vec<f64> = loaded.iter().map(|&l| f64::from(u8::from(l))).collect();
-    let signs = |k: usize| if (k % shape[0] + k / shape[0]) % 2 == 0 { 1.0 } else { -1.0 };
+    let signs = |k: usize| if (k % shape[0] + k / shape[0]).is_multiple_of(2) { 1.0 } else { -1.0 };
     let alternating: Vec<f64> = uniform.iter().enumerate().map(|(k, l)| l * signs(k)).collect();
     let smallest = quotient(&alternating).0;
     let (mut largest, mut u) = quotient(&uniform);

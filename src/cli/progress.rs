@@ -3,7 +3,7 @@
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressDrawTarget};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 /// Work shorter than this is not talked about.
 const SILENCE: Duration = Duration::from_secs(1);
@@ -17,7 +17,9 @@ pub(super) struct Progress {
 
 impl Progress {
     pub fn new() -> Self {
-        Self { bar: ProgressBar::hidden(), started: Instant::now(), shown: false }
+        let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::hidden());
+        bar.set_style(ProgressStyle::default_spinner());
+        Self { bar, started: Instant::now(), shown: false }
     }
 
     /// Says what begins now.
