@@ -110,7 +110,7 @@ impl Figure for Picture<'_> {
         let style = (FONT, LABEL).into_font().into_text_style(area);
         let y = TOP as i32 + at(24) * METHODS.len() as i32 + at(16);
         area.draw(&Circle::new((x + at(12), y), at(8), BLACK.stroke_width(px(1))))?;
-        area.draw_text("Pareto front", &style, (x + at(30), y - LABEL as i32 / 2))?;
+        area.draw_text("Pareto front", &style, (x + at(30), y - LABEL as i32 * 3 / 8))?;
         area.draw(&Rectangle::new([(x, y + at(16)), (x + at(24), y + at(32))], RGBColor(232, 232, 232).filled()))?;
         area.draw_text("uncertainty of", &style, (x + at(30), y + at(16)))?;
         area.draw_text("the reference", &style, (x + at(30), y + at(34)))
@@ -128,5 +128,5 @@ fn legend<DB: DrawingBackend>(
     area.draw(&PathElement::new(vec![(x, y), (x + at(24), y)], colour.stroke_width(px(2))))?;
     area.draw(&Circle::new((x + at(12), y), at(4), colour.filled()))?;
     let style = (FONT, LABEL).into_font().into_text_style(area);
-    area.draw_text(name, &style, (x + at(30), y - LABEL as i32 / 2))
+    area.draw_text(name, &style, (x + at(30), y - LABEL as i32 * 3 / 8))
 }

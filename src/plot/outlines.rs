@@ -89,7 +89,7 @@ impl Figure for Picture<'_> {
                 x = end + space.max(1);
             }
             let style = (FONT, LABEL).into_font().into_text_style(area);
-            area.draw_text(&outline.label, &style, (left + at(54), y - LABEL as i32 / 2))?;
+            area.draw_text(&outline.label, &style, (left + at(54), y - LABEL as i32 * 3 / 8))?;
         }
         Ok(())
     }

@@ -132,7 +132,7 @@ impl Picture<'_> {
         while value <= largest {
             let y = bottom - (f64::from(bottom - top) * value / largest).round() as i32;
             area.draw(&PathElement::new(vec![(left + at(20), y), (left + at(25), y)], BLACK.stroke_width(px(1))))?;
-            area.draw_text(&axes::tick(value), &style, (left + at(30), y - LABEL as i32 / 2))?;
+            area.draw_text(&axes::tick(value), &style, (left + at(30), y - LABEL as i32 * 3 / 8))?;
             value += step;
         }
         Ok(())

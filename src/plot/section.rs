@@ -231,15 +231,15 @@ impl Picture<'_> {
         let mut x = (EDGE + LEFT) as i32;
         let stroke = |x: i32| vec![(x, y), (x + at(36), y)];
         area.draw(&PathElement::new(stroke(x), COLOURS[1].stroke_width(px(3))))?;
-        area.draw_text("surface under load", &style, (x + at(44), y - LABEL as i32 / 2))?;
+        area.draw_text("surface under load", &style, (x + at(44), y - LABEL as i32 * 3 / 8))?;
         x += at(210);
         for piece in [x, x + at(14), x + at(28)] {
             area.draw(&PathElement::new(vec![(piece, y), (piece + at(8), y)], COLOURS[2].stroke_width(px(2))))?;
         }
-        area.draw_text("gap less approach", &style, (x + at(44), y - LABEL as i32 / 2))?;
+        area.draw_text("gap less approach", &style, (x + at(44), y - LABEL as i32 * 3 / 8))?;
         x += at(200);
         area.draw(&Rectangle::new([(x, y - at(7)), (x + at(30), y + at(7))], RGBColor(236, 236, 236).filled()))?;
-        area.draw_text("gap that is left", &style, (x + at(38), y - LABEL as i32 / 2))
+        area.draw_text("gap that is left", &style, (x + at(38), y - LABEL as i32 * 3 / 8))
     }
 }
 

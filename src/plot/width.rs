@@ -86,7 +86,7 @@ impl Figure for Picture<'_> {
             area.draw(&PathElement::new(vec![(x, y), (x + at(44), y)], colour.stroke_width(px(2))))?;
             area.draw(&Circle::new((x + at(22), y), at(4), colour.filled()))?;
             let style = (FONT, LABEL).into_font().into_text_style(area);
-            area.draw_text(label, &style, (x + at(54), y - LABEL as i32 / 2))?;
+            area.draw_text(label, &style, (x + at(54), y - LABEL as i32 * 3 / 8))?;
         }
         Ok(())
     }
