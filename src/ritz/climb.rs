@@ -64,7 +64,7 @@ pub(super) fn maximise(
     let (mut force, mut gradient, mut means) = shrink_until_loaded(disc, &mut e, circles)?;
     let mut inverse = SMatrix::<f64, 5, 5>::identity() / 1.5;
     for steps in 0..MOST_STEPS {
-        if gradient.norm() <= allowed {
+        if gradient.norm() <= allowed || disc.tired() {
             return Ok((e, gradient.norm(), steps));
         }
         if steps < 3
@@ -85,6 +85,9 @@ pub(super) fn maximise(
         }
         let mut accepted = false;
         for _ in 0..40 {
+            if disc.tired() {
+                break;
+            }
             let next = e.moved(&step);
             if let Some((f, g, m)) = disc.climb(&next, circles)
                 && f >= force * (1.0 - 4e-16)

@@ -6,6 +6,9 @@ use super::coordinates::{Ellipse, Step, mean_and_share};
 use crate::fabrikant::{DIFFERENCE_STEP, Overlap, RadialRule, Sectors, Spoke};
 use crate::gap::Gap;
 
+/// Rays after which the search for the top is cut short.
+const MOST_WORK: usize = 60_000;
+
 /// Means of the overlap and of the gradient of the gap under the flat-punch pressure, in the ellipse's own coordinates.
 pub(super) struct Means {
     pub f: f64,
@@ -22,6 +25,8 @@ pub(super) struct Disc<'a> {
     pub values: Vec<f64>,
     directions: Vec<f64>,
     kinks: Vec<f64>,
+    /// Rays evaluated so far.
+    pub work: usize,
     /// Whether the sectors follow the ridges of the gap.
     pub follow_ridges: bool,
     /// Whether the rays are split at the kinks of the gap.
@@ -31,7 +36,18 @@ pub(super) struct Disc<'a> {
 impl<'a> Disc<'a> {
     pub fn new(overlap: &'a Overlap<'a>, sectors: Sectors, rung: usize) -> Self {
         let (spokes, values, directions, kinks) = Default::default();
-        Self { overlap, sectors, rung, spokes, values, directions, kinks, follow_ridges: true, follow_kinks: true }
+        Self {
+            overlap,
+            sectors,
+            rung,
+            spokes,
+            values,
+            directions,
+            kinks,
+            work: 0,
+            follow_ridges: true,
+            follow_kinks: true,
+        }
     }
 
     pub fn lay(&mut self, e: &Ellipse) {
@@ -58,6 +74,7 @@ impl<'a> Disc<'a> {
 
     pub fn means(&mut self, e: &Ellipse, rule: &RadialRule) -> Means {
         self.lay(e);
+        self.work += self.spokes.len();
         let has_gradient = self.overlap.has_gradient();
         let f0 = self.overlap.at(e.c.into());
         let mut means = Means { f: 0.0, slope: Vector2::zeros(), moment: Matrix2::zeros() };
@@ -103,6 +120,12 @@ impl<'a> Disc<'a> {
         let noise = 1e-14 * (means.f.abs() + means.moment.amax());
         means.slope.apply(|s| *s = if s.abs() < noise { 0.0 } else { *s });
         means
+    }
+
+    /// Whether more rays were evaluated than any smooth gap or pyramid takes: the caps beyond a kink of a blunt punch are
+    /// so thin that no rule settles, and what is known by now has to do.
+    pub fn tired(&self) -> bool {
+        self.work > MOST_WORK
     }
 
     pub fn rule(&self) -> &'static RadialRule {

@@ -139,7 +139,7 @@ impl<'a> Walls<'a> {
 }
 
 /// A kink counts as an edge when the overlap is gone at so many times its distance.
-const BEYOND: f64 = 1.001;
+const BEYOND: f64 = 1.02;
 
 /// Maximises g . x - kappa x^2/2 over the steps that keep the points of the edge outside, by Newton's method on a
 /// logarithmic barrier that is taken away.
