@@ -7,7 +7,7 @@ use crate::fabrikant::{DIFFERENCE_STEP, Overlap, RadialRule, Sectors, Spoke};
 use crate::gap::Gap;
 
 /// Rays after which the search for the top is cut short.
-const MOST_WORK: usize = 60_000;
+const MOST_WORK: usize = 150_000;
 
 /// Means of the overlap and of the gradient of the gap under the flat-punch pressure, in the ellipse's own coordinates.
 pub(super) struct Means {

@@ -139,8 +139,7 @@ fn settle(disc: &mut Disc, start: Ellipse, circles: bool, settings: &Settings) -
         if refined && errors[0] + errors[1] > tolerance && !disc.tired() {
             continue;
         }
-        // What is left of the gradient costs its square in force.
-        if residual > if disc.tired() { 1e-2 } else { 1e-3 } {
+        if residual > 1e-3 {
             return Err(runaway("no maximum of the force over ellipses was found"));
         }
         let largest = curvature(disc, &e, circles)
