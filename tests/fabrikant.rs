@@ -5,7 +5,7 @@
 use std::f64::consts::{FRAC_2_PI, PI, TAU};
 
 use contact_patch::fabrikant::{self, Family, FlatPunch, RegularPolyhedron, Settings};
-use contact_patch::gap::{AnyGap, Cone, Paraboloid, Placed, Polyhedron, Power, Sphere};
+use contact_patch::gap::{AnyGap, Cone, Flat, Outline, Paraboloid, Placed, Polyhedron, Power, Revolved, Sphere};
 use contact_patch::{Body, EffectiveModulus, Verdict, ritz};
 
 fn unit() -> EffectiveModulus {
@@ -260,6 +260,45 @@ fn a_true_sphere_and_power_laws() {
     }
 }
 
+/// The best ellipse within the edge of a flat punch: exact for an ellipse, the incircle of a square and of a triangle, the
+/// inscribed ellipse of a rectangle; a bound for any outline.
+#[test]
+fn the_best_ellipse_of_a_flat_punch_meets_its_edge() {
+    let settings = Settings::with_tolerance(1e-7);
+    let polygon = |corners: &[[f64; 2]]| AnyGap::new(Flat::new(Outline::polygon(corners).unwrap()));
+    let ellipse = |axes| FlatPunch::ellipse(axes).unwrap().stiffness(unit());
+    let flat = |axes, at, turn| AnyGap::new(Placed::new(Flat::new(Outline::ellipse(axes).unwrap()), at, turn).unwrap());
+    let cases = [
+        (flat([0.7, 0.7], [0.0; 2], 0.0), 1.4),
+        (flat([1.0, 0.3], [2.0, -1.0], 0.4), ellipse([1.0, 0.3])),
+        (flat([0.01, 1.0], [0.0; 2], 1.1), ellipse([1.0, 0.01])),
+        (polygon(&[[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]]), 1.0),
+        (polygon(&[[0.0, 0.0], [1.0, 0.0], [0.5, 0.75f64.sqrt()]]), 1.0 / 3f64.sqrt()),
+        (polygon(&[[0.0, 0.0], [10.0, 0.0], [10.0, 1.0], [0.0, 1.0]]), ellipse([5.0, 0.5])),
+    ];
+    for (k, (gap, best)) in cases.iter().enumerate() {
+        for depth in [1e-9, 2.0] {
+            let found = ritz::ellipse(&**gap, unit(), depth, &settings).unwrap();
+            assert!(relative(found.force, best * depth) < 1e-9, "{k}: {} {}", found.force, best * depth);
+            assert!(found.lower_bound.unwrap().force() <= found.force && relative(found.stiffness, *best) < 1e-9);
+        }
+    }
+    let l = polygon(&[[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]]);
+    let (circle, ellipse) = (ritz::circle(&*l, unit(), 1.0, &settings), ritz::ellipse(&*l, unit(), 1.0, &settings));
+    let (circle, ellipse) = (circle.unwrap().force, ellipse.unwrap().force);
+    // The circle that touches two sides and the inner corner: r = (1 - r) sqrt 2. The ellipse leans over the corner.
+    assert!(relative(circle, 4.0 - 2.0 * 2f64.sqrt()) < 1e-7 && ellipse > 1.05 * circle, "{circle} {ellipse}");
+    // A flat square whose sides rise: at small depth its edge is one.
+    let blunt = Polyhedron::truncated_pyramid(4, 0.25 * PI, 1.0).unwrap();
+    let settings = Settings::with_tolerance(1e-6);
+    for depth in [1e-9, 1e-6, 1e-3, 1e-2, 0.1, 1.0, 10.0] {
+        let bound = ritz::ellipse(&blunt, unit(), depth, &settings).unwrap();
+        let estimate = fabrikant::stationary(&blunt, unit(), depth, &settings).unwrap();
+        let ratio = bound.force / estimate.force;
+        assert!(bound.force >= 2.0 * depth * (1.0 - 1e-6) && ratio > 0.87 && ratio < 1.0, "{depth}: {ratio}");
+    }
+}
+
 /// An unsymmetric pyramid: the centre is the centroid of what was found, wherever the search starts, and the answer turns
 /// and moves with the punch.
 #[test]
@@ -267,21 +306,77 @@ fn an_unsymmetric_polyhedron() {
     let punch =
         Polyhedron::new(vec![[1.0, 0.0, 0.0], [0.4, 0.8, 0.0], [-0.7, 0.6, 0.0], [-0.8, -0.5, 0.0], [0.3, -1.1, 0.0]])
             .unwrap();
-    let settings = Settings::with_tolerance(1e-5);
+    let settings = Settings::with_tolerance(1e-8);
     let found = fabrikant::stationary(&punch, unit(), 1.0, &settings).unwrap();
     let off = (found.centroid[0] - found.boundary.centre[0]).hypot(found.centroid[1] - found.boundary.centre[1]);
-    assert!(off < 1e-5, "{off}");
+    assert!(off < 1e-8, "{off}");
     assert!(found.boundary.centre[0].hypot(found.boundary.centre[1]) > 0.02, "the centroid is not the apex");
     let moved = Placed::new(punch.clone(), [3.0, -2.0], 0.7).unwrap();
     let again = fabrikant::stationary(&moved, unit(), 1.0, &settings).unwrap();
-    assert!(relative(again.force, found.force) < 2e-5, "{} {}", again.force, found.force);
+    assert!(relative(again.force, found.force) < 2e-8, "{} {}", again.force, found.force);
     // Homogeneous: P ~ d^2. The stiffness 4 E* A/L is exact for a fixed centre only.
     let deeper = fabrikant::stationary(&punch, unit(), 3.0, &settings).unwrap();
-    assert!(relative(deeper.force, 9.0 * found.force) < 2e-5, "the tolerance of the quadrature, and of the centre");
+    assert!(relative(deeper.force, 9.0 * found.force) < 2e-8, "the tolerance of the quadrature, and of the centre");
     println!("unsymmetric: 4 E* A/L against 2 P/d: {:e}", found.stiffness / (2.0 * found.force) - 1.0);
     let circle = ritz::circle(&punch, unit(), 1.0, &settings).unwrap();
     let ellipse = ritz::ellipse(&punch, unit(), 1.0, &settings).unwrap();
     assert!(ellipse.force > circle.force && found.force > ellipse.force);
+}
+
+/// Blunt punches from a depth far below the flat's size, where the boundary is the edge of the flat, to one far above it,
+/// where it is that of the pointed punch: 4 E* A/L d first, the stiffness the slope of the force all the way.
+#[test]
+fn blunt_punches_from_flat_to_pointed() {
+    let settings = Settings::with_tolerance(1e-7);
+    for n in 3..=8 {
+        let punch = Polyhedron::truncated_pyramid(n, 0.25 * PI, 1.0).unwrap();
+        let flat = FlatPunch::polygon(&corners(n)).unwrap().stiffness(unit());
+        let mut last = 0.0;
+        for exponent in -6..=2 {
+            let depth = 2.5 * 10f64.powi(exponent);
+            let solve = |d: f64| fabrikant::stationary(&punch, unit(), d, &settings).unwrap();
+            let found = solve(depth);
+            let excess = found.force / (flat * depth) - 1.0;
+            assert!(excess > last, "{n} {depth}: the force grows faster than the depth: {excess:e}");
+            // The edge adds to the flat what a kink adds: of the second order.
+            assert!(depth > 0.1 || excess < depth * depth, "{n} {depth}: {excess:e}");
+            last = excess;
+            let h = 1e-3 * depth;
+            let difference = (solve(depth + h).force - solve(depth - h).force) / (2.0 * h);
+            assert!(relative(found.stiffness, difference) < 2e-5, "{n} {depth}: {} {difference}", found.stiffness);
+            assert!(found.margin.unwrap().1 > 0.0);
+        }
+        let pointed = fabrikant::stationary(&pyramid(n), unit(), 251.0, &settings).unwrap().force;
+        let blunt = fabrikant::stationary(&punch, unit(), 250.0, &settings).unwrap().force;
+        assert!(blunt < pointed && blunt > 0.98 * pointed, "{n}: {blunt} {pointed}");
+    }
+}
+
+/// The same for a flat-ended cone and a stepped tip, where the exact force is known: a circle is a circle.
+#[test]
+fn revolved_tips_with_kinks_are_sneddons() {
+    let tip = vec![[0.0, 0.0], [1.0, 0.0], [1.5, 0.2], [40.0, 30.0]];
+    let revolved = Revolved::new(tip.clone()).unwrap();
+    // d = a int g'(a sin t) dt, P = 2 E* a^2 int g' sin^2 t dt, segment by segment.
+    let exact = |a: f64| {
+        let (mut d, mut p) = (0.0, 0.0);
+        for pair in tip.windows(2).filter(|pair| pair[0][0] < a) {
+            let slope = (pair[1][1] - pair[0][1]) / (pair[1][0] - pair[0][0]);
+            let ends = [pair[0][0], pair[1][0]].map(|r| (r / a).min(1.0).asin());
+            d += a * slope * (ends[1] - ends[0]);
+            let sin2 = |t: f64| 0.5 * (t - t.sin() * t.cos());
+            p += 2.0 * a * a * slope * (sin2(ends[1]) - sin2(ends[0]));
+        }
+        (d, p)
+    };
+    for a in [1.0 + 1e-11, 1.001, 1.2, 1.4999, 1.5001, 1.9, 5.0, 30.0] {
+        let (depth, force) = exact(a);
+        let settings = Settings::with_tolerance(1e-9);
+        let found = fabrikant::stationary(&revolved, unit(), depth, &settings).unwrap();
+        assert!(relative(found.force, force) < 1e-6, "{a}: {} {force}", found.force);
+        let circle = ritz::circle(&revolved, unit(), depth, &settings).unwrap();
+        assert!(circle.force < force * (1.0 + 1e-9) && circle.force > 0.999 * force, "{a}: {} {force}", circle.force);
+    }
 }
 
 #[test]

@@ -5,8 +5,9 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::error::{InputError, Unsolved, Verdict};
+use crate::fabrikant::problem::several_parts;
 use crate::fabrikant::star::{Ray, Star};
-use crate::fabrikant::stationary::Found;
+use crate::fabrikant::sweeps::Found;
 use crate::fabrikant::{Approximation, Error, Problem, Settings, first_rung};
 use crate::gap::Gap;
 use crate::material::EffectiveModulus;
@@ -53,8 +54,9 @@ pub(super) fn best(
     let mut second = f64::NAN;
     let mut iterations = 0;
     let (found, errors) = loop {
-        let (found, moves) = star.centre((0.1 * tolerance).max(1e-13), |star| {
-            let (found, largest) = climb(star, family, &mut q, (10.0 * tolerance).clamp(1e-12, 1e-3))?;
+        let (found, moves, _) = star.centre((0.1 * tolerance).max(1e-13), |star, at_most| {
+            let allowed = (10.0 * tolerance).clamp(1e-12, 1e-3).min(at_most).max(1e-12);
+            let (found, largest) = climb(star, family, &mut q, allowed)?;
             second = largest;
             Ok(found)
         })?;
@@ -66,7 +68,7 @@ pub(super) fn best(
         }
     };
     if let Some(angle) = star.second_part(problem.reach, problem.searched) {
-        return Err(super::several_parts(angle).into());
+        return Err(several_parts(angle).into());
     }
     let length = problem.overlap.gap.length;
     let (off, area) = star.centroid_and_area();

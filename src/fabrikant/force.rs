@@ -1,6 +1,7 @@
 //! P(A) of any boundary, equation (12).
 
 use crate::error::{InputError, Unsolved, Verdict};
+use crate::fabrikant::ray::Stand;
 use crate::fabrikant::sectors::{SIXTH, Sectors};
 use crate::fabrikant::star::Star;
 use crate::fabrikant::{Error, Problem, Settings, first_rung};
@@ -65,7 +66,8 @@ pub fn force(
                 let reason = format!("a(theta) = {} at {degrees:.4} degrees", ray.a * length);
                 return Err(Unsolved::new(Verdict::NotStarShaped, reason).into());
             }
-            ray.along.g = star.line(&ray).g(overlap, star.f0, ray.a, star.rule());
+            ray.stand = Stand::at(star.line(&ray).kinks, ray.a);
+            ray.along.g = star.line(&ray).g(overlap, star.f0, &ray.stand, star.rule());
             star.rays[k] = ray;
         }
         let quotient = star.quotient();

@@ -5,9 +5,9 @@
 //! |---|---|
 //! | (10), (11) flat punch of any star-shaped plan-form | `flat_punch.rs` |
 //! | (12) P(A) of any boundary, inner integral along a ray | `force.rs`, `ray.rs` |
-//! | (15) stationary boundary | `stationary.rs` |
+//! | (15) stationary boundary | `stationary.rs`: `sweeps.rs` for D, `outer_root.rs` and `hump.rs` for a(theta) on a ray, `centring.rs`, `crossings.rs` |
 //! | (17)-(19), (25) regular polyhedra in closed form | `polyhedron.rs` |
-//! | families of boundaries | `family.rs` |
+//! | families of boundaries | `family.rs`; which of them, `choice.rs` |
 //! | section 2.2, Rayleigh-Ritz ellipse | `ritz.rs`, beside this folder |
 //!
 //! The pressure p itself is not available from this method, and so neither is the line of action of the force:
@@ -17,26 +17,34 @@
 // Comparisons are written so that NaN takes the branch of failure.
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
+mod centring;
+mod choice;
+mod crossings;
 mod family;
 mod flat_punch;
 mod force;
+mod hump;
+mod outer_root;
 mod polyhedron;
+mod problem;
 mod ray;
 mod sectors;
 mod star;
 mod stationary;
+mod sweeps;
 
+pub use choice::{at_force, auto, solve};
 pub use family::Family;
 pub use flat_punch::FlatPunch;
 pub use force::{Force, force};
 pub use polyhedron::RegularPolyhedron;
+pub(crate) use problem::{Problem, first_rung};
 pub(crate) use ray::{DIFFERENCE_STEP, Overlap, RadialRule};
 pub(crate) use sectors::{Sectors, Spoke, THIRD};
+pub use stationary::stationary;
 
-use crate::error::{InputError, Unsolved, Verdict, finite};
-use crate::gap::{Gap, Reach, Scaled};
-use crate::material::EffectiveModulus;
-use star::{Star, radius_in};
+use crate::error::{InputError, Unsolved, Verdict};
+use star::radius_in;
 
 /// What can go wrong: the input, or the method.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -174,332 +182,4 @@ pub struct Approximation {
     pub iterations: usize,
     /// A rigorous lower bound, where there is one (ellipses).
     pub lower_bound: Option<LowerBound>,
-}
-
-/// The problem at the door: units taken off.
-pub(crate) struct Problem<'a> {
-    pub overlap: Overlap<'a>,
-    pub e_star: f64,
-    /// How far from the origin the overlap may reach, in units of length.
-    pub reach: f64,
-    /// Whether that had to be searched: the gap may hold surprises.
-    pub searched: bool,
-}
-
-impl<'a> Problem<'a> {
-    /// Unit of depth: the overlap at the centre. Unit of length: a mean reach of the overlap.
-    pub fn new(gap: &'a dyn Gap, modulus: EffectiveModulus, depth: f64) -> Result<Self, Error> {
-        finite("depth", depth)?;
-        let apart = || Unsolved::new(Verdict::NotApplicable, format!("the bodies do not touch at depth {depth}"));
-        let unbounded = || Unsolved::new(Verdict::Unbounded, "the gap stays below the depth as far as one looks");
-        let reach = gap.reach(depth);
-        let rect = match reach {
-            Reach::Nowhere => return Err(apart().into()),
-            Reach::Unbounded => return Err(unbounded().into()),
-            Reach::Within(rect) => Some(rect),
-            Reach::Unknown => None,
-        };
-        let mut origin = gap.centre();
-        if !(depth > gap.gap(origin[0], origin[1])) {
-            let step = rect.map_or(1.0, |r| 0.25 * r.size()[0].max(r.size()[1]));
-            origin = lowest(gap, rect.map_or(origin, |r| r.centre()), step, depth).ok_or_else(apart)?;
-        }
-        let from_centre = (origin[0] - gap.centre()[0]).hypot(origin[1] - gap.centre()[1]);
-        let unit = depth - gap.gap(origin[0], origin[1]);
-        let (length, far) = match rect {
-            Some(rect) => {
-                let [w, h] = rect.size();
-                let far = rect.corners().iter().map(|c| (c[0] - origin[0]).hypot(c[1] - origin[1])).fold(0.0, f64::max);
-                (0.5 * w.sqrt() * h.sqrt(), far)
-            }
-            None => search_reach(gap, origin, depth)
-                .map(|(mean, far)| (mean, 4.0 * far + 2.0 * from_centre))
-                .ok_or_else(unbounded)?,
-        };
-        if !(unit.is_normal() && length.is_normal() && (unit * length).is_normal()) {
-            return Err(InputError::new("depth", depth, "a depth at which force and contact can be represented").into());
-        }
-        let scaled = Scaled { gap, origin, length, depth: unit };
-        Ok(Self {
-            overlap: Overlap::new(scaled, depth / unit),
-            e_star: modulus.e_star(),
-            reach: far / length,
-            searched: rect.is_none(),
-        })
-    }
-
-    /// 2E* length depth: the unit of P for D.
-    pub fn force_unit(&self) -> f64 {
-        2.0 * self.e_star * self.overlap.gap.length * self.overlap.gap.depth
-    }
-
-    /// A boundary in the user's units.
-    pub fn boundary(&self, centre: [f64; 2], outline: Vec<[f64; 2]>) -> Boundary {
-        let length = self.overlap.gap.length;
-        Boundary {
-            centre: self.overlap.gap.outward(centre),
-            outline: outline.into_iter().map(|[theta, a]| [theta, a * length]).collect(),
-        }
-    }
-}
-
-/// A point where the gap is less than `depth`, by a compass search from `from`.
-fn lowest(gap: &dyn Gap, from: [f64; 2], step: f64, depth: f64) -> Option<[f64; 2]> {
-    let (mut at, mut step, mut value) = (from, step, gap.gap(from[0], from[1]));
-    for _ in 0..4000 {
-        let around =
-            [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0], [0.7, 0.7], [-0.7, 0.7], [-0.7, -0.7], [0.7, -0.7]]
-                .map(|e: [f64; 2]| [at[0] + step * e[0], at[1] + step * e[1]]);
-        let best = around.into_iter().map(|p| (gap.gap(p[0], p[1]), p)).min_by(|a, b| a.0.total_cmp(&b.0))?;
-        if best.0 < value {
-            (value, at) = best;
-            step *= 1.5;
-        } else {
-            step *= 0.5;
-        }
-        if step < 1e-12 * (at[0].hypot(at[1]) + f64::MIN_POSITIVE) || step == 0.0 {
-            break;
-        }
-    }
-    (value < depth).then_some(at)
-}
-
-/// (mean reach, reach) of the overlap about `origin`, for a gap that does not know it: the radius at which the gap has
-/// passed the depth in half of 16 directions, and in all. `None` when it never does in one of them.
-fn search_reach(gap: &dyn Gap, origin: [f64; 2], depth: f64) -> Option<(f64, f64)> {
-    let passed = |r: f64| {
-        (0..16)
-            .filter(|&k| {
-                let (sin, cos) = (std::f64::consts::TAU * f64::from(k) / 16.0).sin_cos();
-                gap.gap(origin[0] + r * cos, origin[1] + r * sin) > depth
-            })
-            .count()
-    };
-    let mut r = 1.0;
-    while passed(r) >= 8 {
-        r *= 0.5;
-        if r < 1e-90 {
-            return None;
-        }
-    }
-    while passed(r) < 8 {
-        r *= 2.0;
-        if r > 1e90 {
-            return None;
-        }
-    }
-    let (mean, mut far) = (r, r);
-    while passed(far) < 16 {
-        far *= 2.0;
-        if far > 1e12 * mean {
-            return None;
-        }
-    }
-    Some((mean, far))
-}
-
-/// The stationary boundary, equation (15).
-///
-/// ```
-/// use contact_patch::{EffectiveModulus, fabrikant, gap::Polyhedron};
-/// let punch = Polyhedron::pyramid(3, 45f64.to_radians())?;
-/// let modulus = EffectiveModulus::from_e_star(0.5)?; // mu/(1 - nu) = E*/2: force in the paper's group is P/(2 E*) * 4
-/// let found = fabrikant::stationary(&punch, modulus, 1.0, &fabrikant::Settings::default())?;
-/// assert!((found.force / 0.25 - 1.6960382).abs() < 1e-7); // (1 - nu) P tan(alpha)/(mu d^2), equation (20)
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-///
-/// # Errors
-/// `NoStationaryBoundary` when D lies above the hump of G_a in some direction (elongated contacts), `NotStarShaped` when
-/// the contact is in several parts, `Unbounded`, `IterationLimit`; an input error for a depth that is not finite.
-pub fn stationary(
-    gap: &dyn Gap,
-    modulus: EffectiveModulus,
-    depth: f64,
-    settings: &Settings,
-) -> Result<Approximation, Error> {
-    let settings = settings.checked()?;
-    let problem = Problem::new(gap, modulus, depth)?;
-    let tolerance: f64 = settings.tolerance;
-    let residual_allowed = (10.0 * tolerance).max(1e-13);
-    let mut star = Star::about(&problem.overlap, [0.0; 2], 0.5, first_rung(tolerance));
-    let mut iterations = 0;
-    let (found, errors) = loop {
-        let (found, moves) = star.centre((0.1 * tolerance).max(1e-13), |star| star.settle(residual_allowed))?;
-        iterations += 1 + moves;
-        let errors = star.errors(found.d);
-        let lacking = found.tightest.1 < -10.0 * (errors[0] + errors[1]).max(1e-12);
-        let done = errors[0] + errors[1] <= tolerance || iterations > 60;
-        if lacking || done || !star.refine(errors, tolerance, found.d, settings.most_rays) {
-            break (found, errors);
-        }
-    };
-    let (angle, margin) = star.tightest(found.d);
-    // A ray on which G_a = D holds has its root: only what exceeds the residual tells.
-    if margin < -(2.0 * found.residual).max(1e-10) {
-        return Err(no_boundary(angle, margin).into());
-    }
-    if let Some(angle) = star.second_part(problem.reach, problem.searched) {
-        return Err(several_parts(angle).into());
-    }
-    let unit = problem.force_unit();
-    let length = problem.overlap.gap.length;
-    let free = |r: &&star::Ray| !(r.at_edge() && r.along.g_a >= found.d);
-    let second = star.rays.iter().filter(free).map(|r| r.along.g_aa).reduce(f64::max);
-    let (off, area) = star.centroid_and_area();
-    let centroid = problem.overlap.gap.outward([star.centre[0] + off[0], star.centre[1] + off[1]]);
-    let perimeter = star.sum(|r| r.a);
-    let rays = star.rays.len();
-    let centre = star.centre;
-    let outline = star.trace(settings.boundary_points, found.d);
-    Ok(Approximation {
-        family: Family::Stationary,
-        why: String::new(),
-        force: unit * found.d,
-        stiffness: 4.0 * modulus.e_star() * length * (area / perimeter),
-        d: length * problem.overlap.gap.depth * found.d,
-        second_variation: second.map(|s| s * problem.overlap.gap.depth),
-        residual: found.residual,
-        margin: Some((angle, margin)),
-        boundary: problem.boundary(centre, outline),
-        area: area * length * length,
-        centroid,
-        quadrature_error: errors,
-        rays,
-        iterations,
-        lower_bound: None,
-    })
-}
-
-/// Rung of the ladder of radial rules to start from.
-pub(crate) fn first_rung(tolerance: f64) -> usize {
-    usize::from(tolerance < 3e-5)
-}
-
-fn no_boundary(angle: f64, margin: f64) -> Unsolved {
-    Unsolved::new(
-        Verdict::NoStationaryBoundary,
-        format!(
-            "in the direction of {:.4} degrees G_a (equation 15) never exceeds D: its top is {:.4} % below",
-            angle.to_degrees(),
-            -100.0 * margin
-        ),
-    )
-}
-
-fn several_parts(angle: f64) -> Unsolved {
-    Unsolved::new(
-        Verdict::NotStarShaped,
-        format!(
-            "the bodies overlap again further out in the direction of {:.4} degrees: the contact may have several parts",
-            angle.to_degrees()
-        ),
-    )
-}
-
-/// The boundary asked for: equation (15), or the best of a family.
-///
-/// # Errors
-/// As [`stationary`]; `NoMaximum` when the force has no verified interior maximum within the family.
-pub fn solve(
-    gap: &dyn Gap,
-    modulus: EffectiveModulus,
-    depth: f64,
-    family: Family,
-    settings: &Settings,
-) -> Result<Approximation, Error> {
-    match family {
-        Family::Stationary => stationary(gap, modulus, depth, settings),
-        Family::Circle => crate::ritz::circle(gap, modulus, depth, settings),
-        Family::Ellipse => crate::ritz::ellipse(gap, modulus, depth, settings),
-        Family::Fourier(_) | Family::PlanForm => family::best(gap, modulus, depth, family, settings),
-    }
-}
-
-/// The depth at which the force of `family` is `force`, and what was found there: Newton's method on log P over log d with
-/// the stiffness that comes with every solve, one step and a check for a homogeneous gap.
-///
-/// ```
-/// use contact_patch::{EffectiveModulus, fabrikant, gap::Cone};
-/// let (cone, modulus) = (Cone::with_slope(1.0)?, EffectiveModulus::from_e_star(1.0)?);
-/// let settings = fabrikant::Settings::default();
-/// let (depth, _) = fabrikant::at_force(&cone, modulus, 4.0, fabrikant::Family::Stationary, &settings)?;
-/// assert!((depth - (2.0 * std::f64::consts::PI).sqrt()).abs() < 1e-9); // P = 2 E* d^2/(pi tan(alpha))
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-///
-/// # Errors
-/// As [`solve`] at the depths tried; an input error for a force that is not greater than zero; `IterationLimit`.
-pub fn at_force(
-    gap: &dyn Gap,
-    modulus: EffectiveModulus,
-    force: f64,
-    family: Family,
-    settings: &Settings,
-) -> Result<(f64, Approximation), Error> {
-    let force = crate::error::positive("force", force)?;
-    let allowed = settings.checked()?.tolerance.max(1e-13);
-    // Depth over the gap at the centre, the reference from which the force grows.
-    let [x, y] = gap.centre();
-    let lowest = gap.gap(x, y);
-    if !lowest.is_finite() {
-        return Err(InputError::new("gap", lowest, "a finite gap at its centre").into());
-    }
-    let mut above = 1.0;
-    for _ in 0..100 {
-        let found = solve(gap, modulus, lowest + above, family, settings)?;
-        if (found.force / force - 1.0).abs() <= allowed {
-            return Ok((lowest + above, found));
-        }
-        // P ~ d^s locally, s = d P'/P (1 for a flat punch; kept sane where the estimate is poor).
-        let slope = (above * found.stiffness / found.force).clamp(1.0, 12.0);
-        above *= (force / found.force).powf(1.0 / slope);
-    }
-    Err(Unsolved::new(Verdict::IterationLimit, format!("no depth found for the force {force}")).into())
-}
-
-/// An approximate answer whenever there is one: the stationary boundary; else the first of Fourier series of order 4 and
-/// 2 that has a verified maximum above the ellipse's lower bound; else the Ritz ellipse.
-///
-/// The result names what ran in `family` and the reasons in `why`.
-///
-/// ```
-/// use contact_patch::{EffectiveModulus, fabrikant, gap::Paraboloid};
-/// let modulus = EffectiveModulus::from_e_star(1.0)?;
-/// let railway = Paraboloid::new([1000.0, 1.0])?;
-/// let found = fabrikant::auto(&railway, modulus, 1e-3, &fabrikant::Settings::default())?;
-/// assert!(found.family != fabrikant::Family::Stationary && !found.why.is_empty());
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-///
-/// # Errors
-/// When all of them fail, that of the ellipse; at once for bad input and for contacts in several parts.
-pub fn auto(gap: &dyn Gap, modulus: EffectiveModulus, depth: f64, settings: &Settings) -> Result<Approximation, Error> {
-    let refused = match stationary(gap, modulus, depth, settings) {
-        Ok(found) => {
-            return Ok(Approximation { why: "equation (15) has a stationary boundary".to_owned(), ..found });
-        }
-        Err(Error::Unsolved(unsolved))
-            if !matches!(unsolved.verdict, Verdict::Unbounded | Verdict::NotStarShaped | Verdict::NotApplicable) =>
-        {
-            unsolved
-        }
-        Err(other) => return Err(other),
-    };
-    let ellipse = solve(gap, modulus, depth, Family::Ellipse, settings)?;
-    let mut why = format!("no stationary boundary ({})", refused.reason);
-    for order in [4, 2] {
-        match solve(gap, modulus, depth, Family::Fourier(order), settings) {
-            Ok(found) if found.force >= ellipse.force => {
-                why += &format!("; the Fourier series of order {order} has a maximum, above the best ellipse");
-                return Ok(Approximation { why, ..found });
-            }
-            Ok(_) => {
-                why += &format!("; the Fourier series of order {order} stays below the best ellipse, a lower bound")
-            }
-            Err(error) => why += &format!("; Fourier series of order {order}: {error}"),
-        }
-    }
-    why += "; hence the Ritz ellipse, a lower bound";
-    Ok(Approximation { why, ..ellipse })
 }

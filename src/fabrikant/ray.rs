@@ -73,6 +73,9 @@ impl<'a> Overlap<'a> {
 /// Step of the central differences, relative to the length of the ray: truncation and rounding both near 1e-10.
 pub(crate) const DIFFERENCE_STEP: f64 = 6e-6;
 
+/// How far from a kink, relative to its distance, the slope on one side of it is read: more than the rounding of points.
+const ASIDE: f64 = 1e-11;
+
 /// One node of the rule in t on [0, pi/2].
 #[derive(Clone, Copy)]
 pub(crate) struct RadialNode {
@@ -116,20 +119,74 @@ impl RadialRule {
 
     /// Calls `visit` at every node of [0, pi/2] split where sin t is one of `kinks`/a (ascending).
     pub fn visit(&self, kinks: &[f64], a: f64, mut visit: impl FnMut(RadialNode)) {
-        if kinks.first().is_none_or(|&k| k >= a) {
-            self.whole.iter().for_each(|&node| visit(node));
+        let stand = Stand::at(kinks, a);
+        self.visit_pieces(kinks, &stand, |_, node| visit(node));
+    }
+
+    /// Calls `visit` with the piece (the number of kinks below it) and the node. Angles are counted from the end of the
+    /// ray, phi = pi/2 - t, so that a piece however thin keeps its digits.
+    fn visit_pieces(&self, kinks: &[f64], stand: &Stand, mut visit: impl FnMut(usize, RadialNode)) {
+        if stand.inner == 0 {
+            self.whole.iter().for_each(|&node| visit(0, node));
             return;
         }
-        let mut from = 0.0;
-        let inner = kinks.iter().take_while(|&&k| k < a).map(|k| (k / a).asin());
-        for to in inner.chain([FRAC_PI_2]) {
-            let nodes = if from == 0.0 { &self.first } else { &self.plain };
-            for &[x, w] in nodes {
-                let (sin, cos) = (from + (to - from) * x).sin_cos();
-                visit(RadialNode { sin, cos, weight: (to - from) * w });
+        let mut from = stand.phi_of(kinks, 0);
+        let to = FRAC_PI_2 - from;
+        for &[x, w] in &self.first {
+            let (sin, cos) = (to * x).sin_cos();
+            visit(0, RadialNode { sin, cos, weight: to * w });
+        }
+        for piece in 1..=stand.inner {
+            let to = if piece < stand.inner { stand.phi_of(kinks, piece) } else { 0.0 };
+            for &[x, w] in &self.plain {
+                let (cos, sin) = (from - (from - to) * x).sin_cos();
+                visit(piece, RadialNode { sin, cos, weight: (from - to) * w });
             }
             from = to;
         }
+    }
+}
+
+/// A place on a ray: r = a, beyond the first `inner` kinks. Just past a kink k, where G_a falls with infinite slope
+/// (G_a(k) - G_a(a) ~ the jump of the slope times sqrt(a - k)), a itself has too few digits: there the place is the angle
+/// phi with a = k/cos(phi), and G_a is smooth in it.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct Stand {
+    pub a: f64,
+    /// How many kinks lie below a; a itself may be the next one, and then belongs to the inner side.
+    pub inner: usize,
+    /// acos(k/a) of the last of these; 0 when there is none.
+    pub phi: f64,
+}
+
+impl Stand {
+    pub fn at(kinks: &[f64], a: f64) -> Self {
+        let inner = kinks.partition_point(|&k| k < a);
+        let phi = match inner {
+            0 => 0.0,
+            n => {
+                let k = kinks[n - 1] / a;
+                ((1.0 - k) * (1.0 + k)).sqrt().atan2(k)
+            }
+        };
+        Self { a, inner, phi }
+    }
+
+    /// The place at this angle beyond kink number `kink`.
+    pub fn beyond(kinks: &[f64], kink: usize, phi: f64) -> Self {
+        Self { a: kinks[kink] / phi.cos(), inner: kink + 1, phi }
+    }
+
+    /// acos(k/a) of kink number `kink`, one of the inner ones.
+    fn phi_of(&self, kinks: &[f64], kink: usize) -> f64 {
+        let last = self.inner - 1;
+        if kink == last {
+            return self.phi;
+        }
+        let (sin, cos) = self.phi.sin_cos();
+        let ratio = kinks[kink] / kinks[last];
+        let below = (kinks[last] - kinks[kink]) / kinks[last] * (1.0 + ratio);
+        (sin * sin + cos * cos * below).sqrt().atan2(ratio * cos)
     }
 }
 
@@ -177,14 +234,48 @@ impl RayLine<'_> {
         [self.centre[0] + r * self.direction[0], self.centre[1] + r * self.direction[1]]
     }
 
-    /// G, G_a and G_aa at `a`. Not finite where the ray leaves the material before `a`.
-    pub fn along(&self, f: &Overlap, f0: f64, a: f64, rule: &RadialRule) -> Along {
+    /// Slope of the gap at distance r, from within the piece beyond `piece` kinks.
+    fn slope(&self, f: &Overlap, piece: usize, r: f64, h: f64) -> f64 {
+        let aside = if f.has_gradient { ASIDE } else { 2.0 * DIFFERENCE_STEP };
+        let low = if piece > 0 { self.kinks[piece - 1] * (1.0 + aside) } else { 0.0 };
+        let high = self.kinks.get(piece).map_or(f64::INFINITY, |k| k * (1.0 - aside));
+        let r = if low <= high { r.max(low).min(high) } else { 0.5 * (self.kinks[piece - 1] + self.kinks[piece]) };
+        f.slope_along(self.centre, self.direction, r, h)
+    }
+
+    /// G, G_a and G_aa. Not finite where the ray leaves the material before.
+    ///
+    /// The jumps J of the slope enter G_aa in closed form: int (1/cos^2 t + cos 2t) dt up to the kink is
+    /// cot(phi) + sin(2 phi)/2, and what is left of g_r - g_r(a) goes to zero at the end of the ray.
+    pub fn along(&self, f: &Overlap, f0: f64, stand: &Stand, rule: &RadialRule) -> Along {
+        let a = stand.a;
         let h = DIFFERENCE_STEP * a;
-        let (c, e) = (self.centre, self.direction);
-        let end = f.slope_along(c, e, a * (1.0 - DIFFERENCE_STEP * f64::from(u8::from(!f.has_gradient))), h);
+        let back = if f.has_gradient { 1.0 } else { 1.0 - DIFFERENCE_STEP };
+        let mut end = self.slope(f, stand.inner, a * back, h);
         let (mut cos2, mut one_plus, mut curving, mut value) = (0.0, 0.0, 0.0, 0.0);
-        rule.visit(self.kinks, a, |n| {
-            let g_r = f.slope_along(c, e, a * n.sin, h);
+        // Pieces are visited outwards: begin with the end slope brought to the innermost piece.
+        let mut jumps = 0.0;
+        let jump = |kink: usize| {
+            let k = self.kinks[kink];
+            self.slope(f, kink + 1, k, h) - self.slope(f, kink, k, h)
+        };
+        for kink in 0..stand.inner {
+            let j = jump(kink);
+            let (sin, cos) = stand.phi_of(self.kinks, kink).sin_cos();
+            jumps += j * (cos / sin + sin * cos);
+            end -= j;
+        }
+        let mut last = 0;
+        rule.visit_pieces(self.kinks, stand, |piece, n| {
+            if piece != last {
+                end += jump(last);
+                last = piece;
+            }
+            let g_r = if stand.inner == 0 {
+                f.slope_along(self.centre, self.direction, a * n.sin, h)
+            } else {
+                self.slope(f, piece, a * n.sin, h)
+            };
             let cc = n.cos * n.cos;
             cos2 += n.weight * g_r * cc;
             one_plus += n.weight * g_r * (1.0 + cc);
@@ -197,20 +288,20 @@ impl RayLine<'_> {
             // Differences lose digits that the values still have, and G is where they count.
             g: if f.has_gradient { a * a * (f0 - a * cos2) } else { a * a * value },
             g_a: a * (2.0 * f0 - a * one_plus),
-            g_aa: 2.0 * f0 - 2.0 * a * one_plus + a * curving,
+            g_aa: 2.0 * f0 - 2.0 * a * one_plus + a * (curving - jumps),
         }
     }
 
     /// G alone.
-    pub fn g(&self, f: &Overlap, f0: f64, a: f64, rule: &RadialRule) -> f64 {
-        let mut sum = 0.0;
+    pub fn g(&self, f: &Overlap, f0: f64, stand: &Stand, rule: &RadialRule) -> f64 {
+        let (a, mut sum) = (stand.a, 0.0);
         if f.has_gradient {
-            rule.visit(self.kinks, a, |n| {
-                sum += n.weight * n.cos * n.cos * f.slope_along(self.centre, self.direction, a * n.sin, 0.0);
+            rule.visit_pieces(self.kinks, stand, |piece, n| {
+                sum += n.weight * n.cos * n.cos * self.slope(f, piece, a * n.sin, 0.0);
             });
             a * a * (f0 - a * sum)
         } else {
-            rule.visit(self.kinks, a, |n| sum += n.weight * n.sin * f.at(self.at(a * n.sin)));
+            rule.visit_pieces(self.kinks, stand, |_, n| sum += n.weight * n.sin * f.at(self.at(a * n.sin)));
             a * a * sum
         }
     }
@@ -234,13 +325,13 @@ mod tests {
             let gap = Power::new(0.7, n).unwrap();
             let line = RayLine { centre: [0.0; 2], direction: [0.6, 0.8], kinks: &[] };
             let a = 0.9f64;
-            let along = line.along(&overlap(&gap), 1.0, a, &RadialRule::ladder()[2]);
+            let along = line.along(&overlap(&gap), 1.0, &Stand::at(&[], a), &RadialRule::ladder()[2]);
             let c = 0.7 * m;
             assert!((along.g - (a * a - c * a.powf(n + 2.0))).abs() < 1e-14);
             assert!((along.g_a - (2.0 * a - c * (n + 2.0) * a.powf(n + 1.0))).abs() < 1e-14);
             assert!((along.g_aa - (2.0 - c * (n + 2.0) * (n + 1.0) * a.powf(n))).abs() < 1e-12);
             let values_only = move |x: f64, y: f64| 0.7 * x.hypot(y).powf(n);
-            let by_differences = line.along(&overlap(&values_only), 1.0, a, &RadialRule::ladder()[2]);
+            let by_differences = line.along(&overlap(&values_only), 1.0, &Stand::at(&[], a), &RadialRule::ladder()[2]);
             assert!((by_differences.g_a - along.g_a).abs() < 1e-8);
             assert!((by_differences.g - along.g).abs() < 1e-14);
         }
@@ -256,8 +347,9 @@ mod tests {
         let line = RayLine { centre: [0.0; 2], direction: e, kinks: &kinks };
         let rule = &RadialRule::ladder()[2];
         for a in [0.2, 0.35, 0.6] {
-            let (h, here) = (1e-5, line.along(&f, 1.0, a, rule));
-            let (up, down) = (line.along(&f, 1.0, a + h, rule), line.along(&f, 1.0, a - h, rule));
+            let along = |a: f64| line.along(&f, 1.0, &Stand::at(&kinks, a), rule);
+            let (h, here) = (1e-5, along(a));
+            let (up, down) = (along(a + h), along(a - h));
             assert!(((up.g - down.g) / (2.0 * h) - here.g_a).abs() < 1e-8, "{a}");
             assert!(((up.g_a - down.g_a) / (2.0 * h) - here.g_aa).abs() < 1e-6, "{a}");
         }

@@ -22,6 +22,9 @@ pub(crate) const THIRD: f64 = TAU / 3.0 * (1.0 + 1e-9);
 /// Equally spaced rays beyond which the gap is taken to have ridges that nobody told about.
 const MOST_EQUAL: usize = 128;
 
+/// Panels whose error is so many times what is allowed are quartered at once.
+const MUCH: f64 = 1e3;
+
 /// Rays on a panel.
 const PER_PANEL: usize = 15;
 
@@ -110,7 +113,11 @@ impl Sectors {
                 let share = allowed / panels.len() as f64;
                 let mut split = Vec::with_capacity(2 * panels.len());
                 for (p, &(k, from, to)) in panels.iter().enumerate() {
-                    if panel_error(p, spokes, values) > share {
+                    let error = panel_error(p, spokes, values);
+                    if error > MUCH * share {
+                        let at = |m: f64| from + 0.25 * m * (to - from);
+                        split.extend([0.0, 1.0, 2.0, 3.0].map(|m| (k, at(m), at(m + 1.0))));
+                    } else if error > share {
                         let middle = 0.5 * (from + to);
                         split.extend([(k, from, middle), (k, middle, to)]);
                     } else {

@@ -2,7 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use crate::fabrikant::ray::{Along, Overlap, RadialRule, RayLine};
+use nalgebra::Matrix2;
+
+use crate::fabrikant::ray::{Along, Overlap, RadialRule, RayLine, Stand};
 use crate::fabrikant::sectors::{SIXTH, Sectors, Spoke};
 use crate::gap::Gap;
 
@@ -12,13 +14,17 @@ pub(crate) struct Ray {
     pub spoke: Spoke,
     pub direction: [f64; 2],
     /// Range in the shared list of kinks.
-    kinks: (usize, usize),
+    pub kinks: (usize, usize),
     /// Where the boundary stands.
     pub a: f64,
+    /// The same to all digits, once measured.
+    pub stand: Stand,
     /// Where the material ends.
     pub limit: f64,
     /// Whether the safe search found G_a below D everywhere on the ray.
     pub stuck: bool,
+    /// Whether `along` is up to date.
+    pub measured: bool,
     /// G and its derivatives at `a`.
     pub along: Along,
 }
@@ -39,11 +45,18 @@ pub(crate) struct Star<'a> {
     pub sectors: Sectors,
     pub rays: Vec<Ray>,
     kinks: Vec<f64>,
-    directions: Vec<f64>,
+    /// Where the gap says that it is not smooth.
+    pub directions: Vec<f64>,
+    /// Where the boundary was found to run over a ridge.
+    pub crossings: Vec<f64>,
     spokes: Vec<Spoke>,
     values: Vec<f64>,
     /// Place in the ladder of radial rules.
     pub rung: usize,
+    /// Inverse of the derivative of the centroid's offset by the centre, negative: what the moves of the centre learn.
+    pub recentring: Matrix2<f64>,
+    /// Whether the centre has had to move.
+    pub moved: bool,
     /// Whether every step checks that there is material at the boundary, not only along the rays.
     pub careful: bool,
 }
@@ -61,9 +74,12 @@ impl<'a> Star<'a> {
             rays: Vec::new(),
             kinks: Vec::new(),
             directions,
+            crossings: Vec::new(),
             spokes: Vec::new(),
             values: Vec::new(),
             rung,
+            recentring: Matrix2::identity() * (8.0 / (3.0 * std::f64::consts::PI)),
+            moved: false,
             careful: false,
         };
         star.lay(&[[0.0, start]]);
@@ -117,7 +133,18 @@ impl<'a> Star<'a> {
         self.overlap.gap.ray_kinks(self.centre, [cos, sin], &mut self.kinks);
         self.kinks[from..].sort_by(f64::total_cmp);
         let kinks = (from, self.kinks.len());
-        Ray { spoke, direction: [cos, sin], kinks, a, limit: f64::INFINITY, stuck: false, along: Along::default() }
+        let (stand, along) = Default::default();
+        Ray {
+            spoke,
+            direction: [cos, sin],
+            kinks,
+            a,
+            stand,
+            limit: f64::INFINITY,
+            stuck: false,
+            measured: false,
+            along,
+        }
     }
 
     /// Moves the centre and keeps the boundary, as far as it can.
@@ -127,15 +154,42 @@ impl<'a> Star<'a> {
         self.f0 = self.overlap.at(centre);
         self.directions.clear();
         self.overlap.gap.kink_directions(centre, &mut self.directions);
-        self.sectors.move_to(&self.directions);
+        self.move_sectors();
         self.lay(&outline);
+    }
+
+    /// Lays the rays anew between the present directions and crossings.
+    pub fn lay_sectors(&mut self) {
+        let outline = self.outline();
+        self.move_sectors();
+        self.lay(&outline);
+    }
+
+    fn move_sectors(&mut self) {
+        let told = self.directions.len();
+        self.directions.extend_from_slice(&self.crossings);
+        self.sectors.move_to(&self.directions);
+        self.directions.truncate(told);
+    }
+
+    /// The kinks listed so far, and the way back to them: rays made in between are forgotten.
+    pub fn mark(&self) -> usize {
+        self.kinks.len()
+    }
+
+    /// Forgets the kinks of the rays made since this mark.
+    pub fn release(&mut self, mark: usize) {
+        self.kinks.truncate(mark);
     }
 
     /// Evaluates G at the boundary of one ray, which is pulled back to the edge of the material if it lies beyond.
     pub fn measure(&self, mut ray: Ray) -> Ray {
         ray.a = ray.a.min(ray.limit);
         for _ in 0..400 {
-            ray.along = self.line(&ray).along(self.overlap, self.f0, ray.a, self.rule());
+            if ray.stand.a != ray.a {
+                ray.stand = Stand::at(self.line(&ray).kinks, ray.a);
+            }
+            ray.along = self.line(&ray).along(self.overlap, self.f0, &ray.stand, self.rule());
             let Along { g, g_a, g_aa } = ray.along;
             if (g + g_a + g_aa).is_finite() && (!self.careful || self.has_material(&ray)) {
                 return ray;
@@ -174,10 +228,13 @@ impl<'a> Star<'a> {
         !self.careful || self.rays.iter().all(|ray| self.has_material(ray))
     }
 
-    /// Evaluates G on every ray.
+    /// Evaluates G on every ray that has moved since it was last evaluated.
     pub fn measure_all(&mut self) {
         for k in 0..self.rays.len() {
-            self.rays[k] = self.measure(self.rays[k]);
+            if !self.rays[k].measured {
+                self.rays[k] = self.measure(self.rays[k]);
+            }
+            self.rays[k].measured = false;
         }
     }
 
@@ -213,7 +270,7 @@ impl<'a> Star<'a> {
         }
         let angular = self.sectors.error(&self.spokes, &self.values) / scale;
         let radial = self.finer_rule().map_or(f64::NAN, |finer| {
-            self.sum(|r| self.line(r).g(self.overlap, self.f0, r.a, finer) - r.along.g).abs() / scale
+            self.sum(|r| self.line(r).g(self.overlap, self.f0, &r.stand, finer) - r.along.g).abs() / scale
         });
         [angular, if radial.is_nan() { f64::EPSILON } else { radial }]
     }

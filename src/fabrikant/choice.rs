@@ -1,0 +1,114 @@
+//! Which boundary: the one asked for, the one for a force, or the best that there is.
+
+use crate::error::{InputError, Unsolved, Verdict};
+use crate::fabrikant::family::{self, Family};
+use crate::fabrikant::{Approximation, Error, Settings, stationary};
+use crate::gap::Gap;
+use crate::material::EffectiveModulus;
+
+/// The boundary asked for: equation (15), or the best of a family.
+///
+/// # Errors
+/// As [`stationary`]; `NoMaximum` when the force has no verified interior maximum within the family.
+pub fn solve(
+    gap: &dyn Gap,
+    modulus: EffectiveModulus,
+    depth: f64,
+    family: Family,
+    settings: &Settings,
+) -> Result<Approximation, Error> {
+    match family {
+        Family::Stationary => stationary(gap, modulus, depth, settings),
+        Family::Circle => crate::ritz::circle(gap, modulus, depth, settings),
+        Family::Ellipse => crate::ritz::ellipse(gap, modulus, depth, settings),
+        Family::Fourier(_) | Family::PlanForm => family::best(gap, modulus, depth, family, settings),
+    }
+}
+
+/// The depth at which the force of `family` is `force`, and what was found there: Newton's method on log P over log d with
+/// the stiffness that comes with every solve, one step and a check for a homogeneous gap.
+///
+/// ```
+/// use contact_patch::{EffectiveModulus, fabrikant, gap::Cone};
+/// let (cone, modulus) = (Cone::with_slope(1.0)?, EffectiveModulus::from_e_star(1.0)?);
+/// let settings = fabrikant::Settings::default();
+/// let (depth, _) = fabrikant::at_force(&cone, modulus, 4.0, fabrikant::Family::Stationary, &settings)?;
+/// assert!((depth - (2.0 * std::f64::consts::PI).sqrt()).abs() < 1e-9); // P = 2 E* d^2/(pi tan(alpha))
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// As [`solve`] at the depths tried; an input error for a force that is not greater than zero; `IterationLimit`.
+pub fn at_force(
+    gap: &dyn Gap,
+    modulus: EffectiveModulus,
+    force: f64,
+    family: Family,
+    settings: &Settings,
+) -> Result<(f64, Approximation), Error> {
+    let force = crate::error::positive("force", force)?;
+    let allowed = settings.checked()?.tolerance.max(1e-13);
+    // Depth over the gap at the centre, the reference from which the force grows.
+    let [x, y] = gap.centre();
+    let lowest = gap.gap(x, y);
+    if !lowest.is_finite() {
+        return Err(InputError::new("gap", lowest, "a finite gap at its centre").into());
+    }
+    let mut above = 1.0;
+    for _ in 0..100 {
+        let found = solve(gap, modulus, lowest + above, family, settings)?;
+        if (found.force / force - 1.0).abs() <= allowed {
+            return Ok((lowest + above, found));
+        }
+        // P ~ d^s locally, s = d P'/P (1 for a flat punch; kept sane where the estimate is poor).
+        let slope = (above * found.stiffness / found.force).clamp(1.0, 12.0);
+        above *= (force / found.force).powf(1.0 / slope);
+    }
+    Err(Unsolved::new(Verdict::IterationLimit, format!("no depth found for the force {force}")).into())
+}
+
+/// An approximate answer whenever there is one: the stationary boundary; else the first of Fourier series of order 4 and
+/// 2 that has a verified maximum above the ellipse's lower bound; else the Ritz ellipse.
+///
+/// The result names what ran in `family` and the reasons in `why`.
+///
+/// ```
+/// use contact_patch::{EffectiveModulus, fabrikant, gap::Paraboloid};
+/// let modulus = EffectiveModulus::from_e_star(1.0)?;
+/// let railway = Paraboloid::new([1000.0, 1.0])?;
+/// let found = fabrikant::auto(&railway, modulus, 1e-3, &fabrikant::Settings::default())?;
+/// assert!(found.family != fabrikant::Family::Stationary && !found.why.is_empty());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// When all of them fail, that of the ellipse; at once for bad input and for contacts in several parts.
+pub fn auto(gap: &dyn Gap, modulus: EffectiveModulus, depth: f64, settings: &Settings) -> Result<Approximation, Error> {
+    let refused = match stationary(gap, modulus, depth, settings) {
+        Ok(found) => {
+            return Ok(Approximation { why: "equation (15) has a stationary boundary".to_owned(), ..found });
+        }
+        Err(Error::Unsolved(unsolved))
+            if !matches!(unsolved.verdict, Verdict::Unbounded | Verdict::NotStarShaped | Verdict::NotApplicable) =>
+        {
+            unsolved
+        }
+        Err(other) => return Err(other),
+    };
+    let ellipse = solve(gap, modulus, depth, Family::Ellipse, settings)?;
+    let mut why = format!("no stationary boundary ({})", refused.reason);
+    for order in [4, 2] {
+        match solve(gap, modulus, depth, Family::Fourier(order), settings) {
+            Ok(found) if found.force >= ellipse.force => {
+                why += &format!("; the Fourier series of order {order} has a maximum, above the best ellipse");
+                return Ok(Approximation { why, ..found });
+            }
+            Ok(_) => {
+                why += &format!("; the Fourier series of order {order} stays below the best ellipse, a lower bound")
+            }
+            Err(error) => why += &format!("; Fourier series of order {order}: {error}"),
+        }
+    }
+    why += "; hence the Ritz ellipse, a lower bound";
+    Ok(Approximation { why, ..ellipse })
+}

@@ -1,0 +1,82 @@
+//! The problem at the door: units taken off.
+
+use crate::error::{InputError, Unsolved, Verdict, finite};
+use crate::fabrikant::{Boundary, Error, Overlap};
+use crate::gap::{Gap, Reach, Scaled, extent, lowest};
+use crate::material::EffectiveModulus;
+
+/// The problem in units of its own.
+pub(crate) struct Problem<'a> {
+    pub overlap: Overlap<'a>,
+    pub e_star: f64,
+    /// How far from the origin the overlap may reach, in units of length.
+    pub reach: f64,
+    /// Whether that had to be searched: the gap may hold surprises.
+    pub searched: bool,
+}
+
+impl<'a> Problem<'a> {
+    /// Unit of depth: the overlap at the centre. Unit of length: a mean reach of the overlap.
+    pub fn new(gap: &'a dyn Gap, modulus: EffectiveModulus, depth: f64) -> Result<Self, Error> {
+        finite("depth", depth)?;
+        let apart = || Unsolved::new(Verdict::NotApplicable, format!("the bodies do not touch at depth {depth}"));
+        let rect = match extent(gap, depth) {
+            Reach::Within(rect) => rect,
+            Reach::Nowhere => return Err(apart().into()),
+            Reach::Unbounded | Reach::Unknown => {
+                let reason = "the gap stays below the depth as far as one looks";
+                return Err(Unsolved::new(Verdict::Unbounded, reason).into());
+            }
+        };
+        let mut origin = gap.centre();
+        if !(depth > gap.gap(origin[0], origin[1])) {
+            origin = lowest(gap, origin);
+        }
+        let unit = depth - gap.gap(origin[0], origin[1]);
+        if !(unit > 0.0) {
+            return Err(apart().into());
+        }
+        let [w, h] = rect.size();
+        let length = 0.5 * w.sqrt() * h.sqrt();
+        let far = rect.corners().iter().map(|c| (c[0] - origin[0]).hypot(c[1] - origin[1])).fold(0.0, f64::max);
+        if !(unit.is_normal() && length.is_normal() && (unit * length).is_normal()) {
+            return Err(InputError::new("depth", depth, "a depth at which force and contact can be represented").into());
+        }
+        let scaled = Scaled { gap, origin, length, depth: unit };
+        Ok(Self {
+            overlap: Overlap::new(scaled, depth / unit),
+            e_star: modulus.e_star(),
+            reach: far / length,
+            searched: gap.certain_reach(depth) == Reach::Unknown,
+        })
+    }
+
+    /// 2E* length depth: the unit of P for D.
+    pub fn force_unit(&self) -> f64 {
+        2.0 * self.e_star * self.overlap.gap.length * self.overlap.gap.depth
+    }
+
+    /// A boundary in the user's units.
+    pub fn boundary(&self, centre: [f64; 2], outline: Vec<[f64; 2]>) -> Boundary {
+        let length = self.overlap.gap.length;
+        Boundary {
+            centre: self.overlap.gap.outward(centre),
+            outline: outline.into_iter().map(|[theta, a]| [theta, a * length]).collect(),
+        }
+    }
+}
+
+/// Rung of the ladder of radial rules to start from.
+pub(crate) fn first_rung(tolerance: f64) -> usize {
+    usize::from(tolerance < 3e-5)
+}
+
+pub(super) fn several_parts(angle: f64) -> Unsolved {
+    Unsolved::new(
+        Verdict::NotStarShaped,
+        format!(
+            "the bodies overlap again further out in the direction of {:.4} degrees: the contact may have several parts",
+            angle.to_degrees()
+        ),
+    )
+}
