@@ -79,7 +79,7 @@ pub(crate) fn in_frame(
     *frame = Some(outward(&window));
     let force = state.force();
     let error = exact::other_kernel(&door, &state)? - force;
-    let refined = Refined { force, error: error.abs(), state };
+    let refined = Refined { force, error: error.abs(), state, stopped: None };
     let solution = dimensional(contact, &door, &refined, None, depth, tilt, settings)?;
     with_stiffness_matrix(contact, &door, &refined.state, solution)
 }
@@ -97,7 +97,7 @@ pub(crate) fn dimensional(
     tilt: [f64; 2],
     settings: &Settings,
 ) -> Result<Solution, Unsolved> {
-    let Refined { state, force, error } = refined;
+    let Refined { state, force, error, .. } = refined;
     let (length, height, e_star) = (door.gap.length, door.gap.depth, contact.modulus().e_star());
     let unit_force = e_star * height * length;
     let stiffness = match degree {

@@ -6,7 +6,7 @@ use crate::contact::{Contact, Load};
 use crate::discrete::Discrete;
 use crate::domain::{Door, shape};
 use crate::error::Unsolved;
-use crate::gap::{AnyGap, Gap, Reach, Tilted, extent, lowest};
+use crate::gap::{AnyGap, Reach, Tilted, extent, least};
 use crate::geometry::Rect;
 use crate::grid::Grid;
 use crate::homogeneity::{self, Degree};
@@ -135,8 +135,7 @@ fn probe(contact: &Contact, loads: &[Load], steps: &mut Vec<String>) -> (f64, [f
 
 /// A depth whose force is of this size: P = 2 E* a d on half the width a of the overlap.
 fn depth_of_size(gap: &AnyGap, e_star: f64, force: f64) -> f64 {
-    let [x, y] = lowest(&**gap, gap.centre());
-    let least = gap.gap(x, y);
+    let (_, least) = least(&**gap);
     let mut overlap = (force.abs() / e_star).sqrt();
     for _ in 0..24 {
         match extent(gap, least + overlap) {

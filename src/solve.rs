@@ -6,7 +6,7 @@ use crate::bracketed::with_bracket;
 use crate::contact::{Contact, Load};
 use crate::equilibrium::{self, Respond};
 use crate::error::{Unsolved, Verdict};
-use crate::gap::{AnyGap, Gap, Reach, Tilted, extent, lowest};
+use crate::gap::{AnyGap, Gap, Reach, Tilted, extent, least};
 use crate::geometry::Rect;
 use crate::homogeneity::{self, Degree};
 use crate::settings::{Method, Outputs, Settings};
@@ -153,8 +153,7 @@ fn at_force(
     similar: &mut Option<Similar>,
 ) -> Result<Solution, Unsolved> {
     let gap = contact.gap();
-    let [x, y] = lowest(&**gap, gap.centre());
-    let least = gap.gap(x, y);
+    let (_, least) = least(&**gap);
     if force < 0.0 {
         return Err(Unsolved::new(
             Verdict::NoEquilibrium,
@@ -185,8 +184,7 @@ fn at_force(
 
 /// A box around everything that can touch at any tilt: where the gap is less than a depth beyond all measure.
 fn material(gap: &AnyGap, depth: f64) -> Option<Rect> {
-    let [x, y] = lowest(&**gap, gap.centre());
-    let least = gap.gap(x, y);
+    let (_, least) = least(&**gap);
     match gap.reach(least + 1e12 * (depth - least)) {
         Reach::Within(rect) => Some(rect),
         _ => None,
