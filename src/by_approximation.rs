@@ -90,7 +90,7 @@ fn dimensional(contact: &Contact, depth: f64, tilt: [f64; 2], settings: &Setting
         },
         pressure: PressureSummary { mean: Some(found.force / found.area), ..PressureSummary::default() },
         residuals: None,
-        cost: Cost { seconds: 0.0, unknowns: found.rays, iterations: found.iterations, operator_products: 0 },
+        cost: Cost { unknowns: found.rays, iterations: found.iterations, ..Cost::default() },
         left_out,
         remarks,
     }

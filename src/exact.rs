@@ -28,6 +28,12 @@ pub(crate) struct GridState {
 }
 
 impl GridState {
+    /// A solution of a problem, as it comes from the solver.
+    pub fn of(method: Method, problem: Discrete, solution: DiscreteSolution) -> Self {
+        let (iterations, operator_products) = (solution.iterations, solution.operator_products);
+        Self { method, problem, solution, iterations, operator_products, left_out: Vec::new(), remarks: Vec::new() }
+    }
+
     pub fn force(&self) -> f64 {
         self.solution.pressure.iter().sum::<f64>() * self.problem.grid.cell_area()
     }
@@ -210,8 +216,7 @@ fn solve(door: &Door, problem: Discrete, method: Method, threads: usize) -> Resu
             matrix_free::solve_nested(&problem, &matrix_free::Settings { threads, ..matrix_free::Settings::default() })?
         }
     };
-    let (iterations, operator_products) = (solution.iterations, solution.operator_products);
-    Ok(GridState { method, problem, solution, iterations, operator_products, left_out, remarks })
+    Ok(GridState { left_out, remarks, ..GridState::of(method, problem, solution) })
 }
 
 /// In place of the quadratic programme, when it was not built.
@@ -326,7 +331,7 @@ pub(crate) fn gap_left(state: &GridState) -> Vec<f64> {
 }
 
 /// A larger box, when contact touches a border with overlap beyond it, or a point outside penetrates.
-fn outgrown(door: &Door, window: &Rect, state: &GridState) -> Option<Rect> {
+pub(crate) fn outgrown(door: &Door, window: &Rect, state: &GridState) -> Option<Rect> {
     let grid = &state.problem.grid;
     let loaded =
         Rect::holding((0..grid.len()).filter(|&k| state.solution.pressure[k] > 0.0).map(|k| grid.centre_of(k)))?;

@@ -83,7 +83,10 @@ impl<'a> Family<'a> {
         let found = exact::as_far_as(FINEST, &door, &self.settings, method, degree)?;
         let reached = found.error / found.force;
         if self.settings.cells.is_none() && reached > self.tolerance {
-            let reason = format!("relative error {reached:.1e} reached at depth {depth:e}; the tolerance is {:.1e}", self.tolerance);
+            let reason = format!(
+                "relative error {reached:.1e} reached at depth {depth:e}; the tolerance is {:.1e}",
+                self.tolerance
+            );
             return Err(Unsolved::new(Verdict::ToleranceNotReached, reason));
         }
         dimensional(self.contact, &door, &found, degree, depth, [0.0; 2], &self.settings)

@@ -3,6 +3,9 @@
 //! P(s) runs from one power of the overlap s to another, so ln P is nearly straight in ln s: cubic Hermite pieces with
 //! the exact slopes m = s P'/P are exact for powers and of fourth order in the ratio of neighbouring overlaps between
 //! them. States are added where the law misses a new one.
+//!
+//! A grid knows the force to second order in its cells and the slope, which jumps whenever a row of cells comes into contact, to
+//! first: the slopes are taken, within their doubt, where they bend the law least. The values then tell them to one another.
 
 use super::Sample;
 use crate::error::Unsolved;
@@ -13,10 +16,19 @@ const LEFT: f64 = 0.125;
 /// Equal ratios that the range is divided into before any interval is judged.
 const FIRST: usize = 4;
 
+/// Relative doubt of a slope from a grid whose force is in error by e: this times e^(1/2). Measured on pyramids, cones, two tips
+/// and a rounded cone at e from 1e-6 to 1e-4, the true share is below 0.17.
+const DOUBT_OF_SLOPES: f64 = 0.2;
+
+/// Sweeps over the slopes: each leaves less than a quarter of the error before it.
+const SWEEPS: usize = 24;
+
 /// The states by overlap, and how well they determine what lies between.
 pub(super) struct Law {
     /// s, P, m = d ln P/d ln s.
     knots: Vec<[f64; 3]>,
+    /// Relative doubt of each slope.
+    doubts: Vec<f64>,
     /// Estimate of the largest relative error between the states, theirs included.
     pub error: f64,
 }
@@ -55,20 +67,18 @@ impl Law {
                 let by_halving = LEFT * (found[k].missed - found[k].doubt);
                 // A state's error takes part in a neighbour's extrapolation with a share below this.
                 let narrow = law.knots[k + 1][0] < (1.0 + 1e-6) * law.knots[k][0];
-                if narrow { 0.0 } else { by_halving.max(law.unseen(k) - noise(k)) }
+                if narrow { 0.0 } else { by_halving.max(law.unseen(k) - noise(k)).max(law.unsure(k)) }
             };
             let widest = (0..found.len()).max_by(|&a, &b| open(a).total_cmp(&open(b))).unwrap_or(0);
             if open(widest) <= accuracy || states.len() >= most {
                 let own = states.iter().filter_map(|s| s.force_error).fold(0.0, f64::max);
-                let between = (0..found.len()).map(|k| (LEFT * found[k].missed).max(law.unseen(k))).fold(0.0, f64::max);
+                let left = |k: usize| (LEFT * found[k].missed).max(law.unseen(k)).max(law.unsure(k));
+                let between = (0..found.len()).map(left).fold(0.0, f64::max);
                 return Ok((Self { error: own + between, ..law }, states));
             }
             let s = (law.knots[widest][0] * law.knots[widest + 1][0]).sqrt();
             let state = solve(s)?;
-            let miss = Miss {
-                missed: (law.at(s)[0] / state.force).ln().abs(),
-                doubt: doubt(&state) + noise(widest),
-            };
+            let miss = Miss { missed: (law.at(s)[0] / state.force).ln().abs(), doubt: doubt(&state) + noise(widest) };
             states.insert(widest + 1, state);
             found[widest] = miss;
             found.insert(widest, miss);
@@ -92,13 +102,41 @@ impl Law {
         (0.5 * h).powi(4) * terms.fold(0.0, f64::max)
     }
 
+    /// What the slopes leave open in the middle of an interval, h/8 of the difference of their errors, of which the values of the
+    /// neighbours settle a third or more.
+    fn unsure(&self, k: usize) -> f64 {
+        let ([a, _, m], [b, _, n]) = (self.knots[k], self.knots[k + 1]);
+        (b / a).ln() * (m * self.doubts[k]).max(n * self.doubts[k + 1]) / 12.0
+    }
+
     fn through(states: &[Sample], first_touch: f64) -> Self {
-        let knot = |state: &Sample| {
-            let s = state.depth - first_touch;
-            // Convex from zero: P' is at least P/s.
-            [s, state.force, (state.stiffness * s / state.force).max(1.0)]
-        };
-        Self { knots: states.iter().map(knot).collect(), error: 0.0 }
+        let given: Vec<[f64; 3]> = states
+            .iter()
+            .map(|state| {
+                let s = state.depth - first_touch;
+                // Convex from zero: P' is at least P/s.
+                [s, state.force, (state.stiffness * s / state.force).max(1.0)]
+            })
+            .collect();
+        let doubts: Vec<f64> =
+            states.iter().map(|state| DOUBT_OF_SLOPES * state.force_error.unwrap_or(0.0).sqrt()).collect();
+        let mut law = Self { knots: given.clone(), doubts: doubts.clone(), error: 0.0 };
+        for _ in 0..SWEEPS {
+            for k in 1..given.len() - 1 {
+                let m = given[k][2];
+                law.knots[k][2] = law.smooth(k).clamp(m * (1.0 - doubts[k]), m * (1.0 + doubts[k])).max(1.0);
+            }
+        }
+        law
+    }
+
+    /// The slope in an inner knot that bends the law least: its second derivative does not jump there.
+    fn smooth(&self, k: usize) -> f64 {
+        let between = |a: [f64; 3], b: [f64; 3]| ((b[0] / a[0]).ln(), (b[1] / a[1]).ln());
+        let [before, here, after] = [self.knots[k - 1], self.knots[k], self.knots[k + 1]];
+        let ((h, rise), (i, climb)) = (between(before, here), between(here, after));
+        let (left, right) = (3.0 * rise / h - before[2], 3.0 * climb / i - after[2]);
+        0.5 * (left * i + right * h) / (h + i)
     }
 
     /// The cubic piece between states k and k + 1, within or beyond them: ln P less that of state k, and its slope.

@@ -17,7 +17,7 @@
 //! | `gap` | `{field}`: the gap after loading, when asked for |
 //! | `verdict`, `reason` | `solved`, or what is wrong in one word and in a sentence |
 //! | `checks` | `{complementarity, tension, penetration}`, relative, recomputed |
-//! | `cost` | `{seconds, unknowns, iterations, operator_products}` |
+//! | `cost` | `{seconds, unknowns, iterations, operator_products, steps}` |
 //! | `left_out`, `remarks` | sentences |
 //!
 //! A field is `{origin, spacing, shape, values}`: `shape` = [nx, ny] cells, `origin` the lower left corner of cell (0, 0),
@@ -259,11 +259,12 @@ struct CostOf<'a>(&'a Solution);
 impl Serialize for CostOf<'_> {
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
         let cost = &self.0.cost;
-        let mut map = to.serialize_map(Some(4))?;
+        let mut map = to.serialize_map(Some(5))?;
         map.serialize_entry("seconds", &finite(cost.seconds))?;
         map.serialize_entry("unknowns", &cost.unknowns)?;
         map.serialize_entry("iterations", &cost.iterations)?;
         map.serialize_entry("operator_products", &cost.operator_products)?;
+        map.serialize_entry("steps", &cost.steps)?;
         map.end()
     }
 }
