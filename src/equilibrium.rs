@@ -136,7 +136,7 @@ pub(crate) fn under_moment(
     moment: [f64; 2],
     start: Solution,
     size: f64,
-    close: f64,
+    close: impl Fn(Method) -> f64,
 ) -> Result<Solution, Unsolved> {
     let nowhere = |steps: usize, state: &Solution| {
         let through = [-moment[1] / force, moment[0] / force];
@@ -159,7 +159,7 @@ pub(crate) fn under_moment(
         };
         let missing = target - Vector3::new(state.force, -moment[1], moment[0]);
         let error = missing.component_div(&unit).amax();
-        if error <= close {
+        if error <= close(state.method) {
             return Ok(state);
         }
         let matrix = Matrix3::from_fn(|i, j| stiffness[i][j]);
@@ -190,6 +190,6 @@ pub(crate) fn under_moment(
         }
         state = next;
     }
-    let reason = format!("force and moments are not balanced to {close:.0e} after {MOST_STEPS} steps");
+    let reason = format!("force and moments are not balanced after {MOST_STEPS} steps");
     Err(Unsolved::new(Verdict::IterationLimit, reason))
 }

@@ -265,7 +265,12 @@ fn at_moment(contact: &Contact, force: f64, moment: [f64; 2], settings: &Setting
     let size = (upright.patch.area / std::f64::consts::PI).sqrt();
     // The last linear step of a force-driven solve has no place here: the state is solved anew at every tilt.
     let mut engine = Engine::new(contact, settings, true);
-    equilibrium::under_moment(&mut engine, force, moment, upright, size, 0.01 * settings.tolerance)
+    let close = |method| match method {
+        // Rounding in the force of a deep state is what is left.
+        Method::ClosedForm => 1e-11,
+        _ => 0.01 * settings.tolerance,
+    };
+    equilibrium::under_moment(&mut engine, force, moment, upright, size, close)
 }
 
 /// The state at a prescribed depth and tilt, by the method that the settings ask for.

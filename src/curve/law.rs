@@ -11,7 +11,10 @@ use super::Sample;
 use crate::error::Unsolved;
 
 /// Share of a miss in the middle of an interval that is left in its halves: 1/16 where the law is smooth.
-const LEFT: f64 = 0.125;
+const LEFT: f64 = 0.2;
+
+/// What terms beyond the fourth degree are allowed to add to it.
+const HIGHER: f64 = 1.5;
 
 /// Equal ratios that the range is divided into before any interval is judged.
 const FIRST: usize = 4;
@@ -99,14 +102,13 @@ impl Law {
             let by_slope = (m - slope).abs() / (2.0 * u * v * (u + v)).abs();
             by_value.max(by_slope)
         });
-        (0.5 * h).powi(4) * terms.fold(0.0, f64::max)
+        HIGHER * (0.5 * h).powi(4) * terms.fold(0.0, f64::max)
     }
 
-    /// What the slopes leave open in the middle of an interval, h/8 of the difference of their errors, of which the values of the
-    /// neighbours settle a third or more.
+    /// What the slopes leave open in the middle of an interval, h/8 of the difference of their errors.
     fn unsure(&self, k: usize) -> f64 {
         let ([a, _, m], [b, _, n]) = (self.knots[k], self.knots[k + 1]);
-        (b / a).ln() * (m * self.doubts[k]).max(n * self.doubts[k + 1]) / 12.0
+        (b / a).ln() * (m * self.doubts[k]).max(n * self.doubts[k + 1]) / 8.0
     }
 
     fn through(states: &[Sample], first_touch: f64) -> Self {
