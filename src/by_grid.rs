@@ -41,6 +41,14 @@ pub(crate) fn solution(
     if with_matrix { with_stiffness_matrix(contact, &door, &refined.state, solution) } else { Ok(solution) }
 }
 
+/// Whether the contact at this depth is solved on several grids, which [`Held`] does not do.
+pub(crate) fn on_several_grids(contact: &Contact, depth: f64, settings: &Settings) -> bool {
+    match extent(contact.gap(), depth) {
+        Reach::Within(reach) => separate::rectangles(contact.gap(), depth, &reach, settings).is_some(),
+        _ => false,
+    }
+}
+
 fn with_stiffness_matrix(
     contact: &Contact,
     door: &Door,

@@ -142,8 +142,12 @@ impl<'a> Engine<'a> {
     /// On a grid, without tilt: a coarse one when that is enough, the cells of the last full one when the contact stays on them.
     fn upright(&mut self, depth: f64, quick: bool) -> Result<Solution, Unsolved> {
         let apart = || Ok(Solution::apart(self.settings.method, depth, [0.0; 2]));
+        let rough = Settings { outputs: Outputs::default(), ..*self.settings };
+        if by_grid::on_several_grids(self.contact, depth, self.settings) {
+            let rough = Settings { tolerance: ROUGH, ..rough };
+            return respond(self.contact, depth, [0.0; 2], if quick { &rough } else { self.settings }, false);
+        }
         if quick {
-            let rough = Settings { outputs: Outputs::default(), ..*self.settings };
             let found = Held::roughly(self.contact, depth, &rough)?;
             return found.map_or_else(apart, |held| Ok(held.solution(self.contact, &rough)));
         }
@@ -158,6 +162,9 @@ impl<'a> Engine<'a> {
         self.held.as_ref().map_or_else(apart, |held| Ok(held.solution(self.contact, self.settings)))
     }
 }
+
+/// Relative error of the force that the search for equilibrium begins with.
+const ROUGH: f64 = 0.02;
 
 impl Respond for Engine<'_> {
     fn respond(&mut self, depth: f64, tilt: [f64; 2], quick: bool) -> Result<Solution, Unsolved> {

@@ -1,7 +1,7 @@
 //! The states of one contact at many depths, each as exact as the curve needs it.
 
 use super::Sample;
-use crate::by_grid::dimensional;
+use crate::by_grid::{dimensional, on_several_grids};
 use crate::contact::Contact;
 use crate::domain::Door;
 use crate::error::{Unsolved, Verdict};
@@ -76,6 +76,12 @@ impl<'a> Family<'a> {
     }
 
     fn on_grid(&self, depth: f64) -> Result<Solution, Unsolved> {
+        if on_several_grids(self.contact, depth, &self.settings) {
+            // No finer than it can be had.
+            let loose = Settings { tolerance: self.tolerance, ..self.settings };
+            return respond(self.contact, depth, [0.0; 2], &self.settings, false)
+                .or_else(|_| respond(self.contact, depth, [0.0; 2], &loose, false));
+        }
         let method = if self.settings.method == Method::Qp { Method::Qp } else { Method::Fft };
         let apart = || Unsolved::new(Verdict::NotApplicable, format!("no contact at depth {depth:e}"));
         let door = Door::enter(self.contact.gap(), depth)?.ok_or_else(apart)?;
