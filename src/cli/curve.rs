@@ -1,5 +1,6 @@
 //! `contact-patch curve`
 
+use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -82,6 +83,15 @@ impl CurveCommand {
                 return Ok(ExitCode::from(1));
             }
         };
+        if curve.interpolation_error() > self.accuracy {
+            // A closed stderr does not make the curve worse.
+            let said = curve.interpolation_error();
+            let _ = writeln!(
+                std::io::stderr().lock(),
+                "note: estimated error of the force {said:.1e}, more than the accuracy asked for, {:.1e}",
+                self.accuracy
+            );
+        }
         let text = match self.format {
             Format::Csv => curve.csv(self.steps),
             Format::Json => curve.json(),

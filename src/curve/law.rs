@@ -70,7 +70,9 @@ impl Law {
                 let by_halving = LEFT * (found[k].missed - found[k].doubt);
                 // A state's error takes part in a neighbour's extrapolation with a share below this.
                 let narrow = law.knots[k + 1][0] < (1.0 + 1e-6) * law.knots[k][0];
-                if narrow { 0.0 } else { by_halving.max(law.unseen(k) - noise(k)).max(law.unsure(k)) }
+                let open = by_halving.max(law.unseen(k) - noise(k)).max(law.unsure(k));
+                // More states do not know more than each of them.
+                if narrow || open <= noise(k) { 0.0 } else { open }
             };
             let widest = (0..found.len()).max_by(|&a, &b| open(a).total_cmp(&open(b))).unwrap_or(0);
             if open(widest) <= accuracy || states.len() >= most {
