@@ -3,7 +3,7 @@
 use crate::Contact;
 use crate::error::{Unsolved, Verdict};
 use crate::fabrikant::{self, Approximation, Error, Family};
-use crate::gap::{AnyGap, Gap, lowest};
+use crate::gap::{AnyGap, Gap, least};
 use crate::settings::{BoundaryFamily, Method, Settings};
 use crate::solution::{Cost, Patch, PressureSummary, Solution};
 
@@ -18,8 +18,7 @@ pub(crate) fn solution(
     tilt: [f64; 2],
     settings: &Settings,
 ) -> Result<Solution, Unsolved> {
-    let [x, y] = lowest(&**gap, gap.centre());
-    if depth <= gap.gap(x, y) {
+    if depth <= least(&**gap).1 {
         return Ok(Solution::apart(settings.method, depth, tilt));
     }
     let fine = fabrikant::Settings {
@@ -91,7 +90,7 @@ fn dimensional(contact: &Contact, depth: f64, tilt: [f64; 2], settings: &Setting
         },
         pressure: PressureSummary { mean: Some(found.force / found.area), ..PressureSummary::default() },
         residuals: None,
-        cost: Cost { seconds: 0.0, unknowns: found.rays, iterations: found.iterations, operator_products: 0 },
+        cost: Cost { unknowns: found.rays, iterations: found.iterations, ..Cost::default() },
         left_out,
         remarks,
     }

@@ -1,13 +1,15 @@
 //! A state of contact from the grid, in the user's units.
 
 use crate::Contact;
+use crate::discrete::Discrete;
 use crate::domain::Door;
 use crate::error::Unsolved;
 use crate::exact::{self, GridState, Refined};
-use crate::gap::{AnyGap, Gap};
+use crate::gap::{AnyGap, Gap, Reach, extent};
 use crate::geometry::Rect;
 use crate::grid::{Grid, Pressure};
 use crate::homogeneity::{self, Degree};
+use crate::matrix_free;
 use crate::patch;
 use crate::separate;
 use crate::settings::{Method, Settings};
@@ -37,6 +39,14 @@ pub(crate) fn solution(
     let refined = exact::refined(&door, settings, method, degree)?;
     let solution = dimensional(contact, &door, &refined, degree, depth, tilt, settings)?;
     if with_matrix { with_stiffness_matrix(contact, &door, &refined.state, solution) } else { Ok(solution) }
+}
+
+/// Whether the contact at this depth is solved on several grids, which [`Held`] does not do.
+pub(crate) fn on_several_grids(contact: &Contact, depth: f64, settings: &Settings) -> bool {
+    match extent(contact.gap(), depth) {
+        Reach::Within(reach) => separate::rectangles(contact.gap(), depth, &reach, settings).is_some(),
+        _ => false,
+    }
 }
 
 fn with_stiffness_matrix(
@@ -79,10 +89,90 @@ pub(crate) fn in_frame(
     *frame = Some(outward(&window));
     let force = state.force();
     let error = exact::other_kernel(&door, &state)? - force;
-    let refined = Refined { force, error: error.abs(), state };
+    let refined = Refined { force, error: error.abs(), state, stopped: None };
     let solution = dimensional(contact, &door, &refined, None, depth, tilt, settings)?;
     with_stiffness_matrix(contact, &door, &refined.state, solution)
 }
+
+/// A solved grid with what it takes to go on from it to another depth.
+pub(crate) struct Held<'a> {
+    door: Door<'a>,
+    refined: Refined,
+    /// Pressure that grows with the depth on the cells in contact.
+    growing: Vec<f64>,
+}
+
+impl<'a> Held<'a> {
+    /// The state at a depth of the untilted contact; `None` when the bodies do not touch.
+    ///
+    /// # Errors
+    /// As [`solution`].
+    pub fn at_depth(contact: &'a Contact, depth: f64, settings: &Settings) -> Result<Option<Self>, Unsolved> {
+        let method = if settings.method == Method::Qp { Method::Qp } else { Method::Fft };
+        let Some(door) = Door::enter(contact.gap(), depth)? else { return Ok(None) };
+        let refined = exact::refined(&door, settings, method, None)?;
+        Ok(Some(Self::grown(door, refined)?))
+    }
+
+    /// A state good to a few percent: one coarse grid.
+    pub fn roughly(contact: &'a Contact, depth: f64, settings: &Settings) -> Result<Option<Self>, Unsolved> {
+        let Some(door) = Door::enter(contact.gap(), depth)? else { return Ok(None) };
+        let window = crate::domain::locate(&door)?;
+        let grid = Grid::over(&window, crate::domain::shape(&window, ROUGH_CELLS));
+        let problem = Discrete::sample(&door.gap, door.depth, grid, settings.kernel);
+        let solution = exact::coarse(&problem)?;
+        let state = GridState::of(Method::Fft, problem, solution);
+        let refined = Refined { force: state.force(), error: f64::INFINITY, state, stopped: None };
+        Ok(Some(Self::grown(door, refined)?))
+    }
+
+    /// The state at another depth on the same cells, from here; `None` when they do not hold its contact.
+    ///
+    /// # Errors
+    /// `IterationLimit`.
+    pub fn moved(&self, contact: &'a Contact, depth: f64, settings: &Settings) -> Result<Option<Self>, Unsolved> {
+        let Reach::Within(reach) = extent(contact.gap(), depth) else { return Ok(None) };
+        let scaled = self.door.gap;
+        let reach = Rect { min: scaled.inward(reach.min), max: scaled.inward(reach.max) };
+        // A smaller reach takes no cell away.
+        let door = Door { gap: scaled, depth: depth / scaled.depth, reach: reach.union(&self.door.reach) };
+        let deeper = door.depth - self.door.depth;
+        let Refined { state: before, force, error, .. } = &self.refined;
+        let problem =
+            Discrete { overlap: before.problem.overlap.iter().map(|f| f + deeper).collect(), ..before.problem.clone() };
+        // To first order in the change, exactly.
+        let start: Vec<f64> = before.solution.pressure.iter().zip(&self.growing).map(|(p, m)| p + deeper * m).collect();
+        let settings = matrix_free::Settings { threads: settings.threads, ..matrix_free::Settings::default() };
+        let solution = matrix_free::solve(&problem, Some(&start), &settings)?;
+        let state = GridState {
+            iterations: solution.iterations,
+            operator_products: solution.operator_products,
+            problem,
+            solution,
+            ..before.clone()
+        };
+        if exact::outgrown(&door, &state.problem.grid.extent(), &state).is_some() {
+            return Ok(None);
+        }
+        let error = error / force * state.force();
+        Ok(Some(Self::grown(door, Refined { force: state.force(), error, state, stopped: None })?))
+    }
+
+    fn grown(door: Door<'a>, refined: Refined) -> Result<Self, Unsolved> {
+        let growing = exact::growth(&refined.state, &vec![1.0; refined.state.problem.grid.len()])?;
+        Ok(Self { door, refined, growing })
+    }
+
+    /// In the user's units.
+    pub fn solution(&self, contact: &Contact, settings: &Settings) -> Solution {
+        let stiffness = self.growing.iter().sum::<f64>() * self.refined.state.problem.grid.cell_area();
+        let depth = self.door.depth * self.door.gap.depth;
+        in_users_units(contact, &self.door, &self.refined, stiffness, depth, [0.0; 2], settings)
+    }
+}
+
+/// Cells along the longer side of the grid that only has to show the way.
+const ROUGH_CELLS: usize = 32;
 
 /// What the box of an upright contact is enlarged by before the punch tilts.
 const ROOM: f64 = 1.3;
@@ -97,14 +187,26 @@ pub(crate) fn dimensional(
     tilt: [f64; 2],
     settings: &Settings,
 ) -> Result<Solution, Unsolved> {
-    let Refined { state, force, error } = refined;
-    let (length, height, e_star) = (door.gap.length, door.gap.depth, contact.modulus().e_star());
-    let unit_force = e_star * height * length;
     let stiffness = match degree {
         // P ~ d^(1 + 1/k).
-        Some(degree) => (1.0 + degree.inverse()) * force / door.depth,
-        None => exact::stiffness(state)?,
+        Some(degree) => (1.0 + degree.inverse()) * refined.force / door.depth,
+        None => exact::stiffness(&refined.state)?,
     };
+    Ok(in_users_units(contact, door, refined, stiffness, depth, tilt, settings))
+}
+
+fn in_users_units(
+    contact: &Contact,
+    door: &Door,
+    refined: &Refined,
+    stiffness: f64,
+    depth: f64,
+    tilt: [f64; 2],
+    settings: &Settings,
+) -> Solution {
+    let Refined { state, force, error, .. } = refined;
+    let (length, height, e_star) = (door.gap.length, door.gap.depth, contact.modulus().e_star());
+    let unit_force = e_star * height * length;
     let grid = state.problem.grid;
     let values = &state.solution.pressure;
     let mut patch = patch::of(&state.problem, &state.solution, door.gap.inward(contact.gap().reference()));
@@ -136,7 +238,7 @@ pub(crate) fn dimensional(
             .gap
             .then(|| (outward_grid, exact::gap_left(state).into_iter().map(|g| g * height).collect())),
     };
-    Ok(Solution {
+    Solution {
         method: state.method,
         depth,
         tilt,
@@ -155,10 +257,11 @@ pub(crate) fn dimensional(
             unknowns: state.solution.unknowns,
             iterations: state.iterations,
             operator_products: state.operator_products,
+            steps: 0,
         },
         left_out: state.left_out.clone(),
         remarks: state.remarks.clone(),
-    })
+    }
 }
 
 /// Mx = integral of p y, My = - integral of p x about the scene's origin, in units of force times the user's length.

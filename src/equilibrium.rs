@@ -8,6 +8,8 @@
 use nalgebra::{Matrix3, Vector3};
 
 use crate::error::{Unsolved, Verdict};
+use crate::gap::{AnyGap, Reach, extent, least};
+use crate::settings::Method;
 use crate::solution::Solution;
 
 /// Steps of the quick search before the load is taken to have no depth.
@@ -25,14 +27,37 @@ pub(crate) trait Respond {
     fn respond(&mut self, depth: f64, tilt: [f64; 2], quick: bool) -> Result<Solution, Unsolved>;
 }
 
+/// An overlap whose force is of this size: P = 2 E* a d on half the width a of {f > 0}.
+pub(crate) fn overlap_of_size(gap: &AnyGap, e_star: f64, force: f64) -> f64 {
+    let (_, least) = least(&**gap);
+    // Forces are of the size E* times length squared: begin with that length.
+    let mut overlap = (force.abs() / e_star).sqrt();
+    for _ in 0..24 {
+        match extent(gap, least + overlap) {
+            Reach::Within(reach) => {
+                let half = 0.25 * (reach.size()[0] + reach.size()[1]);
+                let next = (overlap * force.abs() / (2.0 * e_star * half)).sqrt();
+                let close = (next / overlap).ln().abs() < 0.1;
+                overlap = next;
+                if close {
+                    break;
+                }
+            }
+            Reach::Nowhere => overlap *= 10.0,
+            Reach::Unbounded | Reach::Unknown => overlap *= 1e-3,
+        }
+    }
+    overlap
+}
+
 /// The state under a force without tilt. `lowest` is the least gap, `scale` an overlap to begin with, `close` the relative
-/// error of the force that may be left to the last, linear step.
+/// error of the force that may be left to the last, linear step, by the method that ran.
 pub(crate) fn under_force(
     engine: &mut dyn Respond,
     force: f64,
     lowest: f64,
     scale: f64,
-    close: f64,
+    close: impl Fn(Method) -> f64,
 ) -> Result<Solution, Unsolved> {
     let mut overlap = scale;
     // Overlaps with too little force and with too much, as far as they are known.
@@ -61,7 +86,7 @@ pub(crate) fn under_force(
         let miss = (force / state.force).ln();
         if !quick {
             full_steps += 1;
-            if miss.abs() <= close || full_steps == MOST_FULL_STEPS {
+            if miss.abs() <= close(state.method) || full_steps == MOST_FULL_STEPS {
                 return Ok(last_step(state, force));
             }
         }
@@ -111,7 +136,7 @@ pub(crate) fn under_moment(
     moment: [f64; 2],
     start: Solution,
     size: f64,
-    close: f64,
+    close: impl Fn(Method) -> f64,
 ) -> Result<Solution, Unsolved> {
     let nowhere = |steps: usize, state: &Solution| {
         let through = [-moment[1] / force, moment[0] / force];
@@ -134,7 +159,7 @@ pub(crate) fn under_moment(
         };
         let missing = target - Vector3::new(state.force, -moment[1], moment[0]);
         let error = missing.component_div(&unit).amax();
-        if error <= close {
+        if error <= close(state.method) {
             return Ok(state);
         }
         let matrix = Matrix3::from_fn(|i, j| stiffness[i][j]);
@@ -165,6 +190,6 @@ pub(crate) fn under_moment(
         }
         state = next;
     }
-    let reason = format!("force and moments are not balanced to {close:.0e} after {MOST_STEPS} steps");
+    let reason = format!("force and moments are not balanced after {MOST_STEPS} steps");
     Err(Unsolved::new(Verdict::IterationLimit, reason))
 }

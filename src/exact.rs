@@ -28,6 +28,12 @@ pub(crate) struct GridState {
 }
 
 impl GridState {
+    /// A solution of a problem, as it comes from the solver.
+    pub fn of(method: Method, problem: Discrete, solution: DiscreteSolution) -> Self {
+        let (iterations, operator_products) = (solution.iterations, solution.operator_products);
+        Self { method, problem, solution, iterations, operator_products, left_out: Vec::new(), remarks: Vec::new() }
+    }
+
     pub fn force(&self) -> f64 {
         self.solution.pressure.iter().sum::<f64>() * self.problem.grid.cell_area()
     }
@@ -79,14 +85,40 @@ pub(crate) struct Refined {
     pub force: f64,
     /// Estimate of its error, absolute.
     pub error: f64,
+    /// What kept the method from finer grids.
+    pub stopped: Option<String>,
 }
 
 /// The contact at one depth, on grids that double until the estimated error of the force is below the tolerance, or on
 /// the prescribed number of cells and half of it.
+pub(crate) fn refined(
+    door: &Door,
+    settings: &Settings,
+    method: Method,
+    degree: Option<Degree>,
+) -> Result<Refined, Unsolved> {
+    let best = as_far_as(FINEST, door, settings, method, degree)?;
+    let reached = best.error / best.force;
+    if settings.cells.is_some() || reached <= settings.tolerance {
+        return Ok(best);
+    }
+    let reason = match best.stopped {
+        Some(why) => format!("relative error {reached:.1e} reached; {why}"),
+        None => format!(
+            "relative error {reached:.1e} reached with {FINEST} cells along the longer side; the tolerance is {:.1e}",
+            settings.tolerance
+        ),
+    };
+    Err(Unsolved::new(Verdict::ToleranceNotReached, reason))
+}
+
+/// As [`refined`], with at most `finest` cells along the longer side where their number is not prescribed: the best that
+/// can be had of them, whether or not that meets the tolerance.
 ///
 /// The Galerkin energy of a homogeneous gap gives the force, P = (2 + 1/k) U/d, without the jitter of a sum over a
 /// whole number of cells; it is that which is extrapolated.
-pub(crate) fn refined(
+pub(crate) fn as_far_as(
+    finest: usize,
     door: &Door,
     settings: &Settings,
     method: Method,
@@ -100,16 +132,15 @@ pub(crate) fn refined(
         Some(cells) => {
             [cells.div_ceil(4), cells.div_ceil(2), cells].into_iter().filter(|&n| n == cells || n >= 6).collect()
         }
-        None => (0..).map(|level| COARSEST << level).take_while(|&n| n <= FINEST).collect(),
+        None => (0..).map(|level| COARSEST << level).take_while(|&n| n <= finest).collect(),
     };
     let mut best: Option<Refined> = None;
     for cells in ladder {
         let state = match at_resolution(door, &mut window, cells, settings, method) {
             // The grid before was the finest that this method can hold.
             Err(e) if e.verdict == Verdict::TooLarge && settings.cells.is_none() && best.is_some() => {
-                let reached = best.map_or(f64::NAN, |b| b.error / b.force);
-                let reason = format!("relative error {reached:.1e} reached; {}", e.reason);
-                return Err(Unsolved::new(Verdict::ToleranceNotReached, reason));
+                best = best.map(|b| Refined { stopped: Some(e.reason), ..b });
+                break;
             }
             other => other?,
         };
@@ -137,31 +168,22 @@ pub(crate) fn refined(
         }
         if settings.cells.is_some() {
             // Who prescribes the grid wants the force of that grid.
-            best = Some(Refined { state, force, error: error + (force - value).abs() });
+            best = Some(Refined { state, force, error: error + (force - value).abs(), stopped: None });
             continue;
         }
         // Edges of flat punches converge with another order than smooth contacts: three grids show which.
         let clean = matches!(from_energy, Some(Degree::Power(_)));
         let good = error <= settings.tolerance * value && (clean || forces.len() >= 3);
-        best = Some(Refined { state, force: value, error });
+        best = Some(Refined { state, force: value, error, stopped: None });
         if good {
             break;
         }
     }
     // The door opens only when the bodies overlap somewhere, so they do touch.
-    let Some(best) = best.filter(|b| b.force > 0.0) else {
+    best.filter(|b| b.force > 0.0).ok_or_else(|| {
         let reason = "the bodies overlap, but no cell does as a whole: the grid is too coarse to see the contact";
-        return Err(Unsolved::new(Verdict::ToleranceNotReached, reason));
-    };
-    if settings.cells.is_none() && best.error > settings.tolerance * best.force {
-        let reason = format!(
-            "relative error {:.1e} reached with {FINEST} cells along the longer side; the tolerance is {:.1e}",
-            best.error / best.force,
-            settings.tolerance
-        );
-        return Err(Unsolved::new(Verdict::ToleranceNotReached, reason));
-    }
-    Ok(best)
+        Unsolved::new(Verdict::ToleranceNotReached, reason)
+    })
 }
 
 /// The force on the same grid by the other kernel.
@@ -194,8 +216,7 @@ fn solve(door: &Door, problem: Discrete, method: Method, threads: usize) -> Resu
             matrix_free::solve_nested(&problem, &matrix_free::Settings { threads, ..matrix_free::Settings::default() })?
         }
     };
-    let (iterations, operator_products) = (solution.iterations, solution.operator_products);
-    Ok(GridState { method, problem, solution, iterations, operator_products, left_out, remarks })
+    Ok(GridState { left_out, remarks, ..GridState::of(method, problem, solution) })
 }
 
 /// In place of the quadratic programme, when it was not built.
@@ -310,7 +331,7 @@ pub(crate) fn gap_left(state: &GridState) -> Vec<f64> {
 }
 
 /// A larger box, when contact touches a border with overlap beyond it, or a point outside penetrates.
-fn outgrown(door: &Door, window: &Rect, state: &GridState) -> Option<Rect> {
+pub(crate) fn outgrown(door: &Door, window: &Rect, state: &GridState) -> Option<Rect> {
     let grid = &state.problem.grid;
     let loaded =
         Rect::holding((0..grid.len()).filter(|&k| state.solution.pressure[k] > 0.0).map(|k| grid.centre_of(k)))?;

@@ -5,8 +5,9 @@ use std::fmt;
 use crate::contact::{Contact, Load};
 use crate::discrete::Discrete;
 use crate::domain::{Door, shape};
+use crate::equilibrium::overlap_of_size;
 use crate::error::Unsolved;
-use crate::gap::{AnyGap, Gap, Reach, Tilted, extent, lowest};
+use crate::gap::{AnyGap, Reach, Tilted, extent, least};
 use crate::geometry::Rect;
 use crate::grid::Grid;
 use crate::homogeneity::{self, Degree};
@@ -128,32 +129,11 @@ fn probe(contact: &Contact, loads: &[Load], steps: &mut Vec<String>) -> (f64, [f
             let what = if matches!(loads[0], Load::Force(_)) { "depth" } else { "depth and two tilts" };
             steps
                 .push(format!("{count}force {force:e} is given: Newton's method for {what}, with the exact stiffness"));
-            (depth_of_size(contact.gap(), contact.modulus().e_star(), force), [0.0; 2])
+            let gap = contact.gap();
+            let overlap = overlap_of_size(gap, contact.modulus().e_star(), force);
+            (least(&**gap).1 + overlap, [0.0; 2])
         }
     }
-}
-
-/// A depth whose force is of this size: P = 2 E* a d on half the width a of the overlap.
-fn depth_of_size(gap: &AnyGap, e_star: f64, force: f64) -> f64 {
-    let [x, y] = lowest(&**gap, gap.centre());
-    let least = gap.gap(x, y);
-    let mut overlap = (force.abs() / e_star).sqrt();
-    for _ in 0..24 {
-        match extent(gap, least + overlap) {
-            Reach::Within(reach) => {
-                let half = 0.25 * (reach.size()[0] + reach.size()[1]);
-                let next = (overlap * force / (2.0 * e_star * half)).sqrt();
-                let close = (next / overlap).ln().abs() < 0.1;
-                overlap = next;
-                if close {
-                    break;
-                }
-            }
-            Reach::Nowhere => overlap *= 10.0,
-            Reach::Unbounded | Reach::Unknown => overlap *= 1e-3,
-        }
-    }
-    least + overlap
 }
 
 fn in_words(found: &Recognised) -> (String, bool) {

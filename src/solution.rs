@@ -152,4 +152,6 @@ pub struct Cost {
     pub iterations: usize,
     /// Products with the compliance operator, all levels.
     pub operator_products: usize,
+    /// States that were solved to balance a load; 0 where the depth was given.
+    pub steps: usize,
 }

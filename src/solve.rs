@@ -3,14 +3,15 @@
 use std::time::Instant;
 
 use crate::bracketed::with_bracket;
+use crate::by_grid::Held;
 use crate::contact::{Contact, Load};
 use crate::equilibrium::{self, Respond};
 use crate::error::{Unsolved, Verdict};
-use crate::gap::{AnyGap, Gap, Reach, Tilted, extent, lowest};
+use crate::gap::{AnyGap, Gap, Reach, Tilted, extent, least};
 use crate::geometry::Rect;
 use crate::homogeneity::{self, Degree};
 use crate::settings::{Method, Outputs, Settings};
-use crate::solution::Solution;
+use crate::solution::{Cost, Solution};
 use crate::{by_approximation, by_formula, by_grid};
 
 /// Solves every state of the loading, in order.
@@ -109,32 +110,80 @@ struct Engine<'a> {
     with_matrix: bool,
     /// The box of the grid that all tilts share.
     frame: Option<Rect>,
+    /// The last full grid of an untilted contact.
+    held: Option<Held<'a>>,
+    /// Of all states so far.
+    spent: Cost,
 }
+
+impl<'a> Engine<'a> {
+    fn new(contact: &'a Contact, settings: &'a Settings, with_matrix: bool) -> Self {
+        Self { contact, settings, with_matrix, frame: None, held: None, spent: Cost::default() }
+    }
+
+    /// The state by a method without a grid; `None` when it takes a grid.
+    fn without_grid(&self, depth: f64, tilt: [f64; 2]) -> Option<Result<Solution, Unsolved>> {
+        let settings = self.settings;
+        match settings.method {
+            Method::Ritz | Method::Fabrikant | Method::ClosedForm => {
+                Some(respond(self.contact, depth, tilt, settings, self.with_matrix))
+            }
+            Method::Auto if settings.cells.is_none() && !settings.outputs.gap => {
+                let formula = Settings { method: Method::ClosedForm, ..*settings };
+                match respond(self.contact, depth, tilt, &formula, self.with_matrix) {
+                    Err(e) if e.verdict == Verdict::NoClosedForm => None,
+                    answered => Some(answered),
+                }
+            }
+            _ => None,
+        }
+    }
+
+    /// On a grid, without tilt: a coarse one when that is enough, the cells of the last full one when the contact stays on them.
+    fn upright(&mut self, depth: f64, quick: bool) -> Result<Solution, Unsolved> {
+        let apart = || Ok(Solution::apart(self.settings.method, depth, [0.0; 2]));
+        let rough = Settings { outputs: Outputs::default(), ..*self.settings };
+        if by_grid::on_several_grids(self.contact, depth, self.settings) {
+            let rough = Settings { tolerance: ROUGH, ..rough };
+            return respond(self.contact, depth, [0.0; 2], if quick { &rough } else { self.settings }, false);
+        }
+        if quick {
+            let found = Held::roughly(self.contact, depth, &rough)?;
+            return found.map_or_else(apart, |held| Ok(held.solution(self.contact, &rough)));
+        }
+        let moved = match &self.held {
+            Some(held) if self.settings.method != Method::Qp => held.moved(self.contact, depth, self.settings)?,
+            _ => None,
+        };
+        self.held = match moved {
+            Some(moved) => Some(moved),
+            None => Held::at_depth(self.contact, depth, self.settings)?,
+        };
+        self.held.as_ref().map_or_else(apart, |held| Ok(held.solution(self.contact, self.settings)))
+    }
+}
+
+/// Relative error of the force that the search for equilibrium begins with.
+const ROUGH: f64 = 0.02;
 
 impl Respond for Engine<'_> {
     fn respond(&mut self, depth: f64, tilt: [f64; 2], quick: bool) -> Result<Solution, Unsolved> {
-        if quick {
-            let rough = Settings { tolerance: 0.02, cells: None, outputs: Outputs::default(), ..*self.settings };
-            return respond(self.contact, depth, tilt, &rough, false);
-        }
-        if !self.with_matrix {
-            return respond(self.contact, depth, tilt, self.settings, false);
-        }
-        let method = self.settings.method;
-        if matches!(method, Method::Ritz | Method::Fabrikant | Method::ClosedForm) {
-            return respond(self.contact, depth, tilt, self.settings, true);
-        }
-        if method == Method::Auto && self.settings.cells.is_none() {
-            let formula = Settings { method: Method::ClosedForm, ..*self.settings };
-            match respond(self.contact, depth, tilt, &formula, true) {
-                Err(e) if e.verdict == Verdict::NoClosedForm => {}
-                answered => return answered,
+        let mut state = match self.without_grid(depth, tilt) {
+            Some(answered) => answered?,
+            None if !self.with_matrix => self.upright(depth, quick)?,
+            None => {
+                // One grid for all tilts: what differs from one to the next would be noise to Newton's method.
+                let coarsest = (2.0 / self.settings.tolerance.sqrt()).clamp(32.0, 512.0) as usize;
+                let cells = self.settings.cells.unwrap_or(coarsest);
+                let gap = tilted(self.contact, tilt);
+                by_grid::in_frame(self.contact, &gap, depth, tilt, self.settings, cells, &mut self.frame)?
             }
-        }
-        // One grid for all tilts: what differs from one to the next would be noise to Newton's method.
-        let cells = self.settings.cells.unwrap_or((2.0 / self.settings.tolerance.sqrt()).clamp(32.0, 512.0) as usize);
-        let gap = tilted(self.contact, tilt);
-        by_grid::in_frame(self.contact, &gap, depth, tilt, self.settings, cells, &mut self.frame)
+        };
+        self.spent.iterations += state.cost.iterations;
+        self.spent.operator_products += state.cost.operator_products;
+        self.spent.steps += 1;
+        state.cost = Cost { unknowns: state.cost.unknowns, ..self.spent };
+        Ok(state)
     }
 }
 
@@ -153,8 +202,7 @@ fn at_force(
     similar: &mut Option<Similar>,
 ) -> Result<Solution, Unsolved> {
     let gap = contact.gap();
-    let [x, y] = lowest(&**gap, gap.centre());
-    let least = gap.gap(x, y);
+    let (_, least) = least(&**gap);
     if force < 0.0 {
         return Err(Unsolved::new(
             Verdict::NoEquilibrium,
@@ -167,36 +215,36 @@ fn at_force(
     if let Some(scaled) = similar.as_ref().and_then(|s| s.at(gap, s.depth_for(force))) {
         return Ok(Solution { force, ..scaled });
     }
-    let mut engine = Engine { contact, settings, with_matrix: false, frame: None };
-    // Forces are of the size E* times length squared: begin with that length as overlap.
-    let scale = (force / contact.modulus().e_star()).sqrt();
-    let first = equilibrium::under_force(&mut engine, force, least, scale, close(settings))?;
-    if let Some(inverse_degree) = inverse_degree(gap, first.depth).filter(|_| least == 0.0) {
-        // The law is exact: take the force of the state that was solved and scale the rest of the way.
-        let solved = respond(contact, first.depth, [0.0; 2], settings, false)?;
-        let all = Similar { state: solved, inverse_degree };
-        let depth = all.depth_for(force);
-        let scaled = all.state.at_other_depth(depth, gap.centre(), inverse_degree);
-        *similar = Some(all);
-        return Ok(Solution { force, ..scaled });
+    let guess = equilibrium::overlap_of_size(gap, contact.modulus().e_star(), force);
+    // The law of a homogeneous gap is exact: one state serves every force.
+    if similar.is_none()
+        && let Some(inverse_degree) = inverse_degree(gap, least + guess)
+    {
+        let state = respond(contact, least + guess, [0.0; 2], settings, false)?;
+        let all = Similar { state, inverse_degree };
+        if let Some(scaled) = Some(&all).filter(|s| s.state.force > 0.0).and_then(|s| s.at(gap, s.depth_for(force))) {
+            *similar = Some(all);
+            return Ok(Solution { force, ..scaled });
+        }
     }
-    Ok(first)
+    let mut engine = Engine::new(contact, settings, false);
+    equilibrium::under_force(&mut engine, force, least, guess, |method| close(settings, method))
 }
 
 /// A box around everything that can touch at any tilt: where the gap is less than a depth beyond all measure.
 fn material(gap: &AnyGap, depth: f64) -> Option<Rect> {
-    let [x, y] = lowest(&**gap, gap.centre());
-    let least = gap.gap(x, y);
+    let (_, least) = least(&**gap);
     match gap.reach(least + 1e12 * (depth - least)) {
         Reach::Within(rect) => Some(rect),
         _ => None,
     }
 }
 
-/// Relative miss of the load that is left to the last linear step.
-fn close(settings: &Settings) -> f64 {
-    match settings.method {
+/// Relative miss of the load that is left to the last linear step; what a method without a grid answers is a law without noise.
+fn close(settings: &Settings, method: Method) -> f64 {
+    match method {
         Method::ClosedForm => 1e-12,
+        Method::Ritz | Method::Fabrikant => 3e-3 * settings.tolerance,
         _ => 0.3 * settings.tolerance,
     }
 }
@@ -223,8 +271,13 @@ fn at_moment(contact: &Contact, force: f64, moment: [f64; 2], settings: &Setting
     }
     let size = (upright.patch.area / std::f64::consts::PI).sqrt();
     // The last linear step of a force-driven solve has no place here: the state is solved anew at every tilt.
-    let mut engine = Engine { contact, settings, with_matrix: true, frame: None };
-    equilibrium::under_moment(&mut engine, force, moment, upright, size, 0.01 * settings.tolerance)
+    let mut engine = Engine::new(contact, settings, true);
+    let close = |method| match method {
+        // Rounding in the force of a deep state is what is left.
+        Method::ClosedForm => 1e-11,
+        _ => 0.01 * settings.tolerance,
+    };
+    equilibrium::under_moment(&mut engine, force, moment, upright, size, close)
 }
 
 /// The state at a prescribed depth and tilt, by the method that the settings ask for.

@@ -1,11 +1,13 @@
 //! Loads and the spring: forces, moments, stiffness against differences, curves and what is written of them.
-#![cfg(feature = "qp")]
+#![cfg(all(feature = "qp", feature = "scene", feature = "formula"))]
 
-use std::process::Command;
-
-use contact_patch::gap::{AnyGap, Cone, Flat, Gap, Outline, Paraboloid, Polyhedron};
+use contact_patch::gap::{
+    AnyGap, Cone, Flat, Gap, HeightMap, Heights, Outline, Paraboloid, Placed, Polyhedron, Power, Revolved, Sphere, Sum,
+    Surface, Zero,
+};
 use contact_patch::{
-    Contact, Curve, CurveRange, EffectiveModulus, Load, Loading, Method, Settings, Solution, Unsolved, Verdict, solve,
+    Contact, Discrete, EffectiveModulus, Grid, Kernel, Load, Loading, Method, Outputs, Scene, Settings, Solution,
+    Unsolved, Verdict, matrix_free, solve,
 };
 
 fn contact(gap: impl Gap + 'static, loading: Loading) -> Contact {
@@ -80,82 +82,6 @@ fn stiffness_is_the_slope_of_the_force_and_the_force_that_of_the_energy() {
 }
 
 #[test]
-fn a_spring_of_a_truncated_pyramid_takes_few_solves() {
-    let contact = contact(blunt(), Loading::depth(2.0));
-    let settings = fft(128);
-    let range = CurveRange { from: 0.25, to: 2.0, accuracy: 1e-4 };
-    let curve = Curve::new(&contact, &settings, range).unwrap();
-    println!("solves {}, error {:e}, {:?}", curve.solves(), curve.interpolation_error(), curve.power_law());
-    assert!(curve.solves() <= 20, "{}", curve.solves());
-    let mut before = [0.0; 2];
-    for k in 1..=200 {
-        let depth = 0.01 * f64::from(k);
-        let here = [curve.force(depth).unwrap(), curve.stiffness(depth).unwrap()];
-        assert!(here[0] > before[0] && here[1] >= before[1] * (1.0 - 1e-9), "not convex at {depth}");
-        assert!((curve.depth(here[0]).unwrap() / depth - 1.0).abs() < 1e-10);
-        before = here;
-    }
-}
-
-#[test]
-fn a_homogeneous_gap_takes_one_solve() {
-    let contact = contact(Cone::with_slope(1.0).unwrap(), Loading::depth(1.0));
-    let curve = Curve::new(&contact, &fft(32), CurveRange { from: 0.01, to: 1.0, accuracy: 1e-6 }).unwrap();
-    assert_eq!(curve.solves(), 1);
-    let law = curve.power_law();
-    assert!((law.exponent - 2.0).abs() < 1e-6 && law.error < 1e-5, "{law:?}");
-}
-
-#[test]
-fn the_c_evaluator_is_the_library() {
-    let contact = contact(Paraboloid::new([1.0, 2.0]).unwrap(), Loading::depth(1.0));
-    let curve = Curve::new(&contact, &Settings::default(), CurveRange { from: 0.05, to: 1.0, accuracy: 1e-4 }).unwrap();
-    let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("spring.h"), curve.c_header("my spring")).unwrap();
-    let program = r#"#include <stdio.h>
-#include "spring.h"
-int main(void) {
-    for (int k = -5; k <= 205; k++) {
-        double d = 0.005 * k;
-        printf("%.17g %.17g %.17g\n", d, my_spring_force(d), my_spring_stiffness(d));
-    }
-    return 0;
-}
-"#;
-    std::fs::write(folder.path().join("main.c"), program).unwrap();
-    let (source, binary) = (folder.path().join("main.c"), folder.path().join("main"));
-    let mut compiler = Command::new("cc");
-    compiler.args(["-std=c99", "-Wall", "-Werror", "-O2", "-o"]).arg(&binary).arg(&source).arg("-lm");
-    let built = compiler.output().unwrap();
-    assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
-    let printed = String::from_utf8(Command::new(&binary).output().unwrap().stdout).unwrap();
-    assert_eq!(printed.lines().count(), 211);
-    for line in printed.lines() {
-        let v: Vec<f64> = line.split(' ').map(|t| t.parse().unwrap()).collect();
-        for (given, own) in [(v[1], curve.force(v[0])), (v[2], curve.stiffness(v[0]))] {
-            match own {
-                Some(own) => assert!((given - own).abs() <= 1e-12 * own, "{line}: {own}"),
-                None => assert!(given.is_nan()),
-            }
-        }
-    }
-}
-
-#[test]
-fn files_of_a_spring() {
-    let contact = contact(Paraboloid::new([1.0, 1.0]).unwrap(), Loading::depth(1.0));
-    let curve = Curve::new(&contact, &Settings::default(), CurveRange { from: 0.05, to: 1.0, accuracy: 1e-4 }).unwrap();
-    assert_eq!(curve.csv(50).lines().count(), 51);
-    assert!(curve.adams(50, 7).lines().all(|l| l.len() <= 80));
-    let json: serde_json::Value = serde_json::from_str(&curve.json()).unwrap();
-    assert_eq!(json["knots"].as_array().unwrap().len(), curve.knots().len());
-    for line in curve.two_columns(50).lines() {
-        let row: Vec<f64> = line.split(' ').map(|t| t.parse().unwrap()).collect();
-        assert_eq!(curve.force(row[0]), Some(row[1]));
-    }
-}
-
-#[test]
 fn a_square_punch_has_a_symmetric_positive_stiffness() {
     let square = Outline::polygon(&[[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]).unwrap();
     let load = Load::ForceMoment { force: 1.0, moment: [0.1, 0.0] };
@@ -188,4 +114,171 @@ fn a_load_that_walks_to_the_rim_empties_the_other_side() {
         before = middle;
     }
     assert!(before > 0.1, "{before}");
+}
+
+#[test]
+fn contact_is_lost_on_the_far_side_alone() {
+    // The side away from the load recedes steadily; the other stays at the rim or runs up the flank.
+    let settings = Settings { outputs: Outputs { patch: true, ..Outputs::default() }, ..fft(48) };
+    let mut before = [f64::NEG_INFINITY; 2];
+    for x in [0.0, 0.3, 0.6, 0.9, 0.99] {
+        let Loading::Single(load) = Loading::force_through(0.5, [x, 0.0]) else { unreachable!() };
+        let state = one(blunt(), load, &settings).unwrap();
+        let points = state.patch.boundary.iter().flatten().flatten().map(|p| p[0]);
+        let ends = points.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| [a.min(x), b.max(x)]);
+        // A cell of the grid that all tilts share is about 0.06 wide.
+        assert!(ends[0] >= before[0] - 0.03 && ends[1] > 0.95, "{ends:?} after {before:?}");
+        before = ends;
+    }
+    assert!(before[0] > 0.3, "{before:?}");
+}
+
+#[test]
+fn moments_are_about_the_origin_of_the_scene() {
+    // A square at (3, -2) under a force through a point near its middle is the square at the origin.
+    let square = || Flat::new(Outline::polygon(&[[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]).unwrap());
+    let at = [3.0, -2.0];
+    let near = one(square(), Load::ForceMoment { force: 1.0, moment: [0.2, -0.1] }, &fft(32)).unwrap();
+    // Mx = force y, My = - force x.
+    let moment = [0.2 + at[1], -0.1 - at[0]];
+    let far = Placed::new(square(), at, 0.0).unwrap();
+    let far = one(far, Load::ForceMoment { force: 1.0, moment }, &fft(32)).unwrap();
+    let rise = far.tilt[0] * at[0] + far.tilt[1] * at[1];
+    assert!((far.depth + rise - near.depth).abs() < 1e-6, "{} and {}", far.depth + rise, near.depth);
+    assert!((0..2).all(|k| (far.tilt[k] - near.tilt[k]).abs() < 1e-6), "{:?} {:?}", far.tilt, near.tilt);
+    // Given back as a depth and a tilt, the same forces and moments.
+    let back = one(square(), Load::Tilted { depth: near.depth, tilt: near.tilt }, &fft(32)).unwrap();
+    assert!((back.force - 1.0).abs() < 2e-3 && (back.moment.unwrap()[0] - 0.2).abs() < 2e-3, "{back:?}");
+}
+
+#[test]
+fn a_flat_disc_turns_by_the_moment_over_four_thirds_of_its_radius_cubed() {
+    // Sneddon 1965; Gladwell 1980: P = 2 E* a d, M = 4/3 E* a^3 tilt.
+    let disc = || Flat::new(Outline::disc(2.0).unwrap());
+    let load = Load::ForceMoment { force: 1.0, moment: [0.3, -0.1] };
+    let state = one(disc(), load, &Settings::default()).unwrap();
+    let turn = 4.0 / 3.0 * 8.0;
+    assert!((state.tilt[1] * turn / 0.3 - 1.0).abs() < 1e-9 && (state.tilt[0] * turn / 0.1 - 1.0).abs() < 1e-9);
+    assert!((state.depth * 4.0 - 1.0).abs() < 1e-9);
+    let grid = one(disc(), load, &fft(96)).unwrap();
+    assert!((grid.tilt[1] / state.tilt[1] - 1.0).abs() < 0.06 && (grid.depth / state.depth - 1.0).abs() < 0.03);
+}
+
+/// Waves of many lengths on a bowl, always the same.
+fn rough() -> HeightMap {
+    let mut state = 7_u64;
+    let mut random = move || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    let waves: Vec<[f64; 4]> = (0..40)
+        .map(|_| {
+            let (k, turn) = (2.0 + 10.0 * random(), std::f64::consts::TAU * random());
+            [k * turn.cos(), k * turn.sin(), std::f64::consts::TAU * random(), 0.02 / k]
+        })
+        .collect();
+    let height = |k: usize| {
+        let [x, y] = [k % 65, k / 65].map(|i| i as f64 / 16.0 - 2.0);
+        let wave = |w: &[f64; 4]| w[3] * (w[0] * x + w[1] * y + w[2]).cos();
+        waves.iter().map(wave).sum::<f64>() - 0.02 * (x * x + y * y)
+    };
+    let heights = Heights::new((0..65 * 65).map(height).collect(), [65, 65], [0.0625; 2]).unwrap();
+    HeightMap::new(&heights, Surface::Lower, Zero::FirstTouch).unwrap()
+}
+
+#[test]
+fn a_force_on_a_rough_surface_costs_little_more_than_a_depth() {
+    for settings in [fft(96), Settings::default()] {
+        for depth in [0.02, 0.1, 0.4] {
+            let pressed = one(rough(), Load::Depth(depth), &settings).unwrap();
+            let under = one(rough(), Load::Force(pressed.force), &settings).unwrap();
+            let (given, found) = (pressed.cost.operator_products, under.cost.operator_products);
+            assert!(under.cost.steps <= 6, "{} steps at depth {depth}", under.cost.steps);
+            assert!(found as f64 <= 2.5 * given as f64, "{found} products against {given} at depth {depth}");
+            assert!((under.depth / depth - 1.0).abs() < 1e-3 && under.force == pressed.force, "{}", under.depth);
+        }
+    }
+}
+
+/// P(d), dP/dd and U(d) of the discrete contact on one grid.
+fn on_grid(gap: &AnyGap, depth: f64, grid: Grid, start: Option<&[f64]>) -> ([f64; 2], Discrete, Vec<f64>) {
+    let problem = Discrete::sample(gap, depth, grid, Kernel::Galerkin);
+    let settings = matrix_free::Settings { tolerance: 1e-11, ..matrix_free::Settings::default() };
+    let pressure = match start {
+        Some(start) => matrix_free::solve(&problem, Some(start), &settings).unwrap().pressure,
+        None => matrix_free::solve_nested(&problem, &settings).unwrap().pressure,
+    };
+    let work = pressure.iter().zip(&problem.overlap).filter(|(p, _)| **p > 0.0).map(|(p, f)| 0.5 * p * f).sum::<f64>();
+    let force = pressure.iter().sum::<f64>();
+    ([force, work].map(|x| x * grid.cell_area()), problem, pressure)
+}
+
+#[test]
+fn force_and_stiffness_are_slopes_for_every_kind_of_gap() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("data/scenes");
+    let mut kinds = 0;
+    for scene in std::fs::read_dir(folder).unwrap().map(|f| f.unwrap().path()).filter(|f| f.is_file()) {
+        let scene = Scene::from_file(&scene).unwrap();
+        let gap = scene.contact.gap();
+        let outputs = Outputs { pressure: true, ..Outputs::default() };
+        let settings = Settings { method: Method::Fft, cells: Some(128), outputs, ..Settings::default() };
+        let first = scene.contact.loading().loads()[0];
+        let load = match first {
+            Load::ForceMoment { force, .. } => Load::Force(force),
+            Load::Tilted { depth, .. } => Load::Depth(depth),
+            other => other,
+        };
+        let contact = Contact::new(
+            EffectiveModulus::from_e_star(scene.contact.modulus().e_star()).unwrap(),
+            gap.clone(),
+            Loading::Single(load),
+        )
+        .unwrap();
+        let Ok(state) = solve(&contact, &settings).remove(0) else { continue };
+        let (depth, grid) = (state.depth, state.pressure.field.unwrap().grid);
+        let ([force, _], problem, pressure) = on_grid(gap, depth, grid, None);
+        let growing =
+            matrix_free::growth(&problem, &pressure, &vec![1.0; grid.len()], &matrix_free::Settings::default());
+        let slope = growing.unwrap().iter().sum::<f64>() * grid.cell_area();
+        // So small that few cells come into contact between, so large that the solver's error is none.
+        let step = 1e-6 * problem.deepest();
+        let [below, above] = [-step, step].map(|s| on_grid(gap, depth + s, grid, Some(&pressure)).0);
+        let (stiffness, work) = ((above[0] - below[0]) / (2.0 * step), (above[1] - below[1]) / (2.0 * step));
+        let name = scene.name.unwrap_or_default();
+        assert!((stiffness / slope - 1.0).abs() < 1e-4, "{name}: dP/dd {stiffness:e}, growth {slope:e}");
+        assert!((work / force - 1.0).abs() < 1e-4, "{name}: dU/dd {work:e}, P {force:e}");
+        kinds += 1;
+    }
+    assert!(kinds >= 24, "{kinds}");
+}
+
+#[test]
+fn closed_forms_have_exact_slopes() {
+    let sum =
+        Sum::new(vec![AnyGap::new(Paraboloid::new([1.0, 1.0]).unwrap()), AnyGap::new(Cone::with_slope(0.3).unwrap())]);
+    let gaps = [
+        ("paraboloid", AnyGap::new(Paraboloid::new([1.0, 3.0]).unwrap())),
+        ("sphere", AnyGap::new(Sphere::new(4.0).unwrap())),
+        ("cone", AnyGap::new(Cone::with_slope(0.7).unwrap())),
+        ("power", AnyGap::new(Power::new(0.6, 3.3).unwrap())),
+        ("flat disc", AnyGap::new(Flat::new(Outline::disc(0.8).unwrap()))),
+        ("flat ellipse", AnyGap::new(Flat::new(Outline::ellipse([0.8, 0.3]).unwrap()))),
+        ("revolved", AnyGap::new(Revolved::new(vec![[0.0, 0.0], [0.5, 0.2], [9.0, 7.0]]).unwrap())),
+        ("sum", AnyGap::new(sum.unwrap())),
+        ("moved", AnyGap::new(Placed::new(Paraboloid::new([1.0, 5.0]).unwrap(), [2.0, -1.0], 0.3).unwrap())),
+        ("formula", AnyGap::new(|x: f64, y: f64| 0.5 * (x * x + y * y) + 0.1 * (x * x + y * y).powi(2))),
+    ];
+    let settings = Settings { method: Method::ClosedForm, ..Settings::default() };
+    for (name, gap) in gaps {
+        let at = |d: f64| one(gap.clone(), Load::Depth(d), &settings).unwrap();
+        // Central differences over h and 2 h, their error of second order removed.
+        let slope = |of: &dyn Fn(&Solution) -> f64| {
+            let over = |h: f64| (of(&at(1.0 + h)) - of(&at(1.0 - h))) / (2.0 * h);
+            (4.0 * over(2e-3) - over(4e-3)) / 3.0
+        };
+        let state = at(1.0);
+        let (force, energy) = (slope(&|s| s.force), slope(&|s| s.energy.unwrap()));
+        assert!((force / state.stiffness - 1.0).abs() < 1e-8, "{name}: {force:e}, {:e}", state.stiffness);
+        assert!((energy / state.force - 1.0).abs() < 1e-8, "{name}: {energy:e}, {:e}", state.force);
+    }
 }

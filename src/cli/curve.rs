@@ -1,5 +1,6 @@
 //! `contact-patch curve`
 
+use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -7,8 +8,9 @@ use clap::{Args, ValueEnum};
 
 use super::{Failure, Overrides, scene};
 use crate::contact::Load;
-use crate::curve::{Curve, CurveRange};
+use crate::curve::Curve;
 use crate::error::{InputError, Unsolved};
+use crate::gap::least;
 use crate::plot;
 use crate::report::write::Target;
 use crate::scene::Scene;
@@ -92,6 +94,15 @@ impl CurveCommand {
                 return Ok(ExitCode::from(1));
             }
         };
+        if curve.interpolation_error() > self.accuracy {
+            // A closed stderr does not make the curve worse.
+            let said = curve.interpolation_error();
+            let _ = writeln!(
+                std::io::stderr().lock(),
+                "note: estimated error of the force {said:.1e}, more than the accuracy asked for, {:.1e}",
+                self.accuracy
+            );
+        }
         let text = match self.format {
             Format::Csv => curve.csv(self.steps),
             Format::Json => curve.json(),
@@ -132,13 +143,9 @@ impl CurveCommand {
                 Err(unsolved) => return Ok(Err(unsolved)),
             }
         }
-        let gap = scene.contact.gap();
-        let [x, y] = crate::gap::lowest(&**gap, crate::gap::Gap::centre(gap));
-        let to = deepest - crate::gap::Gap::gap(gap, x, y);
-        if !(to.is_finite() && to > 0.0) {
+        if !(deepest > least(&**scene.contact.gap()).1) {
             return Err(InputError::new("loading", deepest, "a depth beyond first touch or a force greater than 0"));
         }
-        let range = CurveRange { from: to / STEPS as f64, to, accuracy: self.accuracy };
-        Ok(Curve::new(&scene.contact, &scene.settings, range))
+        Ok(Curve::up_to(&scene.contact, &scene.settings, deepest, self.accuracy))
     }
 }

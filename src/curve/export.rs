@@ -68,10 +68,11 @@ impl Curve {
             .map(|s| {
                 let centre = s.centre.map_or("null".to_owned(), |[x, y]| format!("[{}, {}]", number(x), number(y)));
                 format!(
-                    "{{\"depth\": {}, \"force\": {}, \"stiffness\": {}, \"area\": {}, \"pressure_max\": {}, \"centre\": {centre}, \
+                    "{{\"depth\": {}, \"force\": {}, \"force_error\": {}, \"stiffness\": {}, \"area\": {}, \"pressure_max\": {}, \"centre\": {centre}, \
                      \"energy\": {}}}",
                     number(s.depth),
                     number(s.force),
+                    maybe(s.force_error),
                     number(s.stiffness),
                     number(s.area),
                     maybe(s.max_pressure),

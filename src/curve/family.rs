@@ -1,49 +1,41 @@
-//! The states of one contact at many depths, as consistent with one another as the method allows.
-
-use std::collections::BTreeMap;
+//! The states of one contact at many depths, each as exact as the curve needs it.
 
 use super::Sample;
-use crate::by_grid::dimensional;
+use crate::by_grid::{dimensional, on_several_grids};
 use crate::contact::Contact;
 use crate::domain::Door;
 use crate::error::{Unsolved, Verdict};
 use crate::exact;
 use crate::gap::{Reach, extent};
-use crate::homogeneity;
+use crate::homogeneity::{self, Degree};
 use crate::settings::{Method, Outputs, Settings};
 use crate::solution::Solution;
 use crate::solve::respond;
 
-/// Range of depths that share a grid. On one grid the discrete force is convex in the depth and its slope the exact
-/// stiffness; from one grid to the next it jumps by the error of the solver. Over this range a contact grows about
-/// threefold (smooth) to eightfold (conical).
-const SHARE: f64 = 8.0;
-
-/// Where a contact was found on its grid.
-struct Frame<'a> {
-    door: Door<'a>,
-    window: crate::geometry::Rect,
-    cells: usize,
-    /// Relative error of the force where the grid was chosen.
-    error: f64,
-}
+/// Cells along the longer side of the finest grid of one state, or half of them where twice as many are enough. Where they are
+/// not, the error of that state says so and the curve is no better.
+const FINE: usize = 512;
 
 /// States by depth below first touch.
 pub(super) struct Family<'a> {
     contact: &'a Contact,
     settings: Settings,
+    /// Relative error that the force of a state on several grids may have if it must.
+    tolerance: f64,
     first_touch: f64,
     deepest: f64,
-    frames: BTreeMap<i32, Frame<'a>>,
     /// A state of a homogeneous gap and 1/k.
     similar: Option<(Solution, f64)>,
     solves: usize,
 }
 
 impl<'a> Family<'a> {
-    pub fn new(contact: &'a Contact, settings: &Settings, first_touch: f64, deepest: f64) -> Self {
-        let settings = Settings { outputs: Outputs::default(), ..*settings };
-        Self { contact, settings, first_touch, deepest, frames: BTreeMap::new(), similar: None, solves: 0 }
+    /// States with forces good to `wanted`, or to what the finest grid gives.
+    pub fn new(contact: &'a Contact, settings: &Settings, wanted: f64, first_touch: f64, deepest: f64) -> Self {
+        let tolerance = settings.tolerance;
+        let settings =
+            Settings { outputs: Outputs::default(), tolerance: wanted.min(tolerance).max(SHARPEST), ..*settings };
+        Self { contact, settings, tolerance, first_touch, deepest, similar: None, solves: 0 }
     }
 
     pub fn solves(&self) -> usize {
@@ -57,77 +49,71 @@ impl<'a> Family<'a> {
             return Ok(sample(&state.at_other_depth(depth, self.contact.gap().centre(), *inverse_degree)));
         }
         self.solves += 1;
-        let by_formula = match self.settings.method {
-            Method::Qp | Method::Fft => None,
-            Method::Auto if self.settings.cells.is_some() => None,
-            Method::Auto => {
-                let formula = Settings { method: Method::ClosedForm, ..self.settings };
-                match respond(self.contact, depth, [0.0; 2], &formula, false) {
-                    Err(e) if e.verdict == Verdict::NoClosedForm => None,
-                    answered => Some(answered?),
-                }
-            }
-            _ => Some(respond(self.contact, depth, [0.0; 2], &self.settings, false)?),
-        };
-        let state = match by_formula {
-            Some(state) => state,
-            None => self.on_grid(s)?,
-        };
+        let state = self.solved(depth)?;
         if !(state.force > 0.0 && state.stiffness > 0.0) {
             let reason = format!("no force at depth {depth:e}, {s:e} below first touch");
             return Err(Unsolved::new(Verdict::NotApplicable, reason));
         }
-        if s == self.deepest
-            && self.first_touch == 0.0
-            && let Reach::Within(reach) = extent(self.contact.gap(), depth)
-        {
-            let degree = homogeneity::degree(self.contact.gap(), &reach);
-            self.similar = degree.map(|k| (state.clone(), k.inverse()));
+        if s == self.deepest && self.first_touch == 0.0 {
+            self.similar = self.degree(depth).map(|k| (state.clone(), k.inverse()));
         }
         Ok(sample(&state))
     }
 
-    fn on_grid(&mut self, s: f64) -> Result<Solution, Unsolved> {
-        let method = if self.settings.method == Method::Qp { Method::Qp } else { Method::Fft };
-        let level = ((self.deepest / s).ln() / SHARE.ln()).floor() as i32;
-        let depth = self.first_touch + s;
-        if !self.frames.contains_key(&level) {
-            let top = self.first_touch + self.deepest * SHARE.powi(-level);
-            let apart = || Unsolved::new(Verdict::NotApplicable, format!("no contact at depth {top:e}"));
-            let door = Door::enter(self.contact.gap(), top)?.ok_or_else(apart)?;
-            let degree = match extent(self.contact.gap(), top) {
-                Reach::Within(reach) => homogeneity::degree(self.contact.gap(), &reach),
-                _ => None,
-            };
-            let found = exact::refined(&door, &self.settings, method, degree)?;
-            let grid = found.state.problem.grid;
-            let frame = Frame {
-                door,
-                window: grid.extent(),
-                cells: grid.shape[0].max(grid.shape[1]),
-                error: found.error / found.force,
-            };
-            self.frames.insert(level, frame);
-            if depth == top {
-                return dimensional(self.contact, &door, &found, degree, depth, [0.0; 2], &self.settings);
+    fn solved(&self, depth: f64) -> Result<Solution, Unsolved> {
+        let settings = &self.settings;
+        match settings.method {
+            Method::Qp | Method::Fft => self.on_grid(depth),
+            Method::Auto if settings.cells.is_some() => self.on_grid(depth),
+            Method::Auto => {
+                let formula = Settings { method: Method::ClosedForm, ..*settings };
+                match respond(self.contact, depth, [0.0; 2], &formula, false) {
+                    Err(e) if e.verdict == Verdict::NoClosedForm => self.on_grid(depth),
+                    answered => answered,
+                }
             }
-            self.solves += 1;
+            _ => respond(self.contact, depth, [0.0; 2], settings, false),
         }
-        let frame = &self.frames[&level];
-        let door = Door { depth: depth / frame.door.gap.depth, ..frame.door };
-        let mut window = frame.window;
-        let state = exact::at_resolution(&door, &mut window, frame.cells, &self.settings, method)?;
-        let force = state.force();
-        let found = exact::Refined { force, error: frame.error * force, state };
-        dimensional(self.contact, &door, &found, None, depth, [0.0; 2], &self.settings)
+    }
+
+    fn on_grid(&self, depth: f64) -> Result<Solution, Unsolved> {
+        if on_several_grids(self.contact, depth, &self.settings) {
+            // No finer than it can be had.
+            let loose = Settings { tolerance: self.tolerance, ..self.settings };
+            return respond(self.contact, depth, [0.0; 2], &self.settings, false)
+                .or_else(|_| respond(self.contact, depth, [0.0; 2], &loose, false));
+        }
+        let method = if self.settings.method == Method::Qp { Method::Qp } else { Method::Fft };
+        let apart = || Unsolved::new(Verdict::NotApplicable, format!("no contact at depth {depth:e}"));
+        let door = Door::enter(self.contact.gap(), depth)?.ok_or_else(apart)?;
+        let degree = self.degree(depth);
+        let mut found = exact::as_far_as(FINE, &door, &self.settings, method, degree)?;
+        let short = found.error / found.force / self.settings.tolerance;
+        // Twice as many cells take a half to three quarters of the error away.
+        if self.settings.cells.is_none() && (1.0..4.0).contains(&short) {
+            found = exact::as_far_as(2 * FINE, &door, &self.settings, method, degree)?;
+        }
+        dimensional(self.contact, &door, &found, degree, depth, [0.0; 2], &self.settings)
+    }
+
+    /// The degree of the gap, when it is homogeneous as far as the contact at this depth can reach.
+    fn degree(&self, depth: f64) -> Option<Degree> {
+        match extent(self.contact.gap(), depth) {
+            Reach::Within(reach) => homogeneity::degree(self.contact.gap(), &reach),
+            _ => None,
+        }
     }
 }
+
+/// Least relative error that is asked of a grid for a curve.
+const SHARPEST: f64 = 1e-6;
 
 fn sample(state: &Solution) -> Sample {
     let centre = state.moment.map(|[mx, my]| [-my / state.force, mx / state.force]);
     Sample {
         depth: state.depth,
         force: state.force,
+        force_error: state.force_error,
         stiffness: state.stiffness,
         area: state.patch.area,
         max_pressure: state.pressure.max,

@@ -2,22 +2,30 @@
 
 mod export;
 mod family;
+mod law;
 mod spline;
 
 pub use spline::Knot;
 
 use crate::contact::Contact;
 use crate::error::{InputError, Unsolved, Verdict, positive};
-use crate::gap::lowest;
+use crate::gap::least;
 use crate::settings::Settings;
 use family::Family;
+use law::Law;
 use spline::Spline;
 
-/// Most solves for one curve.
-const MOST_SOLVES: usize = 200;
+/// Most states of one curve.
+const MOST_STATES: usize = 200;
 
-/// A halved interval has at most this share of the error found in its middle: 1/16 where the law is smooth, more at kinks.
-const LEFT_BY_HALVING: f64 = 0.25;
+/// Share of the accuracy that is left to the error of the states; the rest is for what lies between them.
+const OF_STATES: f64 = 0.4;
+
+/// Share of the accuracy by which the convex interpolant may differ from the law through the states.
+const OF_FORM: f64 = 0.02;
+
+/// Least depth of a curve that is asked for by its end alone, as a share of it.
+const SHALLOWEST: f64 = 1.0 / 200.0;
 
 /// What [`Curve::new`] is asked for.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -38,6 +46,8 @@ pub struct Sample {
     pub depth: f64,
     /// Force.
     pub force: f64,
+    /// Estimate of its relative error, where the method gives one.
+    pub force_error: Option<f64>,
     /// dP/dd.
     pub stiffness: f64,
     /// Area of the patch.
@@ -89,35 +99,29 @@ impl Curve {
     /// What stops the solve at some depth; `NotApplicable` when the range is not 0 < from < to.
     pub fn new(contact: &Contact, settings: &Settings, range: CurveRange) -> Result<Self, Unsolved> {
         range.checked().map_err(|e| Unsolved::new(Verdict::NotApplicable, e.to_string()))?;
-        let gap = contact.gap();
-        let [x, y] = lowest(&**gap, gap.centre());
-        let first_touch = gap.gap(x, y);
-        let mut family = Family::new(contact, settings, first_touch, range.to);
-        let mut solve = |s: f64| family.at(s);
+        let (_, first_touch) = least(&**contact.gap());
         let CurveRange { from, to, accuracy } = range;
-        let middle = (from * to).sqrt();
-        // Deepest first: it sets the grid of all.
-        let last = solve(to)?;
-        let mut samples = vec![solve(from)?, solve(middle)?, last];
-        let mut open = vec![(middle, to), (from, middle)];
-        let mut error: f64 = 0.0;
-        while let Some((a, b)) = open.pop() {
-            let s = (a * b).sqrt();
-            let spline = spline_of(&samples, first_touch);
-            let state = solve(s)?;
-            let guess = spline.at(s).map_or(0.0, |p| p[0]);
-            let missed = (guess - state.force).abs() / state.force;
-            let at = samples.partition_point(|k| k.depth < state.depth);
-            samples.insert(at, state);
-            if missed * LEFT_BY_HALVING > accuracy && samples.len() < MOST_SOLVES && b / a > 1.0 + 1e-6 {
-                open.push((s, b));
-                open.push((a, s));
-            } else {
-                error = error.max(missed * LEFT_BY_HALVING);
-            }
+        let mut family = Family::new(contact, settings, OF_STATES * accuracy, first_touch, to);
+        // On a prescribed grid nearly all of a state's error is that of the grid, the same from one state to the next.
+        let share = if settings.cells.is_some() { 0.1 } else { 1.0 };
+        let doubt = |state: &Sample| share * state.force_error.unwrap_or(0.0);
+        let left = (1.0 - OF_STATES - OF_FORM) * accuracy;
+        let (law, samples) = Law::solved([from, to], left, MOST_STATES, first_touch, doubt, |s| family.at(s))?;
+        let (spline, off) = convex(&law, OF_FORM * accuracy);
+        Ok(Self { first_touch, spline, samples, interpolation_error: law.error + off, solves: family.solves() })
+    }
+
+    /// The curve up to a depth, from a two-hundredth of the overlap there on: as [`Curve::new`].
+    ///
+    /// # Errors
+    /// As [`Curve::new`]; `NotApplicable` when the bodies do not touch at that depth.
+    pub fn up_to(contact: &Contact, settings: &Settings, depth: f64, accuracy: f64) -> Result<Self, Unsolved> {
+        let to = depth - least(&**contact.gap()).1;
+        if !(to.is_finite() && to > 0.0) {
+            let reason = format!("a curve up to depth {depth:e}, at which the bodies do not touch");
+            return Err(Unsolved::new(Verdict::NotApplicable, reason));
         }
-        let solves = family.solves();
-        Ok(Self { first_touch, spline: spline_of(&samples, first_touch), samples, interpolation_error: error, solves })
+        Self::new(contact, settings, CurveRange { from: SHALLOWEST * to, to, accuracy })
     }
 
     /// Force at a depth: zero before first touch, `None` beyond the range.
@@ -150,9 +154,8 @@ impl Curve {
         self.first_touch + self.spline.knots.last().map_or(0.0, |k| k.overlap)
     }
 
-    /// Estimate (not a bound) of the largest relative error of interpolation, from one state inside each interval; the error of
-    /// the solver comes on top. On a grid the stiffness jumps as cells come into contact; one state an interval does not see this,
-    /// and the true error can be many times the estimate (measured: 2.5e-3 against 9e-5, truncated pyramid, 96 cells).
+    /// Estimate (not a bound) of the largest relative error of the force within the range: what the solved states leave open
+    /// between them, and their own error.
     #[must_use]
     pub fn interpolation_error(&self) -> f64 {
         self.interpolation_error
@@ -205,6 +208,19 @@ impl CurveRange {
     }
 }
 
-fn spline_of(samples: &[Sample], first_touch: f64) -> Spline {
-    Spline::new(&samples.iter().map(|s| [s.depth - first_touch, s.force, s.stiffness]).collect::<Vec<_>>())
+/// The increasing convex interpolant of the law, and by how much it differs from it.
+fn convex(law: &Law, allowed: f64) -> (Spline, f64) {
+    let mut pieces = 1;
+    loop {
+        let spline = Spline::new(&law.sampled(pieces));
+        let off = |row: &[f64; 3]| spline.at(row[0]).map_or(0.0, |p| (p[0] / row[1] - 1.0).abs());
+        let worst = law.sampled(4 * pieces).iter().map(off).fold(0.0, f64::max);
+        if worst <= allowed || pieces == MOST_PIECES {
+            return (spline, worst);
+        }
+        pieces *= 2;
+    }
 }
+
+/// Most pieces of the interpolant between two states.
+const MOST_PIECES: usize = 16;

@@ -22,7 +22,7 @@ pub(super) fn magnitudes(from: [f64; 2], step: usize) -> impl Iterator<Item = f6
 /// The lowest place that can be slid to from `start`, which stays where it is when nothing around is lower.
 ///
 /// Where gradients are known the last digits come from Newton's method on them.
-pub(crate) fn lowest(gap: &dyn Gap, start: [f64; 2]) -> [f64; 2] {
+pub(super) fn lowest(gap: &dyn Gap, start: [f64; 2]) -> [f64; 2] {
     let value = |p: [f64; 2]| gap.gap(p[0], p[1]);
     let mut best = (value(start), start, 0.0);
     for angle in spread(8) {
@@ -60,6 +60,12 @@ pub(crate) fn lowest(gap: &dyn Gap, start: [f64; 2]) -> [f64; 2] {
         }
     }
     p
+}
+
+/// The lowest place that can be slid to from the gap's own centre, and the gap there: the depth of first touch.
+pub(crate) fn least(gap: &dyn Gap) -> ([f64; 2], f64) {
+    let [x, y] = lowest(gap, gap.centre());
+    ([x, y], gap.gap(x, y))
 }
 
 /// p less (second derivatives)^-1 gradient, the second derivatives by differences over `h`.

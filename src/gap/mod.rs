@@ -24,7 +24,7 @@ mod tilted;
 pub use analytic::{Cone, Paraboloid, Power, Sphere};
 pub(crate) use beside::Beside;
 pub use combine::{Minimum, Sum};
-pub(crate) use descent::lowest;
+pub(crate) use descent::least;
 pub use flat::Flat;
 #[cfg(feature = "formula")]
 pub use formula::Formula;

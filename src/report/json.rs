@@ -17,7 +17,7 @@
 //! | `gap` | `{field}`: the gap after loading, when asked for |
 //! | `verdict`, `reason` | `solved`, or what is wrong in one word and in a sentence |
 //! | `checks` | `{complementarity, tension, penetration}`, relative, recomputed |
-//! | `cost` | `{seconds, unknowns, iterations, operator_products}` |
+//! | `cost` | `{seconds, unknowns, iterations, operator_products, steps}` |
 //! | `left_out`, `remarks` | sentences |
 //!
 //! A field is `{origin, spacing, shape, values}`: `shape` = [nx, ny] cells, `origin` the lower left corner of cell (0, 0),
@@ -28,8 +28,7 @@ use serde::ser::{Serialize, SerializeMap, SerializeSeq, Serializer};
 use super::{Step, centre_of_pressure, said_once};
 use crate::bracket::{Evidence, ForceBracket};
 use crate::contact::Loading;
-use crate::curve::{Curve, CurveRange};
-use crate::gap::{Gap, lowest};
+use crate::curve::Curve;
 use crate::grid::Grid;
 use crate::scene::Scene;
 use crate::solution::Solution;
@@ -65,11 +64,7 @@ fn curve(scene: &Scene, steps: &[Step]) -> Option<serde_json::Value> {
     }
     let deepest =
         steps.iter().filter_map(|s| s.as_ref().ok()).filter(|s| s.force > 0.0).map(|s| s.depth).reduce(f64::max)?;
-    let gap = scene.contact.gap();
-    let [x, y] = lowest(&**gap, gap.centre());
-    let to = deepest - gap.gap(x, y);
-    let range = CurveRange { from: 1e-3 * to, to, accuracy: scene.settings.tolerance };
-    let curve = Curve::new(&scene.contact, &scene.settings, range).ok()?;
+    let curve = Curve::up_to(&scene.contact, &scene.settings, deepest, scene.settings.tolerance).ok()?;
     serde_json::from_str(&curve.json()).ok()
 }
 
@@ -264,11 +259,12 @@ struct CostOf<'a>(&'a Solution);
 impl Serialize for CostOf<'_> {
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
         let cost = &self.0.cost;
-        let mut map = to.serialize_map(Some(4))?;
+        let mut map = to.serialize_map(Some(5))?;
         map.serialize_entry("seconds", &finite(cost.seconds))?;
         map.serialize_entry("unknowns", &cost.unknowns)?;
         map.serialize_entry("iterations", &cost.iterations)?;
         map.serialize_entry("operator_products", &cost.operator_products)?;
+        map.serialize_entry("steps", &cost.steps)?;
         map.end()
     }
 }
