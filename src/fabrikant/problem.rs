@@ -2,7 +2,7 @@
 
 use crate::error::{InputError, Unsolved, Verdict, finite};
 use crate::fabrikant::{Boundary, Error, Overlap};
-use crate::gap::{Gap, Reach, Scaled, extent, lowest};
+use crate::gap::{Gap, Reach, Scaled, extent, least};
 use crate::material::EffectiveModulus;
 
 /// The problem in units of its own.
@@ -30,7 +30,7 @@ impl<'a> Problem<'a> {
         };
         let mut origin = gap.centre();
         if !(depth > gap.gap(origin[0], origin[1])) {
-            origin = lowest(gap, origin);
+            origin = least(gap).0;
         }
         let unit = depth - gap.gap(origin[0], origin[1]);
         if !(unit > 0.0) {

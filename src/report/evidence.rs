@@ -6,9 +6,9 @@ use super::Step;
 use crate::bracket::{self, BracketSettings, ForceBracket};
 use crate::compare::{self, Comparison};
 use crate::contact::{Contact, Load, Loading};
-use crate::curve::{Curve, CurveRange};
+use crate::curve::Curve;
 use crate::error::Unsolved;
-use crate::gap::{AnyGap, Gap, Tilted, lowest};
+use crate::gap::{AnyGap, Tilted};
 use crate::plan::{Plan, plan};
 use crate::plot::Section;
 use crate::scene::Scene;
@@ -157,10 +157,6 @@ fn curve(scene: &Scene, steps: &[Step]) -> Result<Curve, String> {
     let touching = steps.iter().flatten().filter(|s| s.force > 0.0);
     let deepest = touching.map(|s| s.depth).reduce(f64::max).ok_or("No state was solved that touches.")?;
     let contact: &Contact = &scene.contact;
-    let gap = contact.gap();
-    let [x, y] = lowest(&**gap, gap.centre());
-    let to = deepest - gap.gap(x, y);
     let settings = Settings { outputs: Outputs::default(), ..scene.settings };
-    let range = CurveRange { from: 0.01 * to, to, accuracy: CURVE_ACCURACY };
-    Curve::new(contact, &settings, range).map_err(|e| e.to_string())
+    Curve::up_to(contact, &settings, deepest, CURVE_ACCURACY).map_err(|e| e.to_string())
 }
