@@ -143,6 +143,7 @@ pub(crate) fn dimensional(
         force: force * unit_force,
         force_error: Some(error / force),
         bracket: None,
+        depth_bracket: None,
         stiffness: stiffness * e_star * length,
         stiffness_matrix: None,
         moment: Some(moment),

@@ -1,6 +1,6 @@
 //! How far a pressure is from being admissible, cell by cell, as suprema over the whole cell.
 
-use super::Frame;
+use super::frame::Frame;
 use super::between::Between;
 use super::displacement::Lattice;
 use super::kernel::RELATIVE_ERROR;
