@@ -109,7 +109,7 @@ fn altered_results_are_refused() {
         r["pressure"].as_object_mut().unwrap().remove("field");
     });
     refused("another scene", &|r| r["scene"]["gap"]["inclination"] = json!(31.0));
-    // The echo altered with it: the pressure itself is of another gap.
+    // The echo altered with it: the pressure itself is of another gap, one that is less deep, so that the upper bound stands.
     let mut other = scene.clone();
     other["gap"]["inclination"] = json!(31.0);
     std::fs::write(directory.path().join("scene.json"), other.to_string()).unwrap();
@@ -117,7 +117,7 @@ fn altered_results_are_refused() {
     result["scene"] = other;
     let (code, text) = check(&result, directory.path());
     assert_eq!(code, 1, "{text}");
-    assert!(text.contains("NO  contact conditions") && text.contains("NO  upper bound"), "{text}");
+    assert!(text.contains("NO  contact conditions") && text.contains("NO  lower bound"), "{text}");
 }
 
 #[test]

@@ -63,8 +63,9 @@ pub fn approximate(gap: &dyn Gap, modulus: EffectiveModulus, depth: f64) -> Resu
     let found = ritz::ellipse(gap, modulus, depth, &settings).ok();
     let lower = found.as_ref().and_then(|e| e.lower_bound.map(|b| e.force - DOUBT * (e.force - b.force())));
     let middle = found.as_ref().map_or(gap.centre(), |e| e.centroid);
+    let comparisons = Comparisons { gap, modulus, depth, reach, certain };
     let below = Side {
-        force: lower.unwrap_or(0.0).max(0.0),
+        force: lower.unwrap_or(0.0).max(comparisons.inscribed()),
         theorem: Theorem::Ellipse,
         evidence: Evidence::Sampled { per_cell: 0 },
         violation: 0.0,
@@ -80,7 +81,7 @@ pub fn approximate(gap: &dyn Gap, modulus: EffectiveModulus, depth: f64) -> Resu
         let a = x.hypot(y);
         ([a, e.area / (std::f64::consts::PI * a)], y.atan2(x))
     });
-    let above = Comparisons { gap, modulus, depth, reach, certain }.least(middle, axes);
+    let above = comparisons.least(middle, axes);
     let cost = BracketCost { seconds: started.elapsed().as_secs_f64(), ..BracketCost::default() };
     Ok(ForceBracket { lower: below, upper: above, cost })
 }
@@ -201,6 +202,27 @@ impl Comparisons<'_> {
             repair: Repair::default(),
             pressure: None,
         }
+    }
+
+    /// The force of the best flat ellipse in the box of {g < d} that is pressed in no deeper than the overlap everywhere under it:
+    /// what is left where the best ellipse of all ends at a sharp edge.
+    fn inscribed(&self) -> f64 {
+        const RINGS: u32 = 24;
+        let ([x, y], half) = (self.reach.centre(), self.reach.size().map(|s| 0.5 * s * (1.0 - 1e-9)));
+        let mut highest = self.gap.gap(x, y);
+        let mut best = 0.0_f64;
+        for ring in 1..=RINGS {
+            let s = f64::from(ring) / f64::from(RINGS);
+            let around = (0..96).map(|k| (std::f64::consts::TAU * f64::from(k) / 96.0).sin_cos());
+            let rim = around.map(|(sin, cos)| self.gap.gap(x + s * half[0] * cos, y + s * half[1] * sin));
+            highest = rim.fold(highest, f64::max);
+            if !(highest < self.depth) {
+                break;
+            }
+            let punch = FlatPunch::ellipse(self.modulus, half.map(|h| s * h)).and_then(|p| p.at_depth(self.depth - highest));
+            best = best.max(punch.map_or(0.0, |p| p.force * (1.0 - 1e-12)));
+        }
+        best
     }
 
     /// A flat disc, or ellipse, around everything that can touch, as deep as anything is.

@@ -60,13 +60,16 @@ fn stacks(violations: &mut [(f64, Rect)], mut with: impl FnMut(f64, f64)) {
     }
 }
 
+/// Share of the depth by which another depth may differ: what a sampled supremum misses is magnified by the quotient.
+const FURTHEST: f64 = 0.25;
+
 /// (depth'/depth)^(1 + 1/k), where a homogeneous gap allows it; without one, 1 for the same depth.
 fn stronger(frame: &Frame, by: f64) -> Option<f64> {
     if by == 0.0 {
         return Some(1.0);
     }
-    let ratio = 1.0 + by / frame.depth;
-    frame.degree.filter(|_| ratio > 0.0).map(|k| ratio.powf(1.0 + 1.0 / k))
+    let near = by.abs() <= FURTHEST * frame.depth;
+    frame.degree.filter(|_| near).map(|k| (1.0 + by / frame.depth).powf(1.0 + 1.0 / k))
 }
 
 /// Sum by rows, so that its rounding grows with the side of the grid and not with its cells.
