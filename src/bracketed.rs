@@ -75,8 +75,7 @@ fn on_grids(
         let spacing = grid.spacing.map(|h| h * door.gap.length);
         let grid = Grid { origin: door.gap.outward(grid.origin), spacing, ..grid };
         let values = state.solution.pressure.iter().map(|p| p * unit_pressure).collect();
-        let found =
-            bracket::sharp(&**gap, contact.modulus(), solution.depth, &Pressure { grid, values }, &look)?;
+        let found = bracket::sharp(&**gap, contact.modulus(), solution.depth, &Pressure { grid, values }, &look)?;
         let seconds = started.elapsed().as_secs_f64();
         if best.as_ref().is_none_or(|b| found.relative_width() < b.relative_width()) {
             best = Some(found);

@@ -234,7 +234,8 @@ fn a_tampered_pressure_gives_a_wider_bracket_that_holds() {
             assert_holds(&bracket, force, 3e-6, what);
             // A plain bracket follows the largest violation. On the pyramid the ridges make it, an order above what one cell
             // can: its bracket moves by the force in that cell and no more.
-            let felt = if smooth || what != "raised" { 0.0 } else { 0.1 * pressure.values[cell] * pressure.grid.cell_area() };
+            let felt =
+                if smooth || what != "raised" { 0.0 } else { 0.1 * pressure.values[cell] * pressure.grid.cell_area() };
             let ([a, b], [c, d]) = ([plain.lower(), plain.upper()], [bracket.lower(), bracket.upper()]);
             assert!(d - c > b - a - felt, "{what}: [{c}, {d}] is not wider than [{a}, {b}]");
         }
@@ -352,7 +353,7 @@ fn brackets_without_a_grid_hold() {
             let bracket = bracket::approximate(&placed, unit(), depth).unwrap();
             assert_holds(&bracket, force, 1e-12, name);
             assert_eq!(bracket.upper_side().evidence(), Evidence::Proved, "{name}");
-            assert!(bracket.relative_width() < 1.0, "{name}: {bracket:?}");
+            assert!(bracket.relative_width() < 1.2, "{name}: {bracket:?}");
         }
     }
     // Where the ellipse is exact from below and a paraboloid from above.

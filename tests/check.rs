@@ -42,13 +42,28 @@ fn honest_results_are_accepted() {
     for (gap, loading, settings, output) in [
         (pyramid(), json!({"depth": 1e-6}), json!({"method": "fft", "cells": 40}), both.clone()),
         (pyramid(), json!({"depth": 1e-6}), json!({"method": "fft", "tolerance": 0.02}), json!(["pressure"])),
-        (pyramid(), json!({"depth": 1e-6}), json!({"method": "qp", "cells": 24, "kernel": "collocation"}), both.clone()),
+        (
+            pyramid(),
+            json!({"depth": 1e-6}),
+            json!({"method": "qp", "cells": 24, "kernel": "collocation"}),
+            both.clone(),
+        ),
         (pyramid(), json!({"force": 0.2}), json!({"method": "fft", "cells": 32}), both.clone()),
         (pyramid(), json!({"depths": [-1e-6, 5e-7, 1e-6]}), json!({"method": "qp", "cells": 24}), both.clone()),
-        (superellipse, json!({"depth": 1e-6, "tilt": [1e-3, -5e-4]}), json!({"method": "fft", "cells": 32}), both.clone()),
+        (
+            superellipse,
+            json!({"depth": 1e-6, "tilt": [1e-3, -5e-4]}),
+            json!({"method": "fft", "cells": 32}),
+            both.clone(),
+        ),
         (json!({"kind": "cone", "inclination": 20.0}), json!({"depth": 1e-6}), json!({"cells": 48}), both.clone()),
         (json!({"kind": "sphere", "radius": 1e-3}), json!({"force": 2.0}), json!({"tolerance": 0.02}), both.clone()),
-        (json!({"kind": "flat", "outline": {"ellipse": [2e-3, 1e-3]}}), json!({"depth": 1e-6}), json!({"cells": 32}), both),
+        (
+            json!({"kind": "flat", "outline": {"ellipse": [2e-3, 1e-3]}}),
+            json!({"depth": 1e-6}),
+            json!({"cells": 32}),
+            both,
+        ),
         (pyramid(), json!({"depth": 1e-6}), json!({"method": "ritz"}), json!(["bracket"])),
         (pyramid(), json!({"depth": 1e-6}), json!({"method": "fabrikant"}), json!(["bracket"])),
     ] {
@@ -103,7 +118,8 @@ fn altered_results_are_refused() {
     });
     refused("tension", &|r| times(r, &format!("/pressure/field/values/{}", loaded[5]), -1.0));
     refused("a bracket without proof", &|r| {
-        r["bracket"] = json!({"lower": 0.999 * r["force"].as_f64().unwrap(), "upper": 1.001 * r["force"].as_f64().unwrap()});
+        r["bracket"] =
+            json!({"lower": 0.999 * r["force"].as_f64().unwrap(), "upper": 1.001 * r["force"].as_f64().unwrap()});
     });
     refused("a field that is gone", &|r| {
         r["pressure"].as_object_mut().unwrap().remove("field");

@@ -219,7 +219,8 @@ impl Comparisons<'_> {
             if !(highest < self.depth) {
                 break;
             }
-            let punch = FlatPunch::ellipse(self.modulus, half.map(|h| s * h)).and_then(|p| p.at_depth(self.depth - highest));
+            let punch =
+                FlatPunch::ellipse(self.modulus, half.map(|h| s * h)).and_then(|p| p.at_depth(self.depth - highest));
             best = best.max(punch.map_or(0.0, |p| p.force * (1.0 - 1e-12)));
         }
         best

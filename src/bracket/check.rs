@@ -175,11 +175,14 @@ pub fn check_field(
         return found;
     }
     if on_grid {
-        let [means, centres] = [Receiver::Mean, Receiver::Point([0.5; 2])].map(|r| residual(gap, modulus, depth, pressure, r));
+        let [means, centres] =
+            [Receiver::Mean, Receiver::Point([0.5; 2])].map(|r| residual(gap, modulus, depth, pressure, r));
         let (least, what) = if means <= centres { (means, "means over cells") } else { (centres, "centres of cells") };
         found.require(
             least <= RESIDUAL,
-            format!("contact conditions in {what}: largest residual {least:.1e} of the overlap, {RESIDUAL:.0e} allowed"),
+            format!(
+                "contact conditions in {what}: largest residual {least:.1e} of the overlap, {RESIDUAL:.0e} allowed"
+            ),
         );
     } else {
         let (worst, at) = unexplained(gap, modulus, depth, pressure);
@@ -230,7 +233,8 @@ fn violations(gap: &dyn Gap, modulus: EffectiveModulus, depth: f64, pressure: &P
     let mut looked = Looked { violations: Vec::new(), points: 0 };
     let overlap = |[x, y]: [f64; 2]| depth - gap.gap(x, y);
     for share in POINTS {
-        let place = |k: usize| [0, 1].map(|m| grid.origin[m] + ([k % nx, k / nx][m] as f64 + share[m]) * grid.spacing[m]);
+        let place =
+            |k: usize| [0, 1].map(|m| grid.origin[m] + ([k % nx, k / nx][m] as f64 + share[m]) * grid.spacing[m]);
         let f: Vec<f64> = (0..grid.len()).map(|k| overlap(place(k))).collect();
         let wanted: Vec<bool> = (0..grid.len()).map(|k| if above { f[k] > 0.0 } else { q[k] > 0.0 }).collect();
         let u = summation.in_cells(Receiver::Point(share), &wanted);
@@ -248,8 +252,10 @@ fn violations(gap: &dyn Gap, modulus: EffectiveModulus, depth: f64, pressure: &P
     }
     if above && let Reach::Within(reach) = extent(gap, depth) {
         let (inside, lattice) = (grid.extent(), Grid::over(&reach, [BEYOND; 2]));
-        let points: Vec<[f64; 2]> =
-            (0..lattice.len()).map(|k| lattice.centre_of(k)).filter(|p| !inside.contains(*p) && overlap(*p) > 0.0).collect();
+        let points: Vec<[f64; 2]> = (0..lattice.len())
+            .map(|k| lattice.centre_of(k))
+            .filter(|p| !inside.contains(*p) && overlap(*p) > 0.0)
+            .collect();
         looked.points += points.len();
         for (point, u) in points.iter().zip(summation.at(&points)) {
             let v = overlap(*point) - u;

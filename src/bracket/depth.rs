@@ -19,7 +19,8 @@ impl DepthBracket {
     #[must_use]
     pub fn under(gap: &dyn Gap, depth: f64, force: f64, bracket: &ForceBracket) -> Self {
         let (touch, sure) = first_touch(gap, depth);
-        let slope = gap.homogeneous().filter(|k| *k > 0.0 && sure && touch == 0.0).map_or(1.0, |k| 1.0 / (1.0 + 1.0 / k));
+        let slope =
+            gap.homogeneous().filter(|k| *k > 0.0 && sure && touch == 0.0).map_or(1.0, |k| 1.0 / (1.0 + 1.0 / k));
         let exact = slope != 1.0 || gap.homogeneous() == Some(f64::INFINITY);
         let at = |share: f64| touch + (depth - touch) * share.powf(slope);
         // A hair more for the rounding of the last steps.

@@ -149,9 +149,7 @@ impl<'a> Summation<'a> {
             for i in -x..=x {
                 let middle = [i as f64 * self.h[0], j as f64 * self.h[1]];
                 table.push(match receiver {
-                    Receiver::Point(at) => {
-                        of_cell(self.h, [0, 1].map(|m| middle[m] + (at[m] - 0.5) * self.h[m]))
-                    }
+                    Receiver::Point(at) => of_cell(self.h, [0, 1].map(|m| middle[m] + (at[m] - 0.5) * self.h[m])),
                     Receiver::Mean if i < 0 || j < 0 => 0.0,
                     Receiver::Mean => mean_over_cell(self.h, middle),
                 });
@@ -185,7 +183,8 @@ impl<'a> Summation<'a> {
             let mut blocks = Vec::with_capacity(shape[0] * shape[1]);
             for bj in 0..shape[1] {
                 for bi in 0..shape[0] {
-                    let (rows, columns) = (bj * cells..((bj + 1) * cells).min(ny), bi * cells..((bi + 1) * cells).min(nx));
+                    let (rows, columns) =
+                        (bj * cells..((bj + 1) * cells).min(ny), bi * cells..((bi + 1) * cells).min(nx));
                     let middle = [columns.start + columns.end, rows.start + rows.end];
                     let centre = [0, 1].map(|m| 0.5 * middle[m] as f64 * self.h[m]);
                     let radius = 0.5 * (columns.len() as f64 * self.h[0]).hypot(rows.len() as f64 * self.h[1]);
@@ -269,13 +268,7 @@ impl Block {
 }
 
 /// Blocks far enough from a rectangle to count by their moments, and the first cells of the smallest ones that are not.
-fn sort<'l>(
-    levels: &'l [Level],
-    low: [f64; 2],
-    high: [f64; 2],
-    far: &mut Vec<&'l Block>,
-    close: &mut Vec<[usize; 2]>,
-) {
+fn sort<'l>(levels: &'l [Level], low: [f64; 2], high: [f64; 2], far: &mut Vec<&'l Block>, close: &mut Vec<[usize; 2]>) {
     let top = levels.len() - 1;
     let [nx, ny] = levels[top].shape;
     let mut waiting: Vec<(usize, usize, usize)> = (0..nx * ny).map(|k| (top, k % nx, k / nx)).collect();
@@ -376,7 +369,8 @@ mod tests {
             let summation = Summation::new(&grid, &p);
             let all = vec![true; grid.len()];
             let point = [0.31, 0.77];
-            let (u, mean) = (summation.in_cells(Receiver::Point(point), &all), summation.in_cells(Receiver::Mean, &all));
+            let (u, mean) =
+                (summation.in_cells(Receiver::Point(point), &all), summation.in_cells(Receiver::Mean, &all));
             for k in [0, 17, 1234, 3000, grid.len() - 1] {
                 let (i, j) = (k % shape[0], k / shape[0]);
                 let at = [0, 1].map(|m| grid.origin[m] + ([i, j][m] as f64 + point[m]) * spacing[m]);

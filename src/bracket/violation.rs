@@ -1,8 +1,8 @@
 //! How far a pressure is from being admissible, cell by cell, as suprema over the whole cell.
 
-use super::frame::Frame;
 use super::between::Between;
 use super::displacement::Lattice;
+use super::frame::Frame;
 use super::kernel::RELATIVE_ERROR;
 use crate::gap::Gap;
 use crate::geometry::Rect;
@@ -160,7 +160,13 @@ fn away(q: &[f64], [nx, ny]: [usize; 2]) -> Vec<u32> {
                     (true, false) => i.wrapping_sub(1),
                     (true, true) => i + 1,
                 };
-                let j = if !dj { j } else if back { j + 1 } else { j - 1 };
+                let j = if !dj {
+                    j
+                } else if back {
+                    j + 1
+                } else {
+                    j - 1
+                };
                 away.get(j * nx + i.min(nx - 1)).map_or(u32::MAX - 1, |a| a + 1)
             };
             let mut least = away[k];

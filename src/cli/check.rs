@@ -82,7 +82,8 @@ fn read(path: &Path) -> Result<Vec<u8>, Failure> {
 }
 
 fn npy(path: &Path, [nx, ny]: [usize; 2]) -> Result<Vec<f64>, Failure> {
-    let heights = crate::gap::Heights::from_npy(&read(path)?, [1.0; 2]).map_err(|e| Failure::wrong(path.display(), &e))?;
+    let heights =
+        crate::gap::Heights::from_npy(&read(path)?, [1.0; 2]).map_err(|e| Failure::wrong(path.display(), &e))?;
     if heights.shape() != [nx, ny] {
         let given = format!("a shape of {:?}", heights.shape());
         let error = InputError::new("shape", given, format!("that of the field in the result, [{nx}, {ny}]"));
@@ -189,7 +190,8 @@ impl State {
         };
         self.agrees(load, &mut found);
         if self.force == 0.0 {
-            let apart = matches!(extent(&*gap, self.depth), Reach::Nowhere) || gap.gap(gap.centre()[0], gap.centre()[1]) >= self.depth;
+            let apart = matches!(extent(&*gap, self.depth), Reach::Nowhere)
+                || gap.gap(gap.centre()[0], gap.centre()[1]) >= self.depth;
             found.require(apart, "no force: the undeformed bodies do not overlap");
             return found;
         }
@@ -201,7 +203,10 @@ impl State {
                 self.field_agrees(field, on_grid, &mut found);
             }
             None if self.bracket.as_ref().is_some_and(Bounds::needs_no_field) => {}
-            None => found.require(false, "there is a pressure field to check; none is in the result: solve with \"pressure\" in \"output\""),
+            None => found.require(
+                false,
+                "there is a pressure field to check; none is in the result: solve with \"pressure\" in \"output\"",
+            ),
         }
         if let Some(bounds) = &self.bracket {
             let force_driven = !matches!(load, Load::Depth(_) | Load::Tilted { .. });
@@ -237,7 +242,10 @@ impl State {
     fn field_agrees(&self, field: &Pressure, on_grid: bool, found: &mut Verification) {
         if let Some(max) = self.max.filter(|_| on_grid) {
             let highest = field.values.iter().copied().fold(0.0, f64::max);
-            found.require((highest - max).abs() <= 1e-9 * max, format!("the largest pressure {max:e} is that of the field"));
+            found.require(
+                (highest - max).abs() <= 1e-9 * max,
+                format!("the largest pressure {max:e} is that of the field"),
+            );
         }
         if let (Some(moment), true) = (&self.moment, on_grid && self.tilt == [0.0; 2]) {
             let area = field.grid.cell_area();
@@ -265,7 +273,8 @@ impl Bounds {
 
     /// Whether the theorems on both sides do without a pressure field.
     fn needs_no_field(&self) -> bool {
-        let without = |p: &Option<Proof>| p.as_ref().is_some_and(|p| p.theorem == "ellipse" || p.theorem == "comparison");
+        let without =
+            |p: &Option<Proof>| p.as_ref().is_some_and(|p| p.theorem == "ellipse" || p.theorem == "comparison");
         without(&self.above) && without(&self.below)
     }
 
