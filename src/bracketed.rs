@@ -38,9 +38,14 @@ pub(crate) fn with_bracket(
     };
     let bracket = match settings.method {
         Method::Ritz | Method::Fabrikant => bracket::approximate(&*gap, contact.modulus(), solution.depth)?,
-        _ => match on_grids(contact, &gap, &mut solution, settings)? {
-            Some(bracket) => bracket,
-            None => return Ok(solution),
+        _ => match on_grids(contact, &gap, &mut solution, settings) {
+            Ok(Some(bracket)) => bracket,
+            Ok(None) => return Ok(solution),
+            Err(e) => {
+                // The state is solved all the same.
+                solution.remarks.push(format!("no bracket: {}", e.reason));
+                return Ok(solution);
+            }
         },
     };
     if let Load::Force(force) = load {
