@@ -358,7 +358,7 @@ fn brackets_without_a_grid_hold() {
     }
     // Where the ellipse is exact from below and a paraboloid from above.
     let bowl = Placed::new(Paraboloid::new([2.0, 0.5]).unwrap(), [1.0, 2.0], 0.5).unwrap();
-    assert!(bracket::approximate(&bowl, unit(), 1.0).unwrap().relative_width() < 1e-4);
+    assert!(bracket::approximate(&bowl, unit(), 1.0).unwrap().relative_width() < 1e-2);
     for n in [3, 4, 6] {
         let gap = Polyhedron::pyramid(n, FRAC_PI_4).unwrap();
         let force = [0.882_412, 0.737_616, 0.673_297][[3, 4, 6].iter().position(|&m| m == n).unwrap()];
