@@ -29,6 +29,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     );
     for (name, gap, window, force) in cases {
         let mut cells = 32;
+        let mut before: Option<[f64; 4]> = None;
         while cells <= most {
             let grid = Grid::over(&window, [cells; 2]);
             let problem = Discrete::sample(&gap, 1.0, grid, Kernel::Galerkin);
@@ -50,6 +51,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 "{name:<11}{cells:>6} | {a:>11.3}{b:>11.3}{c:>11.3}p{d:>11.3}p | {s:>11.1}{t:>11.1}{u:>11.1}p{v:>11.1}p"
             );
             println!(" | [{:.6}, {:.6}]", brackets[1].lower(), brackets[1].upper());
+            if let Some(before) = before {
+                let order = |k: usize, width: f64| (before[k] / width).log2();
+                let (a, b, c, d) = (order(0, a), order(1, b), order(2, c), order(3, d));
+                println!("{:<11}{:>6} | {a:>11.1}{b:>11.1}{c:>11.1} {d:>11.1}  |", "", "order");
+            }
+            before = Some([a, b, c, d]);
             for bracket in &brackets {
                 assert!(bracket.contains(force), "{force} is not in [{}, {}]", bracket.lower(), bracket.upper());
             }

@@ -77,6 +77,7 @@ fn dimensional(contact: &Contact, depth: f64, tilt: [f64; 2], settings: &Setting
         force: found.force,
         force_error: None,
         bracket: None,
+        depth_bracket: None,
         stiffness: found.stiffness,
         stiffness_matrix: None,
         moment: None,

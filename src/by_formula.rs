@@ -189,6 +189,7 @@ pub(crate) fn solution(
         force: form.force,
         force_error: Some(form.error),
         bracket: None,
+        depth_bracket: None,
         stiffness: form.stiffness,
         stiffness_matrix: Some([0, 1, 2].map(|i| [0, 1, 2].map(|j| stiffness[(i, j)]))),
         moment: Some([form.force * y, -form.force * x]),

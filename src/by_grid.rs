@@ -245,6 +245,7 @@ fn in_users_units(
         force: force * unit_force,
         force_error: Some(error / force),
         bracket: None,
+        depth_bracket: None,
         stiffness: stiffness * e_star * length,
         stiffness_matrix: None,
         moment: Some(moment),

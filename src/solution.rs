@@ -1,6 +1,6 @@
 //! The answer: force, stiffness, patch and pressure of one state of loading, in the user's units.
 
-use crate::bracket::ForceBracket;
+use crate::bracket::{DepthBracket, ForceBracket};
 use crate::discrete::Residuals;
 use crate::grid::{Grid, Pressure};
 use crate::settings::Method;
@@ -20,6 +20,8 @@ pub struct Solution {
     pub force_error: Option<f64>,
     /// Bounds of the force with their evidence, when asked for.
     pub bracket: Option<ForceBracket>,
+    /// Bounds of the depth under a prescribed force, with the bracket.
+    pub depth_bracket: Option<DepthBracket>,
     /// dP/dd.
     pub stiffness: f64,
     /// Second derivatives of the stored energy by (depth, ax, ay); `None` when the method cannot give them.
@@ -52,6 +54,7 @@ impl Solution {
             force: 0.0,
             force_error: Some(0.0),
             bracket: None,
+            depth_bracket: None,
             stiffness: 0.0,
             stiffness_matrix: Some([[0.0; 3]; 3]),
             moment: Some([0.0; 2]),
@@ -77,6 +80,7 @@ impl Solution {
         other.depth = depth;
         other.force *= stronger;
         other.bracket = None;
+        other.depth_bracket = None;
         other.stiffness *= longer;
         other.energy = self.energy.map(|u| u * deeper * stronger);
         // About the centre the rows scale one by one; the matrix is about the origin.

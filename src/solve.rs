@@ -66,7 +66,7 @@ fn at(contact: &Contact, load: Load, settings: &Settings, similar: &mut Option<S
         Load::ForceMoment { force, moment } => at_moment(contact, force, moment, settings)?,
     };
     if settings.outputs.bracket {
-        solution = with_bracket(contact, solution, settings)?;
+        solution = with_bracket(contact, load, solution, settings)?;
     }
     solution.cost.seconds = started.elapsed().as_secs_f64();
     let lost = solution.force == 0.0 && solution.stiffness > 0.0;

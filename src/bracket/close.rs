@@ -4,9 +4,12 @@
 //! supp q, q/lambda is. *Discs*: a flat disc of radius R under displacement e carries 2 E* R e (Boussinesq) and has no
 //! negative displacement anywhere, so a stack of discs that covers every {violation > e} repairs an upper pressure; and since
 //! P(f + v) <= P(f) + P(v), the force of the same stack is the most that a lower pressure can be too large by.
+//! *Another depth*: S q >= f - e makes q enough for the depth d - e, and the force of a homogeneous gap follows from that at
+//! any other depth; likewise S q <= f + e. Discs then repair what exceeds e.
 //! A lower pressure may also drop cells: what is left displaces less everywhere.
 
 use super::Theorem;
+use super::frame::Frame;
 use super::outside::Outside;
 use super::violation::Violation;
 use crate::geometry::Rect;
@@ -22,6 +25,10 @@ pub(super) struct Closed {
     pub kept: Option<Vec<bool>>,
     /// Largest violation that scaling and dropping leave.
     pub left: f64,
+    /// Force of the discs.
+    pub discs: f64,
+    /// Violation made good by another depth.
+    pub level: f64,
     /// The cell, or rectangle, with the largest violation before repair.
     pub at: [f64; 2],
 }
@@ -29,16 +36,14 @@ pub(super) struct Closed {
 /// Steps between no scaling and scaling alone.
 const MIXTURES: usize = 8;
 
-/// Force of the stack of discs over `violations` (height, where), heights positive: 2 times the integral of the radius.
-fn discs(violations: &mut [(f64, Rect)]) -> f64 {
+/// Calls `with` with every level and the force of the stack of discs over what exceeds it: 2 times the integral of the
+/// radius over the height. `violations`: (height, where), heights positive. The last level is 0.
+fn stacks(violations: &mut [(f64, Rect)], mut with: impl FnMut(f64, f64)) {
     violations.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let mut force = 0.0;
-    let mut box_: Option<Rect> = None;
-    let centre = violations.first().map_or([0.0; 2], |_| {
-        let all = violations.iter().map(|v| v.1).reduce(|a, b| a.union(&b));
-        all.map_or([0.0; 2], |r| r.centre())
-    });
-    let mut about_centre = 0.0_f64;
+    let all = violations.iter().map(|v| v.1).reduce(|a, b| a.union(&b));
+    let centre = all.map_or([0.0; 2], |r| r.centre());
+    let (mut force, mut about_centre, mut box_) = (0.0, 0.0_f64, None::<Rect>);
+    with(violations.first().map_or(0.0, |v| v.0), 0.0);
     for (k, (height, rect)) in violations.iter().enumerate() {
         let held = box_.map_or(*rect, |b| b.union(rect));
         box_ = Some(held);
@@ -50,9 +55,21 @@ fn discs(violations: &mut [(f64, Rect)]) -> f64 {
         let next = violations.get(k + 1).map_or(0.0, |v| v.0);
         if *height > next {
             force += 2.0 * radius * (height - next);
+            with(next, force);
         }
     }
-    force
+}
+
+/// Share of the depth by which another depth may differ: what a sampled supremum misses is magnified by the quotient.
+const FURTHEST: f64 = 0.25;
+
+/// (depth'/depth)^(1 + 1/k), where a homogeneous gap allows it; without one, 1 for the same depth.
+fn stronger(frame: &Frame, by: f64) -> Option<f64> {
+    if by == 0.0 {
+        return Some(1.0);
+    }
+    let near = by.abs() <= FURTHEST * frame.depth;
+    frame.degree.filter(|_| near).map(|k| (1.0 + by / frame.depth).powf(1.0 + 1.0 / k))
 }
 
 /// Sum by rows, so that its rounding grows with the side of the grid and not with its cells.
@@ -67,8 +84,8 @@ fn rounding(grid: &Grid) -> f64 {
 }
 
 /// The least force that the pressure `q`, repaired, proves to be enough.
-pub(super) fn upper(grid: &Grid, q: &[f64], found: &Violation, outside: &Outside) -> Closed {
-    let spills = &outside.spills;
+pub(super) fn upper(frame: &Frame, q: &[f64], found: &Violation, outside: &Outside) -> Closed {
+    let (grid, spills) = (&frame.grid, &outside.spills);
     let nx = grid.shape[0];
     let base = total(grid, |k| q[k]);
     // Beyond the grid u >= f is known, and no more.
@@ -82,7 +99,16 @@ pub(super) fn upper(grid: &Grid, q: &[f64], found: &Violation, outside: &Outside
         Some(spill) if spill.over > worst.0 => spill.rect.centre(),
         _ => cell(worst.1).centre(),
     };
-    let mut best = Closed { force: f64::INFINITY, theorem: Theorem::Scaling, factor: 1.0, kept: None, left: 0.0, at };
+    let mut best = Closed {
+        force: f64::INFINITY,
+        theorem: Theorem::Scaling,
+        factor: 1.0,
+        kept: None,
+        left: 0.0,
+        discs: 0.0,
+        level: 0.0,
+        at,
+    };
     if shortest == f64::NEG_INFINITY {
         // No point has f > 0.
         return Closed { force: 0.0, factor: 0.0, ..best };
@@ -103,10 +129,15 @@ pub(super) fn upper(grid: &Grid, q: &[f64], found: &Violation, outside: &Outside
             .collect();
         left.extend(spills.iter().map(|s| (s.over - more * s.least, s.rect)).filter(|v| v.0 > 0.0));
         let highest = left.iter().map(|v| v.0).fold(0.0, f64::max);
-        let force = (((1.0 + more) * base + discs(&mut left)) * up).next_up();
-        if force < best.force {
-            best = Closed { force, theorem: Theorem::Discs, factor: 1.0 + more, left: highest, ..best };
-        }
+        stacks(&mut left, |level, discs| {
+            // S (lambda q + discs) >= f - level: enough for the depth less the level.
+            let Some(weaker) = stronger(frame, -level) else { return };
+            let force = (((1.0 + more) * base + discs) / weaker * up).next_up();
+            if force < best.force {
+                let theorem = if level > 0.0 { Theorem::OtherDepth } else { Theorem::Discs };
+                best = Closed { force, theorem, factor: 1.0 + more, left: highest, discs, level, kept: None, at };
+            }
+        });
         if furthest == 0.0 {
             break;
         }
@@ -115,11 +146,21 @@ pub(super) fn upper(grid: &Grid, q: &[f64], found: &Violation, outside: &Outside
 }
 
 /// The largest force that the pressure `q`, repaired, proves to be carried.
-pub(super) fn lower(grid: &Grid, q: &[f64], found: &Violation) -> Closed {
+pub(super) fn lower(frame: &Frame, q: &[f64], found: &Violation) -> Closed {
+    let grid = &frame.grid;
     let nx = grid.shape[0];
     let cell = |k: usize| grid.cell(k % nx, k / nx);
     let mut loaded: Vec<usize> = (0..grid.len()).filter(|&k| q[k] > 0.0).collect();
-    let mut best = Closed { force: 0.0, theorem: Theorem::Scaling, factor: 0.0, kept: None, left: 0.0, at: [0.0; 2] };
+    let mut best = Closed {
+        force: 0.0,
+        theorem: Theorem::Scaling,
+        factor: 0.0,
+        kept: None,
+        left: 0.0,
+        discs: 0.0,
+        level: 0.0,
+        at: [0.0; 2],
+    };
     let Some(&worst) = loaded.iter().max_by(|&&a, &&b| found.under[a].total_cmp(&found.under[b])) else { return best };
     best.at = cell(worst).centre();
     let down = 1.0 - rounding(grid);
@@ -164,12 +205,22 @@ pub(super) fn lower(grid: &Grid, q: &[f64], found: &Violation) -> Closed {
         let mut left: Vec<(f64, Rect)> =
             rest.iter().map(|&k| (found.under[k], cell(k))).filter(|v| v.0 > 0.0).collect();
         let highest = left.iter().map(|v| v.0).fold(0.0, f64::max);
-        let repair = discs(&mut left) * (1.0 + rounding(grid));
         let mut kept = vec![false; grid.len()];
         rest.iter().for_each(|&k| kept[k] = true);
-        let force = (total(grid, |k| if kept[k] { q[k] } else { 0.0 }) * down - repair).next_down();
-        if force > best.force {
-            best = Closed { force, theorem: Theorem::Discs, factor: 1.0, kept: Some(kept), left: highest, ..best };
+        let carried = total(grid, |k| if kept[k] { q[k] } else { 0.0 }) * down;
+        let mut chosen: Option<(f64, f64, f64)> = None;
+        stacks(&mut left, |level, discs| {
+            // S q <= f + level + what the discs displace: no more than the force at the depth plus the level, and theirs.
+            let Some(greater) = stronger(frame, level) else { return };
+            let force = ((carried - discs * (1.0 + rounding(grid))) / greater).next_down();
+            if force > chosen.map_or(best.force, |(force, ..)| force) {
+                chosen = Some((force, discs, level));
+            }
+        });
+        if let Some((force, discs, level)) = chosen {
+            let theorem = if level > 0.0 { Theorem::OtherDepth } else { Theorem::Discs };
+            let at = best.at;
+            best = Closed { force, theorem, factor: 1.0, kept: Some(kept), left: highest, discs, level, at };
         }
         share = if share == 0.0 { 1e-4 } else { share * 2.0 };
         if share > 0.5 {

@@ -48,40 +48,53 @@ impl Transform {
         self.size[0] / 2 + 1
     }
 
-    fn forward(&self, mut field: Vec<f64>) -> Vec<Complex64> {
+    /// The transform of a field of which only the first rows hold something.
+    fn forward(&self, mut field: Vec<f64>, rows: usize) -> Vec<Complex64> {
         let ([mx, my], half) = (self.size, self.half());
         let mut spectrum = vec![Complex64::default(); half * my];
-        let mut line = vec![Complex64::default(); half];
+        let mut lines = vec![Complex64::default(); TOGETHER * half];
         let mut scratch = self.forward_x.make_scratch_vec();
-        for (j, row) in field.chunks_exact_mut(mx).enumerate() {
-            // Lengths are those of the plan: the transform cannot fail.
-            let _ = self.forward_x.process_with_scratch(row, &mut line, &mut scratch);
-            for (i, value) in line.iter().enumerate() {
-                spectrum[i * my + j] = *value;
+        for (block, rows) in field[..rows * mx].chunks_mut(TOGETHER * mx).enumerate() {
+            let n = rows.len() / mx;
+            for (row, line) in rows.chunks_exact_mut(mx).zip(lines.chunks_exact_mut(half)) {
+                // Lengths are those of the plan: the transform cannot fail.
+                let _ = self.forward_x.process_with_scratch(row, line, &mut scratch);
+            }
+            for i in 0..half {
+                let to = &mut spectrum[i * my + block * TOGETHER..][..n];
+                to.iter_mut().enumerate().for_each(|(j, to)| *to = lines[j * half + i]);
             }
         }
         self.forward_y.process(&mut spectrum);
         spectrum
     }
 
-    fn inverse(&self, mut spectrum: Vec<Complex64>) -> Vec<f64> {
+    /// The first `rows` rows of the field with this spectrum.
+    fn inverse(&self, mut spectrum: Vec<Complex64>, rows: usize) -> Vec<f64> {
         let ([mx, my], half) = (self.size, self.half());
         self.inverse_y.process(&mut spectrum);
-        let mut field = vec![0.0; mx * my];
-        let mut line = vec![Complex64::default(); half];
+        let mut field = vec![0.0; mx * rows];
+        let mut lines = vec![Complex64::default(); TOGETHER * half];
         let mut scratch = self.inverse_x.make_scratch_vec();
         let norm = 1.0 / (mx * my) as f64;
-        for (j, row) in field.chunks_exact_mut(mx).enumerate() {
-            for (i, value) in line.iter_mut().enumerate() {
-                *value = spectrum[i * my + j] * norm;
+        for (block, rows) in field.chunks_mut(TOGETHER * mx).enumerate() {
+            let n = rows.len() / mx;
+            for i in 0..half {
+                let from = &spectrum[i * my + block * TOGETHER..][..n];
+                from.iter().enumerate().for_each(|(j, from)| lines[j * half + i] = from * norm);
             }
-            line[0].im = 0.0;
-            line[half - 1].im = 0.0;
-            let _ = self.inverse_x.process_with_scratch(&mut line, row, &mut scratch);
+            for (row, line) in rows.chunks_exact_mut(mx).zip(lines.chunks_exact_mut(half)) {
+                line[0].im = 0.0;
+                line[half - 1].im = 0.0;
+                let _ = self.inverse_x.process_with_scratch(line, row, &mut scratch);
+            }
         }
         field
     }
 }
+
+/// Rows transformed together: their columns then share cache lines.
+const TOGETHER: usize = 8;
 
 /// Convolutions of one grid with the kernels of a lattice.
 pub(super) struct Lattice {
@@ -119,7 +132,7 @@ impl Lattice {
         for (j, row) in p.chunks_exact(nx).enumerate() {
             field[j * mx..j * mx + nx].copy_from_slice(row);
         }
-        self.transform.forward(field)
+        self.transform.forward(field, self.shape[1])
     }
 
     /// Bound of the rounding error of one product with the pressure `p`: the error of a transform in the Euclidean norm is
@@ -165,25 +178,28 @@ impl Lattice {
             }
         }
         self.norm = self.norm.max(tables[0].iter().map(|v| v * v).sum::<f64>().sqrt());
-        Shifted { shift, parts: tables.into_iter().map(|t| self.transform.forward(t)).collect() }
+        Shifted { shift, parts: tables.into_iter().map(|t| self.transform.forward(t, my)).collect() }
     }
 
     fn product(&self, pressure: &[Complex64], kernel: &[Complex64], flip: [bool; 2], sign: f64) -> Vec<f64> {
         let [mx, my] = self.transform.size;
         let half = self.transform.half();
         let mut spectrum = Vec::with_capacity(half * my);
-        for i in 0..half {
-            let row = i * my;
-            for j in 0..my {
-                // Mirrored along x: the conjugate at minus ky (the table is real); along y: at minus ky.
-                let at = if flip[0] != flip[1] { (my - j) % my } else { j };
-                let k = kernel[row + at];
-                let k = if flip[0] { k.conj() } else { k };
-                spectrum.push(pressure[row + j] * k * sign);
+        // Mirrored along x: the conjugate at minus ky (the table is real); along y: at minus ky.
+        for (p, k) in pressure.chunks_exact(my).zip(kernel.chunks_exact(my)) {
+            match flip {
+                [false, false] => spectrum.extend(p.iter().zip(k).map(|(p, k)| p * k * sign)),
+                [true, true] => spectrum.extend(p.iter().zip(k).map(|(p, k)| p * k.conj() * sign)),
+                [along_x, _] => {
+                    let turned = k[..1].iter().chain(k[1..].iter().rev());
+                    let product = |(p, k): (&Complex64, &Complex64)| p * if along_x { k.conj() } else { *k } * sign;
+                    spectrum.extend(p.iter().zip(turned).map(product));
+                }
             }
         }
-        let field = self.transform.inverse(spectrum);
+        debug_assert_eq!(spectrum.len(), half * my);
         let [nx, ny] = self.shape;
+        let field = self.transform.inverse(spectrum, ny + 1);
         let mut points = Vec::with_capacity((nx + 1) * (ny + 1));
         for j in 0..=ny {
             points.extend_from_slice(&field[j * mx..j * mx + nx + 1]);
@@ -200,9 +216,9 @@ impl Lattice {
                 table[j * mx + i] = kernel([i.min(mx - i), j.min(my - j)]);
             }
         }
-        let spectrum = self.transform.forward(table);
+        let spectrum = self.transform.forward(table, my);
         let product = spectrum.iter().zip(pressure).map(|(k, p)| k * p).collect();
-        let field = self.transform.inverse(product);
+        let field = self.transform.inverse(product, ny);
         (0..ny).flat_map(|j| field[j * mx..j * mx + nx].to_vec()).collect()
     }
 }

@@ -12,27 +12,30 @@
 //!
 //! What was proved and what was only sampled is part of the answer: [`Evidence`].
 
+mod approximate;
 mod between;
 mod check;
 mod close;
+mod depth;
 mod displacement;
+mod frame;
 mod kernel;
 mod outside;
 mod sharp;
+mod summation;
 mod violation;
 
 use std::time::Instant;
 
-use crate::error::{Unsolved, Verdict};
-use crate::gap::{Gap, Reach, Scaled, extent};
-use crate::geometry::Rect;
-use crate::grid::{Grid, Pressure};
+use crate::error::Unsolved;
+use crate::gap::Gap;
+use crate::grid::Pressure;
 use crate::material::EffectiveModulus;
-use close::Closed;
 use displacement::Lattice;
-use violation::Violation;
 
-pub use check::{Claim, Verification, check, check_claims};
+pub use approximate::approximate;
+pub use check::{Claim, Verification, check, check_claims, check_field};
+pub use depth::DepthBracket;
 pub use sharp::sharp;
 
 /// How the suprema were found.
@@ -42,7 +45,7 @@ pub enum Evidence {
     Proved,
     /// At this many lattice points along each side of a cell: a supremum between them is missed.
     Sampled {
-        /// Points along a side of a cell.
+        /// Points along a side of a cell; 0 where no grid was looked at.
         per_cell: usize,
     },
 }
@@ -54,8 +57,29 @@ pub enum Theorem {
     Scaling,
     /// A stack of flat discs under the violation that is left carries at most so much.
     Discs,
+    /// The pressure is admissible at another depth of a homogeneous gap, up to discs: P(d') = P(d) (d'/d)^(1 + 1/k).
+    OtherDepth,
+    /// The exact flat-punch pressure of an ellipse (Rayleigh & Ritz).
+    Ellipse,
+    /// A gap with a closed form that lies below everywhere: it is pressed with more force.
+    Comparison,
     /// The bodies do not touch.
     NoContact,
+}
+
+impl Theorem {
+    /// The name in results.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Scaling => "scaling",
+            Self::Discs => "discs",
+            Self::OtherDepth => "other_depth",
+            Self::Ellipse => "ellipse",
+            Self::Comparison => "comparison",
+            Self::NoContact => "no_contact",
+        }
+    }
 }
 
 /// One side of a bracket.
@@ -63,9 +87,23 @@ pub enum Theorem {
 pub struct Side {
     force: f64,
     theorem: Theorem,
+    evidence: Evidence,
     violation: f64,
     at: [f64; 2],
-    pressure: Pressure,
+    repair: Repair,
+    pressure: Option<Pressure>,
+}
+
+/// What stands between the force of a pressure Q and the bound: (Q + discs)/(1 - level/d)^(1 + 1/k) above,
+/// (Q - discs)/(1 + level/d)^(1 + 1/k) below.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Repair {
+    /// Force of the discs.
+    pub discs: f64,
+    /// Violation that another depth makes good, in units of length.
+    pub level: f64,
+    /// k, where the level is not zero.
+    pub degree: Option<f64>,
 }
 
 impl Side {
@@ -81,7 +119,19 @@ impl Side {
         self.theorem
     }
 
-    /// Largest violation that the discs had to make good, in units of length; 0 under [`Theorem::Scaling`].
+    /// How its supremum was found.
+    #[must_use]
+    pub fn evidence(&self) -> Evidence {
+        self.evidence
+    }
+
+    /// What was added to the force of the pressure.
+    #[must_use]
+    pub fn repair(&self) -> Repair {
+        self.repair
+    }
+
+    /// Largest violation that the repair had to make good, in units of length; 0 under [`Theorem::Scaling`].
     #[must_use]
     pub fn violation(&self) -> f64 {
         self.violation
@@ -93,10 +143,10 @@ impl Side {
         self.at
     }
 
-    /// The pressure that proves the bound, up to the discs: what a checker needs.
+    /// The pressure that proves the bound, up to the repair: what a checker needs. `None` where the theorem has no use for one.
     #[must_use]
-    pub fn pressure(&self) -> &Pressure {
-        &self.pressure
+    pub fn pressure(&self) -> Option<&Pressure> {
+        self.pressure.as_ref()
     }
 }
 
@@ -116,7 +166,6 @@ pub struct BracketCost {
 pub struct ForceBracket {
     lower: Side,
     upper: Side,
-    evidence: Evidence,
     cost: BracketCost,
 }
 
@@ -146,10 +195,10 @@ impl ForceBracket {
         (self.lower()..=self.upper()).contains(&force)
     }
 
-    /// How the suprema were found.
+    /// How the suprema were found: the weaker of the two sides.
     #[must_use]
     pub fn evidence(&self) -> Evidence {
-        self.evidence
+        if self.lower.evidence == Evidence::Proved { self.upper.evidence } else { self.lower.evidence }
     }
 
     /// The lower bound and its proof.
@@ -220,130 +269,27 @@ pub fn certify(
     pressure: &Pressure,
     settings: &BracketSettings,
 ) -> Result<ForceBracket, Unsolved> {
-    let started = Instant::now();
-    let Some((frame, q)) = Frame::enter(gap, modulus, depth, pressure)? else {
-        return Ok(no_contact(pressure));
+    frame::within(gap, modulus, depth, pressure, |frame, q| {
+        let started = Instant::now();
+        let mut lattice = Lattice::new(frame.grid.spacing, frame.grid.shape);
+        let (found, evidence) = frame.look(&mut lattice, &q, settings);
+        let outside = outside::look(frame, &q);
+        let (upper, lower) = (close::upper(frame, &q, &found, &outside), close::lower(frame, &q, &found));
+        let cost = BracketCost { seconds: started.elapsed().as_secs_f64(), products: found.products, solves: 0 };
+        ForceBracket { lower: frame.side(lower, &q, evidence), upper: frame.side(upper, &q, evidence), cost }
+    })
+}
+
+/// Nothing above and nothing below.
+fn no_contact(pressure: Option<Pressure>) -> ForceBracket {
+    let side = Side {
+        force: 0.0,
+        theorem: Theorem::NoContact,
+        evidence: Evidence::Proved,
+        violation: 0.0,
+        at: [0.0; 2],
+        repair: Repair::default(),
+        pressure,
     };
-    let mut lattice = Lattice::new(frame.grid.spacing, frame.grid.shape);
-    let (found, evidence) = frame.look(&mut lattice, &q, settings);
-    let outside = outside::look(&frame, &q);
-    let (upper, lower) = (close::upper(&frame.grid, &q, &found, &outside), close::lower(&frame.grid, &q, &found));
-    let cost = BracketCost { seconds: started.elapsed().as_secs_f64(), products: found.products, solves: 0 };
-    Ok(ForceBracket { lower: frame.side(lower, &q), upper: frame.side(upper, &q), evidence, cost })
-}
-
-fn no_contact(pressure: &Pressure) -> ForceBracket {
-    let none = Pressure { grid: pressure.grid, values: vec![0.0; pressure.values.len()] };
-    let side = Side { force: 0.0, theorem: Theorem::NoContact, violation: 0.0, at: [0.0; 2], pressure: none };
-    ForceBracket { lower: side.clone(), upper: side, evidence: Evidence::Proved, cost: BracketCost::default() }
-}
-
-/// The problem with E* = 1 and lengths of order 1: a pressure is proved in these units.
-struct Frame<'a> {
-    gap: Scaled<'a>,
-    depth: f64,
-    grid: Grid,
-    /// Holds {f > 0}.
-    reach: Rect,
-    /// Whether that is certain.
-    reach_known: bool,
-    unit_pressure: f64,
-    unit_force: f64,
-    given: Grid,
-}
-
-impl<'a> Frame<'a> {
-    /// The frame and the pressure in it; `None` when the bodies do not touch.
-    fn enter(
-        gap: &'a dyn Gap,
-        modulus: EffectiveModulus,
-        depth: f64,
-        pressure: &Pressure,
-    ) -> Result<Option<(Self, Vec<f64>)>, Unsolved> {
-        let given = pressure.grid;
-        let numbers = given.origin.iter().chain(&given.spacing).chain(&pressure.values);
-        let sides = given.spacing.iter().all(|&h| h > 0.0);
-        if !(depth.is_finite() && sides && !given.is_empty() && given.len() == pressure.values.len())
-            || numbers.into_iter().any(|v| !v.is_finite())
-        {
-            let reason = "the pressure needs one finite number a cell, and its cells sides greater than zero";
-            return Err(Unsolved::new(Verdict::NotApplicable, reason));
-        }
-        // What is certain may be larger than what is found; a strip of it is not worth a proof.
-        let (reach, reach_known) = match gap.certain_reach(depth) {
-            Reach::Unknown | Reach::Unbounded => (extent(gap, depth), false),
-            Reach::Within(r) if r.size().iter().any(|s| !s.is_finite()) => (extent(gap, depth), false),
-            certain => (certain, true),
-        };
-        let reach = match reach {
-            Reach::Within(rect) => rect,
-            Reach::Nowhere => return Ok(None),
-            Reach::Unbounded | Reach::Unknown => {
-                let reason = format!("the gap stays below the depth {depth:e} however far one looks");
-                return Err(Unsolved::new(Verdict::Unbounded, reason));
-            }
-        };
-        let [w, h] = given.extent().size();
-        let length = 0.5 * w.max(h);
-        let origin = given.extent().centre();
-        let [cx, cy] = gap.centre();
-        let lattice = Grid::over(&reach, [33, 33]);
-        let points =
-            (0..given.len()).map(|k| given.centre_of(k)).chain((0..lattice.len()).map(|k| lattice.centre_of(k)));
-        let deepest = points.map(|[x, y]| depth - gap.gap(x, y)).fold(depth - gap.gap(cx, cy), f64::max);
-        let height = if deepest > 0.0 { deepest } else { depth.abs().max(f64::MIN_POSITIVE) };
-        let scaled = Scaled { gap, origin, length, depth: height };
-        let grid = Grid {
-            origin: scaled.inward(given.origin),
-            spacing: given.spacing.map(|h| h / length),
-            shape: given.shape,
-        };
-        let unit_pressure = modulus.e_star() * height / length;
-        let q = pressure.values.iter().map(|p| (p / unit_pressure).max(0.0)).collect();
-        // A hair more than the gap says: its own rounding.
-        let reach = Rect { min: scaled.inward(reach.min), max: scaled.inward(reach.max) }.scaled(1.0 + 1e-9);
-        let unit_force = modulus.e_star() * height * length;
-        let depth = depth / height;
-        Ok(Some((Self { gap: scaled, depth, grid, reach, reach_known, unit_pressure, unit_force, given }, q)))
-    }
-
-    /// Suprema for the pressure `q` and what they are worth.
-    fn look(&self, lattice: &mut Lattice, q: &[f64], settings: &BracketSettings) -> (Violation, Evidence) {
-        let per_cell = settings.per_cell.max(1);
-        let [a, b] = self.grid.spacing;
-        let slender = a.max(b) > kernel::MOST_SLENDER * a.min(b);
-        if settings.prove
-            && self.reach_known
-            && !slender
-            && let Some(found) = Violation::proved(self, lattice, q, per_cell)
-        {
-            return (found, Evidence::Proved);
-        }
-        (Violation::sampled(self, lattice, q, per_cell), Evidence::Sampled { per_cell })
-    }
-
-    /// Supremum of f over a rectangle; where the gap proves none, its largest at 5 x 5 points.
-    fn most_overlap(&self, rect: &Rect) -> f64 {
-        if let Some([low, _]) = self.gap.range(rect, [0.0; 2]) {
-            return self.depth - low + 1e-13 * self.depth.abs();
-        }
-        let [w, h] = rect.size();
-        let points =
-            (0..25).map(|k| [rect.min[0] + 0.25 * w * f64::from(k % 5), rect.min[1] + 0.25 * h * f64::from(k / 5)]);
-        points.map(|[x, y]| self.depth - self.gap.gap(x, y)).fold(f64::NEG_INFINITY, f64::max)
-    }
-
-    /// A side in the user's units.
-    fn side(&self, closed: Closed, q: &[f64]) -> Side {
-        let kept = |k: usize| closed.kept.as_ref().is_none_or(|kept| kept[k]);
-        let factor = closed.factor * self.unit_pressure;
-        let values = q.iter().enumerate().map(|(k, q)| if kept(k) { q * factor } else { 0.0 }).collect();
-        Side {
-            force: closed.force * self.unit_force,
-            theorem: closed.theorem,
-            violation: closed.left * self.gap.depth,
-            at: self.gap.outward(closed.at),
-            pressure: Pressure { grid: self.given, values },
-        }
-    }
+    ForceBracket { lower: side.clone(), upper: side, cost: BracketCost::default() }
 }

@@ -1,6 +1,6 @@
 //! The part of {f > 0} that the grid does not cover: where the bodies could overlap unseen.
 
-use super::Frame;
+use super::frame::Frame;
 use crate::geometry::Rect;
 
 /// Blocks a side into which the load is gathered.

@@ -8,8 +8,9 @@ use std::time::Instant;
 
 use super::close::{self, Closed};
 use super::displacement::Lattice;
+use super::frame::{self, Frame};
 use super::violation::Violation;
-use super::{BracketCost, BracketSettings, Evidence, ForceBracket, Frame, no_contact, outside};
+use super::{BracketCost, BracketSettings, Evidence, ForceBracket, outside};
 use crate::discrete::Discrete;
 use crate::error::Unsolved;
 use crate::gap::Gap;
@@ -51,29 +52,27 @@ pub fn sharp(
     pressure: &Pressure,
     settings: &BracketSettings,
 ) -> Result<ForceBracket, Unsolved> {
-    let started = Instant::now();
-    let Some((frame, q)) = Frame::enter(gap, modulus, depth, pressure)? else {
-        return Ok(no_contact(pressure));
-    };
-    let mut session = Session {
-        lattice: Lattice::new(frame.grid.spacing, frame.grid.shape),
-        frame: &frame,
-        settings,
-        cost: BracketCost::default(),
-        evidence: Evidence::Proved,
-    };
-    let first = session.look(&q);
-    let outside = outside::look(&frame, &q);
-    let upper = (close::upper(&frame.grid, &q, &first, &outside), q.clone());
-    let lower = (close::lower(&frame.grid, &q, &first), q);
-    let upper = session.raise(upper, &first, lower.0.force);
-    let lower = session.lower(lower, &first, upper.0.force);
-    session.cost.seconds = started.elapsed().as_secs_f64();
-    Ok(ForceBracket {
-        lower: frame.side(lower.0, &lower.1),
-        upper: frame.side(upper.0, &upper.1),
-        evidence: session.evidence,
-        cost: session.cost,
+    frame::within(gap, modulus, depth, pressure, |frame, q| {
+        let started = Instant::now();
+        let mut session = Session {
+            lattice: Lattice::new(frame.grid.spacing, frame.grid.shape),
+            frame,
+            settings,
+            cost: BracketCost::default(),
+            evidence: Evidence::Proved,
+        };
+        let first = session.look(&q);
+        let outside = outside::look(frame, &q);
+        let upper = (close::upper(frame, &q, &first, &outside), q.clone());
+        let lower = (close::lower(frame, &q, &first), q);
+        let upper = session.raise(upper, &first, lower.0.force);
+        let lower = session.lower(lower, &first, upper.0.force);
+        session.cost.seconds = started.elapsed().as_secs_f64();
+        ForceBracket {
+            lower: frame.side(lower.0, &lower.1, session.evidence),
+            upper: frame.side(upper.0, &upper.1, session.evidence),
+            cost: session.cost,
+        }
     })
 }
 
@@ -150,7 +149,7 @@ impl Session<'_, '_> {
             }
             let found = self.look(&q);
             let outside = outside::look(self.frame, &q);
-            let closed = close::upper(&self.frame.grid, &q, &found, &outside);
+            let closed = close::upper(self.frame, &q, &found, &outside);
             over = found.over;
             let repair = closed.force - self.carried(&q);
             if closed.force < best.0.force {
@@ -182,7 +181,7 @@ impl Session<'_, '_> {
                 under.iter_mut().zip(&missed).for_each(|(under, missed)| *under += missed);
             } else {
                 let found = self.look(&q);
-                let closed = close::lower(&self.frame.grid, &q, &found);
+                let closed = close::lower(self.frame, &q, &found);
                 under = found.under;
                 repair = self.carried(&q) - closed.force;
                 if closed.force > best.0.force {

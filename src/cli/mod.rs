@@ -4,6 +4,7 @@
 //! message on stderr, nothing written.
 
 mod batch;
+mod check;
 mod compare;
 mod completions;
 mod curve;
@@ -38,6 +39,7 @@ struct Arguments {
 enum Command {
     Solve(solve::Solve),
     Plan(plan::Plan),
+    Check(check::Check),
     Compare(compare::Compare),
     Report(report::Report),
     Stability(stability::Stability),
@@ -115,6 +117,7 @@ pub fn run() -> ExitCode {
     let result = match Arguments::parse().command {
         Command::Solve(command) => command.run(),
         Command::Plan(command) => command.run(),
+        Command::Check(command) => command.run(),
         Command::Compare(command) => command.run(),
         Command::Report(command) => command.run(),
         Command::Stability(command) => command.run(),

@@ -54,6 +54,10 @@ impl Gap for Paraboloid {
         Some(range::of_squares(self.radii.map(|r| 0.5 / r), rect, slope))
     }
 
+    fn homogeneous(&self) -> Option<f64> {
+        Some(2.0)
+    }
+
     fn reach(&self, depth: f64) -> Reach {
         if depth <= 0.0 {
             return Reach::Nowhere;
@@ -174,6 +178,10 @@ impl Gap for Cone {
         Some(range::of_convex(self, rect, slope))
     }
 
+    fn homogeneous(&self) -> Option<f64> {
+        Some(1.0)
+    }
+
     fn reach(&self, depth: f64) -> Reach {
         disc(depth / self.slope)
     }
@@ -226,6 +234,10 @@ impl Gap for Power {
         } else {
             range::of_radial(|r| [self.coefficient * r.powf(self.exponent); 2], rect, slope)
         })
+    }
+
+    fn homogeneous(&self) -> Option<f64> {
+        Some(self.exponent)
     }
 
     fn reach(&self, depth: f64) -> Reach {

@@ -51,6 +51,10 @@ impl Gap for Flat {
         Some([low, high])
     }
 
+    fn homogeneous(&self) -> Option<f64> {
+        Some(f64::INFINITY)
+    }
+
     fn reach(&self, depth: f64) -> Reach {
         if depth > 0.0 { Reach::Within(self.outline.bounds()) } else { Reach::Nowhere }
     }

@@ -90,6 +90,12 @@ pub trait Gap: Send + Sync {
         }
     }
 
+    /// k when g(c + s v) = s^k g(c + v) for every s > 0 with c = [`Gap::centre`], by construction; infinite for a flat with a
+    /// sharp edge, whose force grows with the depth itself. A proof rests on it.
+    fn homogeneous(&self) -> Option<f64> {
+        None
+    }
+
     /// Mean of the gap over a rectangle. Infinite where any part has no material.
     fn mean(&self, cell: &Rect) -> f64 {
         mean::by_quadrature(|x, y| self.gap(x, y), cell)
@@ -167,6 +173,10 @@ impl Gap for AnyGap {
 
     fn pieces(&self, depth: f64) -> Option<Vec<Rect>> {
         self.0.pieces(depth)
+    }
+
+    fn homogeneous(&self) -> Option<f64> {
+        self.0.homogeneous()
     }
 
     fn mean(&self, cell: &Rect) -> f64 {

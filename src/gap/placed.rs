@@ -71,6 +71,10 @@ impl<G: Gap> Gap for Placed<G> {
         self.inner.range(&held, slope.into())
     }
 
+    fn homogeneous(&self) -> Option<f64> {
+        self.inner.homogeneous()
+    }
+
     fn reach(&self, depth: f64) -> Reach {
         self.placed(self.inner.reach(depth))
     }
@@ -164,6 +168,10 @@ impl Gap for Scaled<'_> {
         let outward = Rect { min: self.outward(rect.min), max: self.outward(rect.max) };
         let bounds = self.gap.range(&outward, slope.map(|s| s * self.depth / self.length))?;
         Some(bounds.map(|b| b / self.depth))
+    }
+
+    fn homogeneous(&self) -> Option<f64> {
+        self.gap.homogeneous()
     }
 
     fn reach(&self, depth: f64) -> Reach {

@@ -244,6 +244,10 @@ impl Gap for Polyhedron {
         Some(bounds)
     }
 
+    fn homogeneous(&self) -> Option<f64> {
+        self.regular.map(|_| 1.0)
+    }
+
     fn reach(&self, depth: f64) -> Reach {
         if let Some((faces, slope)) = self.regular {
             if depth <= 0.0 {

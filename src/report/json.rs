@@ -12,6 +12,7 @@
 //! | `depth`, `force`, `stiffness` | approach, normal force, dP/dd |
 //! | `force_error` | estimate of the relative error of the force |
 //! | `energy`, `moment`, `tilt`, `stiffness_matrix`, `centre_of_pressure` | where the method gives them |
+//! | `bracket` | `{lower, upper, evidence, points_per_cell_side?, depth?, below, above}`: see below |
 //! | `patch` | `{area, centroid, regions, max_radius, boundary?}`, boundaries counter-clockwise, holes clockwise |
 //! | `pressure` | `{max, mean, at, field?}` |
 //! | `gap` | `{field}`: the gap after loading, when asked for |
@@ -20,13 +21,19 @@
 //! | `cost` | `{seconds, unknowns, iterations, operator_products, steps}` |
 //! | `left_out`, `remarks` | sentences |
 //!
+//! `bracket.evidence` is `proved` or `sampled` (at so many points along the side of a cell). `bracket.depth`, `{lower, upper,
+//! evidence}`, bounds the depth under a prescribed force (`upper` is `null` when nothing bounds it). `below` and `above`, `{theorem,
+//! evidence, violation, at, discs, level?, degree?, field?}`, are what proves each side: with Q the force of the field and k the
+//! degree (`null` for a flat), the bound is (Q + discs)/(1 - level/depth)^(1 + 1/k) above and (Q - discs)/(1 + level/depth)^(1 + 1/k)
+//! below. The fields come with that of the pressure; `contact-patch check` takes them.
+//!
 //! A field is `{origin, spacing, shape, values}`: `shape` = [nx, ny] cells, `origin` the lower left corner of cell (0, 0),
 //! `spacing` the sides of a cell; cell (i, j) is `values[j nx + i]`, with its centre at origin + (i + 1/2, j + 1/2) spacing.
 
 use serde::ser::{Serialize, SerializeMap, SerializeSeq, Serializer};
 
 use super::{Step, centre_of_pressure, said_once};
-use crate::bracket::{Evidence, ForceBracket};
+use crate::bracket::{DepthBracket, Evidence, ForceBracket, Side};
 use crate::contact::Loading;
 use crate::curve::Curve;
 use crate::grid::Grid;
@@ -77,7 +84,10 @@ impl Serialize for Outcome<'_> {
         map.each("depth", |s| finite(s.depth))?;
         map.each("force", |s| finite(s.force))?;
         map.each("force_error", |s| s.force_error.and_then(finite))?;
-        map.each("bracket", |s| s.bracket.as_ref().map(BracketOf))?;
+        map.each("bracket", |s| {
+            let with_fields = s.pressure.field.is_some();
+            s.bracket.as_ref().map(|bracket| BracketOf { bracket, depth: s.depth_bracket.as_ref(), with_fields })
+        })?;
         map.each("stiffness", |s| finite(s.stiffness))?;
         map.each("stiffness_matrix", |s| s.stiffness_matrix.filter(|m| m.iter().flatten().all(|x| x.is_finite())))?;
         map.each("energy", |s| s.energy.and_then(finite))?;
@@ -177,19 +187,69 @@ impl Serialize for PatchOf<'_> {
     }
 }
 
-struct BracketOf<'a>(&'a ForceBracket);
+struct BracketOf<'a> {
+    bracket: &'a ForceBracket,
+    depth: Option<&'a DepthBracket>,
+    with_fields: bool,
+}
 
 impl Serialize for BracketOf<'_> {
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
         let mut map = to.serialize_map(None)?;
+        map.serialize_entry("lower", &finite(self.bracket.lower()))?;
+        map.serialize_entry("upper", &finite(self.bracket.upper()))?;
+        map.serialize_entry("evidence", word(self.bracket.evidence()))?;
+        if let Evidence::Sampled { per_cell } = self.bracket.evidence() {
+            map.serialize_entry("points_per_cell_side", &per_cell)?;
+        }
+        if let Some(depth) = self.depth {
+            map.serialize_entry("depth", &DepthOf(depth))?;
+        }
+        for (key, side) in [("below", self.bracket.lower_side()), ("above", self.bracket.upper_side())] {
+            map.serialize_entry(key, &SideOf { side, with_field: self.with_fields })?;
+        }
+        map.end()
+    }
+}
+
+fn word(evidence: Evidence) -> &'static str {
+    if evidence == Evidence::Proved { "proved" } else { "sampled" }
+}
+
+struct DepthOf<'a>(&'a DepthBracket);
+
+impl Serialize for DepthOf<'_> {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        let mut map = to.serialize_map(Some(3))?;
         map.serialize_entry("lower", &finite(self.0.lower()))?;
-        map.serialize_entry("upper", &finite(self.0.upper()))?;
-        match self.0.evidence() {
-            Evidence::Proved => map.serialize_entry("evidence", "proved")?,
-            Evidence::Sampled { per_cell } => {
-                map.serialize_entry("evidence", "sampled")?;
-                map.serialize_entry("points_per_cell_side", &per_cell)?;
-            }
+        map.serialize_entry("upper", &self.0.upper())?;
+        map.serialize_entry("evidence", word(self.0.evidence()))?;
+        map.end()
+    }
+}
+
+/// What proves a side, for a checker: the field only beside the field of the solution.
+struct SideOf<'a> {
+    side: &'a Side,
+    with_field: bool,
+}
+
+impl Serialize for SideOf<'_> {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        let mut map = to.serialize_map(None)?;
+        map.serialize_entry("theorem", self.side.theorem().name())?;
+        map.serialize_entry("evidence", word(self.side.evidence()))?;
+        map.serialize_entry("violation", &finite(self.side.violation()))?;
+        map.serialize_entry("at", &self.side.at())?;
+        let repair = self.side.repair();
+        map.serialize_entry("discs", &finite(repair.discs))?;
+        if repair.level > 0.0 {
+            map.serialize_entry("level", &finite(repair.level))?;
+            // A flat with a sharp edge has no finite degree.
+            map.serialize_entry("degree", &repair.degree.and_then(finite))?;
+        }
+        if let Some(field) = self.side.pressure().filter(|_| self.with_field) {
+            map.serialize_entry("field", &Field { grid: field.grid, values: &field.values })?;
         }
         map.end()
     }

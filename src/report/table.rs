@@ -33,9 +33,16 @@ fn single(s: &Solution, lines: &mut Vec<String>) {
     if let Some(b) = &s.bracket {
         let evidence = match b.evidence() {
             Evidence::Proved => "proved".to_owned(),
+            Evidence::Sampled { per_cell: 0 } => {
+                format!("sampled: {} below, {} above", b.lower_side().theorem().name(), b.upper_side().theorem().name())
+            }
             Evidence::Sampled { per_cell } => format!("sampled at {per_cell} x {per_cell} points a cell"),
         };
         rows.push(["bracket".into(), format!("{:.8e} to {:.8e}  ({evidence})", b.lower(), b.upper())]);
+    }
+    if let Some(d) = &s.depth_bracket {
+        let upper = d.upper().map_or("any".to_owned(), |upper| format!("{upper:.8e}"));
+        rows.push(["bracket of the depth".into(), format!("{:.8e} to {upper}", d.lower())]);
     }
     rows.push(["stiffness".into(), figure(s.stiffness)]);
     if let Some(moment) = s.moment.filter(|m| m.iter().any(|m| *m != 0.0)) {

@@ -1,0 +1,69 @@
+//! The depth under a prescribed force, from a bracket of the force near it.
+
+use super::{Evidence, ForceBracket};
+use crate::gap::{Gap, Reach};
+
+/// lower <= depth <= upper for a prescribed force.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DepthBracket {
+    lower: f64,
+    upper: Option<f64>,
+    evidence: Evidence,
+}
+
+impl DepthBracket {
+    /// The depth at which the force is `force`, from its bracket at `depth`.
+    ///
+    /// P(d) is convex and zero up to first touch d0: chords from there lie above it on this side of `depth` and below it on the
+    /// other, P(d') <= P(d) (d' - d0)/(d - d0) for d' <= d. A homogeneous gap has P ~ d^(1 + 1/k) instead.
+    #[must_use]
+    pub fn under(gap: &dyn Gap, depth: f64, force: f64, bracket: &ForceBracket) -> Self {
+        let (touch, sure) = first_touch(gap, depth);
+        let slope =
+            gap.homogeneous().filter(|k| *k > 0.0 && sure && touch == 0.0).map_or(1.0, |k| 1.0 / (1.0 + 1.0 / k));
+        let exact = slope != 1.0 || gap.homogeneous() == Some(f64::INFINITY);
+        let at = |share: f64| touch + (depth - touch) * share.powf(slope);
+        // A hair more for the rounding of the last steps.
+        let hair = 8.0 * f64::EPSILON * (depth.abs() + touch.abs());
+        let share = force / bracket.upper();
+        let lower = if share < 1.0 || exact { at(share) } else { depth };
+        let share = force / bracket.lower();
+        let upper = if share > 1.0 || exact { at(share) } else { depth };
+        Self {
+            lower: lower - hair,
+            upper: (upper + hair).is_finite().then_some(upper + hair),
+            evidence: match bracket.evidence() {
+                Evidence::Proved if !sure => Evidence::Sampled { per_cell: 0 },
+                evidence => evidence,
+            },
+        }
+    }
+
+    /// Lower bound.
+    #[must_use]
+    pub fn lower(&self) -> f64 {
+        self.lower
+    }
+
+    /// Upper bound; `None` when the force has no lower bound to derive one from.
+    #[must_use]
+    pub fn upper(&self) -> Option<f64> {
+        self.upper
+    }
+
+    /// How the suprema under it were found.
+    #[must_use]
+    pub fn evidence(&self) -> Evidence {
+        self.evidence
+    }
+}
+
+/// A depth at which the bodies do not overlap yet, as large as can be found, and whether that is certain.
+pub(super) fn first_touch(gap: &dyn Gap, depth: f64) -> (f64, bool) {
+    let [x, y] = crate::gap::lowest(gap, gap.centre());
+    let lowest = gap.gap(x, y).min(depth);
+    let overlap = depth - lowest;
+    let none = |d: f64| matches!(gap.certain_reach(d), Reach::Nowhere);
+    let below = std::iter::once(lowest).chain((0..40).map(|k| lowest - overlap * 1e-12 * f64::powi(2.0, k)));
+    below.into_iter().find(|&d| none(d)).map_or((lowest, false), |d| (d, true))
+}

@@ -1,0 +1,144 @@
+//! The problem of a bracket in units of its own, and the way in and out.
+
+use super::close::Closed;
+use super::displacement::Lattice;
+use super::violation::Violation;
+use super::{BracketSettings, Evidence, ForceBracket, Repair, Side, kernel, no_contact};
+use crate::error::{Unsolved, Verdict};
+use crate::gap::{Gap, Reach, Scaled, extent};
+use crate::geometry::Rect;
+use crate::grid::{Grid, Pressure};
+use crate::material::EffectiveModulus;
+
+/// What `work` makes of the problem in its own units, or the bracket around nothing when the bodies do not touch.
+pub(super) fn within(
+    gap: &dyn Gap,
+    modulus: EffectiveModulus,
+    depth: f64,
+    pressure: &Pressure,
+    work: impl FnOnce(&Frame<'_>, Vec<f64>) -> ForceBracket,
+) -> Result<ForceBracket, Unsolved> {
+    Ok(match Frame::enter(gap, modulus, depth, pressure)? {
+        Some((frame, q)) => work(&frame, q),
+        None => no_contact(Some(Pressure { grid: pressure.grid, values: vec![0.0; pressure.values.len()] })),
+    })
+}
+
+/// The problem with E* = 1 and lengths of order 1: a pressure is proved in these units.
+pub(super) struct Frame<'a> {
+    pub gap: Scaled<'a>,
+    pub depth: f64,
+    pub grid: Grid,
+    /// Holds {f > 0}.
+    pub reach: Rect,
+    /// Whether that is certain.
+    reach_known: bool,
+    /// k when the gap is homogeneous about its centre and zero there, and the depth greater.
+    pub degree: Option<f64>,
+    unit_pressure: f64,
+    unit_force: f64,
+    given: Grid,
+}
+
+impl<'a> Frame<'a> {
+    /// The frame and the pressure in it; `None` when the bodies do not touch.
+    fn enter(
+        gap: &'a dyn Gap,
+        modulus: EffectiveModulus,
+        depth: f64,
+        pressure: &Pressure,
+    ) -> Result<Option<(Self, Vec<f64>)>, Unsolved> {
+        let given = pressure.grid;
+        let numbers = given.origin.iter().chain(&given.spacing).chain(&pressure.values);
+        let sides = given.spacing.iter().all(|&h| h > 0.0);
+        if !(depth.is_finite() && sides && !given.is_empty() && given.len() == pressure.values.len())
+            || numbers.into_iter().any(|v| !v.is_finite())
+        {
+            let reason = "the pressure needs one finite number a cell, and its cells sides greater than zero";
+            return Err(Unsolved::new(Verdict::NotApplicable, reason));
+        }
+        // What is certain may be larger than what is found; a strip of it is not worth a proof.
+        let (reach, reach_known) = match gap.certain_reach(depth) {
+            Reach::Unknown | Reach::Unbounded => (extent(gap, depth), false),
+            Reach::Within(r) if r.size().iter().any(|s| !s.is_finite()) => (extent(gap, depth), false),
+            certain => (certain, true),
+        };
+        let reach = match reach {
+            Reach::Within(rect) => rect,
+            Reach::Nowhere => return Ok(None),
+            Reach::Unbounded | Reach::Unknown => {
+                let reason = format!("the gap stays below the depth {depth:e} however far one looks");
+                return Err(Unsolved::new(Verdict::Unbounded, reason));
+            }
+        };
+        let [w, h] = given.extent().size();
+        let length = 0.5 * w.max(h);
+        let origin = given.extent().centre();
+        let [cx, cy] = gap.centre();
+        let lattice = Grid::over(&reach, [33, 33]);
+        let points =
+            (0..given.len()).map(|k| given.centre_of(k)).chain((0..lattice.len()).map(|k| lattice.centre_of(k)));
+        let deepest = points.map(|[x, y]| depth - gap.gap(x, y)).fold(depth - gap.gap(cx, cy), f64::max);
+        let height = if deepest > 0.0 { deepest } else { depth.abs().max(f64::MIN_POSITIVE) };
+        let scaled = Scaled { gap, origin, length, depth: height };
+        let grid = Grid {
+            origin: scaled.inward(given.origin),
+            spacing: given.spacing.map(|h| h / length),
+            shape: given.shape,
+        };
+        let unit_pressure = modulus.e_star() * height / length;
+        let q = pressure.values.iter().map(|p| (p / unit_pressure).max(0.0)).collect();
+        // A hair more than the gap says: its own rounding.
+        let reach = Rect { min: scaled.inward(reach.min), max: scaled.inward(reach.max) }.scaled(1.0 + 1e-9);
+        let unit_force = modulus.e_star() * height * length;
+        let degree = gap.homogeneous().filter(|k| *k > 0.0 && depth > 0.0);
+        let depth = depth / height;
+        Ok(Some((Self { gap: scaled, depth, grid, reach, reach_known, degree, unit_pressure, unit_force, given }, q)))
+    }
+
+    /// Suprema for the pressure `q` and what they are worth.
+    pub fn look(&self, lattice: &mut Lattice, q: &[f64], settings: &BracketSettings) -> (Violation, Evidence) {
+        let per_cell = settings.per_cell.max(1);
+        let [a, b] = self.grid.spacing;
+        let slender = a.max(b) > kernel::MOST_SLENDER * a.min(b);
+        if settings.prove
+            && self.reach_known
+            && !slender
+            && let Some(found) = Violation::proved(self, lattice, q, per_cell)
+        {
+            return (found, Evidence::Proved);
+        }
+        (Violation::sampled(self, lattice, q, per_cell), Evidence::Sampled { per_cell })
+    }
+
+    /// Supremum of f over a rectangle; where the gap proves none, its largest at 5 x 5 points.
+    pub fn most_overlap(&self, rect: &Rect) -> f64 {
+        if let Some([low, _]) = self.gap.range(rect, [0.0; 2]) {
+            return self.depth - low + 1e-13 * self.depth.abs();
+        }
+        let [w, h] = rect.size();
+        let points =
+            (0..25).map(|k| [rect.min[0] + 0.25 * w * f64::from(k % 5), rect.min[1] + 0.25 * h * f64::from(k / 5)]);
+        points.map(|[x, y]| self.depth - self.gap.gap(x, y)).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// A side in the user's units.
+    pub fn side(&self, closed: Closed, q: &[f64], evidence: Evidence) -> Side {
+        let kept = |k: usize| closed.kept.as_ref().is_none_or(|kept| kept[k]);
+        let factor = closed.factor * self.unit_pressure;
+        let values = q.iter().enumerate().map(|(k, q)| if kept(k) { q * factor } else { 0.0 }).collect();
+        Side {
+            force: closed.force * self.unit_force,
+            theorem: closed.theorem,
+            evidence,
+            violation: closed.left * self.gap.depth,
+            at: self.gap.outward(closed.at),
+            repair: Repair {
+                discs: closed.discs * self.unit_force,
+                level: closed.level * self.gap.depth,
+                degree: self.degree.filter(|_| closed.level > 0.0),
+            },
+            pressure: Some(Pressure { grid: self.given, values }),
+        }
+    }
+}

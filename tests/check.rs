@@ -1,0 +1,180 @@
+//! `contact-patch check`: what is honest is accepted, what is altered is not.
+#![cfg(feature = "cli")]
+
+use std::path::Path;
+use std::process::Command;
+
+use serde_json::{Value, json};
+
+fn run(arguments: &[&str], directory: &Path) -> (i32, String) {
+    let output =
+        Command::new(env!("CARGO_BIN_EXE_contact-patch")).args(arguments).current_dir(directory).output().unwrap();
+    let text = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
+    (output.status.code().unwrap(), text)
+}
+
+fn scene(gap: Value, loading: Value, solve: Value, output: Value) -> Value {
+    json!({"effective_modulus": 2.0e11, "gap": gap, "loading": loading, "solve": solve, "output": output})
+}
+
+/// The result of a scene, both written to files of this directory.
+fn solve(scene: &Value, directory: &Path) -> Value {
+    std::fs::write(directory.join("scene.json"), scene.to_string()).unwrap();
+    let (code, text) = run(&["solve", "scene.json", "--json", "result.json", "--threads", "1"], directory);
+    assert_eq!(code, 0, "{text}");
+    serde_json::from_slice(&std::fs::read(directory.join("result.json")).unwrap()).unwrap()
+}
+
+fn check(result: &Value, directory: &Path) -> (i32, String) {
+    std::fs::write(directory.join("result.json"), result.to_string()).unwrap();
+    run(&["check", "scene.json", "result.json"], directory)
+}
+
+fn pyramid() -> Value {
+    json!({"kind": "pyramid", "faces": 3, "inclination": 30.0, "at": [1e-6, -2e-6], "rotate": 17.0})
+}
+
+#[test]
+fn honest_results_are_accepted() {
+    let directory = tempfile::tempdir().unwrap();
+    let both = json!(["pressure", "bracket"]);
+    let superellipse = json!({"kind": "formula", "expression": "300*x^2 + 1e11*y^4 + 3*abs(x)"});
+    for (gap, loading, settings, output) in [
+        (pyramid(), json!({"depth": 1e-6}), json!({"method": "fft", "cells": 40}), both.clone()),
+        (pyramid(), json!({"depth": 1e-6}), json!({"method": "fft", "tolerance": 0.02}), json!(["pressure"])),
+        (
+            pyramid(),
+            json!({"depth": 1e-6}),
+            json!({"method": "qp", "cells": 24, "kernel": "collocation"}),
+            both.clone(),
+        ),
+        (pyramid(), json!({"force": 0.2}), json!({"method": "fft", "cells": 32}), both.clone()),
+        (pyramid(), json!({"depths": [-1e-6, 5e-7, 1e-6]}), json!({"method": "qp", "cells": 24}), both.clone()),
+        (
+            superellipse,
+            json!({"depth": 1e-6, "tilt": [1e-3, -5e-4]}),
+            json!({"method": "fft", "cells": 32}),
+            both.clone(),
+        ),
+        (json!({"kind": "cone", "inclination": 20.0}), json!({"depth": 1e-6}), json!({"cells": 48}), both.clone()),
+        (json!({"kind": "sphere", "radius": 1e-3}), json!({"force": 2.0}), json!({"tolerance": 0.02}), both.clone()),
+        (
+            json!({"kind": "flat", "outline": {"ellipse": [2e-3, 1e-3]}}),
+            json!({"depth": 1e-6}),
+            json!({"cells": 32}),
+            both,
+        ),
+        (pyramid(), json!({"depth": 1e-6}), json!({"method": "ritz"}), json!(["bracket"])),
+        (pyramid(), json!({"depth": 1e-6}), json!({"method": "fabrikant"}), json!(["bracket"])),
+    ] {
+        let scene = scene(gap, loading, settings, output);
+        let result = solve(&scene, directory.path());
+        let (code, text) = check(&result, directory.path());
+        assert_eq!(code, 0, "{scene}\n{text}");
+    }
+}
+
+#[test]
+fn altered_results_are_refused() {
+    let directory = tempfile::tempdir().unwrap();
+    let scene =
+        scene(pyramid(), json!({"depth": 1e-6}), json!({"method": "fft", "cells": 40}), json!(["pressure", "bracket"]));
+    let honest = solve(&scene, directory.path());
+    assert_eq!(check(&honest, directory.path()).0, 0);
+    let times = |result: &mut Value, path: &str, by: f64| {
+        let place = result.pointer_mut(path).unwrap_or_else(|| panic!("{path}"));
+        *place = json!(place.as_f64().unwrap() * by);
+    };
+    let loaded: Vec<usize> = honest["pressure"]["field"]["values"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .enumerate()
+        .filter(|(_, p)| p.as_f64().unwrap() > 0.0)
+        .map(|(k, _)| k)
+        .collect();
+    let refused = |what: &str, alter: &dyn Fn(&mut Value)| {
+        let mut result = honest.clone();
+        alter(&mut result);
+        let (code, text) = check(&result, directory.path());
+        assert_eq!(code, 1, "{what}\n{text}");
+        assert!(text.contains("NO  ") && text.ends_with("refused\n"), "{what}\n{text}");
+    };
+    refused("force", &|r| times(r, "/force", 1.001));
+    refused("force and mean", &|r| ["/force", "/pressure/mean"].iter().for_each(|p| times(r, p, 1.2)));
+    refused("depth", &|r| times(r, "/depth", 1.01));
+    refused("upper bound", &|r| times(r, "/bracket/upper", 0.9999));
+    refused("lower bound", &|r| times(r, "/bracket/lower", 1.0001));
+    refused("both bounds shifted", &|r| ["/bracket/lower", "/bracket/upper"].iter().for_each(|p| times(r, p, 1.05)));
+    for k in [loaded[0], loaded[loaded.len() / 2], loaded[loaded.len() - 1]] {
+        refused("one value", &|r| times(r, &format!("/pressure/field/values/{k}"), 1.1));
+        let middle = loaded[loaded.len() / 2];
+        refused("one value of a proof", &|r| times(r, &format!("/bracket/below/field/values/{middle}"), 1.5));
+    }
+    refused("a patch removed", &|r| {
+        for &k in loaded.iter().filter(|k| *k % 40 > 20) {
+            r["pressure"]["field"]["values"][k] = json!(0.0);
+        }
+    });
+    refused("tension", &|r| times(r, &format!("/pressure/field/values/{}", loaded[5]), -1.0));
+    refused("a bracket without proof", &|r| {
+        r["bracket"] =
+            json!({"lower": 0.999 * r["force"].as_f64().unwrap(), "upper": 1.001 * r["force"].as_f64().unwrap()});
+    });
+    refused("a field that is gone", &|r| {
+        r["pressure"].as_object_mut().unwrap().remove("field");
+    });
+    refused("another scene", &|r| r["scene"]["gap"]["inclination"] = json!(31.0));
+    // The echo altered with it: the pressure itself is of another gap, one that is less deep, so that the upper bound stands.
+    let mut other = scene.clone();
+    other["gap"]["inclination"] = json!(31.0);
+    std::fs::write(directory.path().join("scene.json"), other.to_string()).unwrap();
+    let mut result = honest.clone();
+    result["scene"] = other;
+    let (code, text) = check(&result, directory.path());
+    assert_eq!(code, 1, "{text}");
+    assert!(text.contains("NO  contact conditions") && text.contains("NO  lower bound"), "{text}");
+}
+
+#[test]
+fn what_is_no_result_is_an_error_with_its_path() {
+    let directory = tempfile::tempdir().unwrap();
+    let scene = scene(pyramid(), json!({"depth": 1e-6}), json!({"method": "qp", "cells": 16}), json!(["pressure"]));
+    let honest = solve(&scene, directory.path());
+    for (path, value, says) in [
+        ("/patch", Value::Null, "patch.area"),
+        ("/force", json!("many"), "force: given \"many\""),
+        ("/pressure/field/shape", json!([3, 3]), "pressure.field.shape"),
+        ("/pressure/field/values/3", json!("x"), "pressure.field.values[3]"),
+        ("/verdict", json!(7), "verdict"),
+    ] {
+        let mut result = honest.clone();
+        *result.pointer_mut(path).unwrap() = value;
+        let (code, text) = check(&result, directory.path());
+        assert_eq!(code, 2, "{path}: {text}");
+        assert!(text.contains(says), "{path}: {text}");
+    }
+    std::fs::write(directory.path().join("result.json"), "{").unwrap();
+    assert_eq!(run(&["check", "scene.json", "result.json"], directory.path()).0, 2);
+    assert_eq!(run(&["check", "scene.json", "nothing.json"], directory.path()).0, 2);
+    assert_eq!(run(&["check", "nothing.json", "result.json"], directory.path()).0, 2);
+}
+
+#[test]
+fn the_field_may_come_from_an_array() {
+    let directory = tempfile::tempdir().unwrap();
+    let scene = scene(pyramid(), json!({"depth": 1e-6}), json!({"method": "qp", "cells": 16}), json!(["pressure"]));
+    let result = solve(&scene, directory.path());
+    let (code, text) = run(&["solve", "scene.json", "--field", "p.npy", "--json", "other.json"], directory.path());
+    assert_eq!(code, 0, "{text}");
+    let (code, text) = run(&["check", "scene.json", "other.json", "--field", "p.npy"], directory.path());
+    assert_eq!(code, 0, "{text}");
+    let mut bytes = std::fs::read(directory.path().join("p.npy")).unwrap();
+    let k = result["pressure"]["field"]["values"].as_array().unwrap().iter().position(|p| *p != 0.0).unwrap();
+    let start = bytes.len() - 8 * result["pressure"]["field"]["values"].as_array().unwrap().len() + 8 * k;
+    let value = f64::from_le_bytes(bytes[start..start + 8].try_into().unwrap());
+    bytes[start..start + 8].copy_from_slice(&(1.2 * value).to_le_bytes());
+    std::fs::write(directory.path().join("p.npy"), bytes).unwrap();
+    let (code, text) = run(&["check", "scene.json", "other.json", "--field", "p.npy"], directory.path());
+    assert_eq!(code, 1, "{text}");
+}
