@@ -353,7 +353,7 @@ impl<T: Real> Convolution<T> {
             }
         }
         let from = &block[(given.start - base) * BLOCK..(given.end - base) * BLOCK];
-        self.into_columns(from, given.start, work);
+        self.gather_columns(from, given.start, work);
         let size = self.symbol.len() / (self.length[0] / 2 + 1);
         for (c, column) in work.chunks_exact_mut(pitch).enumerate().take(count) {
             let column = &mut column[..my];
@@ -362,11 +362,11 @@ impl<T: Real> Convolution<T> {
             self.column_inverse.process_with_scratch(column, &mut lane.fft);
         }
         let to = &mut block[(wanted.start - base) * BLOCK..(wanted.end - base) * BLOCK];
-        self.into_rows(work, wanted.start, to);
+        self.scatter_rows(work, wanted.start, to);
     }
 
     /// Rows of a block, from row `first` on, into columns side by side: by tiles, which stay in the nearest cache.
-    fn into_columns(&self, mut rows: &[Complex<T>], first: usize, columns: &mut [Complex<T>]) {
+    fn gather_columns(&self, mut rows: &[Complex<T>], first: usize, columns: &mut [Complex<T>]) {
         let (my, mut j) = (self.length[1], first);
         let pitch = my + ASIDE;
         let mirrored = !self.turns.is_empty();
@@ -400,8 +400,8 @@ impl<T: Real> Convolution<T> {
         }
     }
 
-    /// The way back of [`Self::into_columns`].
-    fn into_rows(&self, columns: &[Complex<T>], first: usize, mut rows: &mut [Complex<T>]) {
+    /// The way back of [`Self::gather_columns`].
+    fn scatter_rows(&self, columns: &[Complex<T>], first: usize, mut rows: &mut [Complex<T>]) {
         let (my, mut j) = (self.length[1], first);
         let columns = || columns.chunks_exact(my + ASIDE).enumerate();
         let mirrored = !self.turns.is_empty();

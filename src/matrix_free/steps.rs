@@ -8,6 +8,9 @@ use crate::influence::InfluenceTable;
 /// A sequence of contacts on one grid, each close to the one before: load steps, a punch that moves, the time steps of a
 /// multibody code. Keeps the last pressure, which starts the next solve, and the table of influence coefficients.
 ///
+/// A step in depth saves products. A punch that has moved by more than a cell gives a poor start: the answer is the same,
+/// the products may be as many as without one.
+///
 /// ```
 /// use contact_patch::{Discrete, Grid, Kernel, geometry::Rect, matrix_free};
 ///
