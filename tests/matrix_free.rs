@@ -1,6 +1,6 @@
 //! The matrix-free solver against a dense active set, and the laws it must keep whatever the gap.
 
-use contact_patch::matrix_free::{Settings, solve, solve_nested};
+use contact_patch::matrix_free::{Settings, Steps, solve, solve_nested};
 use contact_patch::{Discrete, DiscreteSolution, Grid, InfluenceTable, Kernel, Verdict};
 use nalgebra::{DMatrix, DVector};
 
@@ -219,4 +219,67 @@ fn threads_do_not_change_the_answer() {
         let many = solve_nested(&problem, &Settings { threads, ..Settings::default() }).expect("solved");
         assert_eq!(one, many);
     }
+}
+
+#[test]
+fn steps_save_products_and_change_no_answer() {
+    let grid = cells([80, 64], [1.0 / 80.0, 1.0 / 64.0]);
+    let settings = Settings { tolerance: 1e-11, ..Settings::default() };
+    let mut steps = Steps::new(settings);
+    // Deeper, moved, apart, and again.
+    let path = [(1.0, 0.0), (1.01, 0.0), (1.01, 0.02), (-1.0, 0.0), (0.9, 0.0), (0.91, 0.01)];
+    for (number, (depth, moved)) in path.into_iter().enumerate() {
+        let overlap = (0..grid.len())
+            .map(|k| {
+                let [x, y] = grid.centre_of(k);
+                depth - (4.0 * (x - 0.5 - moved).abs()).max(3.0 * (y - 0.45).abs())
+            })
+            .collect();
+        let problem = Discrete { grid, kernel: Kernel::Galerkin, overlap };
+        let cold = solve_nested(&problem, &settings).expect("solved");
+        let warm = steps.solve(&problem).expect("solved");
+        let (warm_force, cold_force) = (force(&warm.pressure, &grid), force(&cold.pressure, &grid));
+        assert!((warm_force - cold_force).abs() <= 1e-9 * cold_force, "{number}: {warm_force} {cold_force}");
+        // A deeper contact is close to the last; one that has moved by more than a cell need not be.
+        if number == 1 {
+            let nothing = solve(&problem, None, &settings).expect("solved");
+            assert!(warm.operator_products < nothing.operator_products, "{number}");
+        }
+    }
+}
+
+#[test]
+fn a_mirror_in_the_gap_does_not_change_the_answer() {
+    // The same punch on a grid that it lies on evenly, either way round, and with one cell more on one side.
+    let settings = Settings { tolerance: 1e-12, ..Settings::default() };
+    let on = |shape: [usize; 2], middle: [f64; 2], turned: bool| {
+        let grid = cells(shape, [0.05, 0.05]);
+        let overlap = (0..grid.len())
+            .map(|k| {
+                let [x, y] = grid.centre_of(k);
+                let [u, v] = if turned { [y - middle[1], x - middle[0]] } else { [x - middle[0], y - middle[1]] };
+                // Even in v, not in u.
+                1.0 - u.max(-0.6 * u + 1.1 * v.abs())
+            })
+            .collect();
+        let problem = Discrete { grid, kernel: Kernel::Galerkin, overlap };
+        force(&solve_nested(&problem, &settings).expect("solved").pressure, &grid)
+    };
+    let upright = on([50, 60], [1.5, 1.5], false);
+    let turned = on([60, 50], [1.5, 1.5], true);
+    // An overlap of one far cell breaks the mirror and nothing else.
+    let grid = cells([50, 61], [0.05, 0.05]);
+    let broken = {
+        let overlap = (0..grid.len())
+            .map(|k| {
+                let [x, y] = grid.centre_of(k);
+                let [u, v] = [x - 1.5, y - 1.5];
+                if k == 60 * 50 { 1e-9 } else { 1.0 - u.max(-0.6 * u + 1.1 * v.abs()) }
+            })
+            .collect();
+        let problem = Discrete { grid, kernel: Kernel::Galerkin, overlap };
+        force(&solve_nested(&problem, &settings).expect("solved").pressure, &grid)
+    };
+    assert!((turned / upright - 1.0).abs() < 1e-10, "{turned} {upright}");
+    assert!((broken / upright - 1.0).abs() < 1e-10, "{broken} {upright}");
 }

@@ -1,9 +1,24 @@
 //! The coefficients of every offset of a grid.
 
 use std::f64::consts::FRAC_1_PI;
+use std::sync::OnceLock;
 
-use super::{Series, coefficient_by, scaled};
+use super::{Series, coefficient_by, far, scaled};
 use crate::grid::Kernel;
+
+/// Offsets of square cells that the series does not reach.
+const NEAR: usize = far::SERIES as usize;
+
+/// Coefficients of square cells near each other, row by row: the dear ones, computed once.
+fn near_squares(kernel: Kernel) -> &'static [[f64; NEAR]; NEAR] {
+    static KNOWN: [OnceLock<[[f64; NEAR]; NEAR]>; 2] = [const { OnceLock::new() }; 2];
+    KNOWN[usize::from(kernel == Kernel::Galerkin)].get_or_init(|| {
+        let h = [1.0; 2];
+        let series = Series::new(kernel, h);
+        let of = |i: usize, j: usize| coefficient_by(&series, kernel, h, [i.max(j) as i64, i.min(j) as i64]);
+        std::array::from_fn(|j| std::array::from_fn(|i| of(i, j)))
+    })
+}
 
 /// Influence coefficients for offsets 0..nx, 0..ny; the rest follows from symmetry.
 ///
@@ -36,7 +51,8 @@ impl InfluenceTable {
         let mut values = vec![0.0; nx * ny];
         let square = h[0] == h[1];
         // The series holds outside a circle; inside, one offset at a time. Of a square cell one octant is enough.
-        let inside = super::far::SERIES;
+        let inside = far::SERIES;
+        let known = square.then(|| near_squares(kernel));
         for j in 0..ny {
             let y = j as f64 * h[1];
             let row = &mut values[j * nx..(j + 1) * nx];
@@ -44,7 +60,10 @@ impl InfluenceTable {
             let near = (near as usize).min(nx);
             let octant = if square { j.min(nx) } else { 0 };
             for (i, value) in row.iter_mut().enumerate().take(near).skip(octant) {
-                *value = coefficient_by(&series, kernel, h, [i as i64, j as i64]);
+                *value = match known {
+                    Some(known) => known[j][i],
+                    None => coefficient_by(&series, kernel, h, [i as i64, j as i64]),
+                };
             }
             series.row(h, y, near.max(octant), row, FRAC_1_PI);
         }

@@ -23,6 +23,13 @@ use rustfft::{Fft, FftNum, FftPlanner};
 /// Columns transformed together: their rows then share cache lines.
 pub(super) const BLOCK: usize = 8;
 
+/// Numbers in a square of a block, and half its side.
+const TILE: usize = BLOCK * BLOCK;
+const HALF: usize = BLOCK / 2;
+
+/// Rows handed over together: what passes between rows and columns then comes in pieces of several cache lines.
+const GROUP: usize = 4;
+
 /// Room between columns side by side, in numbers: lengths that are powers of two would share their place in the cache.
 const ASIDE: usize = 8;
 
@@ -260,14 +267,20 @@ impl<T: Real> Convolution<T> {
         let Room { blocks, lanes } = room;
         let blocks = &mut blocks[..size];
 
-        share_rows(lanes, blocks, pitch, given.start - base..given.end - base, |lane, j, parts, at| {
-            let j = base + j;
-            lane.row[..nx].copy_from_slice(&p[j * nx..(j + 1) * nx]);
-            lane.row[nx..].fill(T::of(0.0));
-            let done = self.row_forward.process_with_scratch(&mut lane.row, &mut lane.spectrum, &mut lane.fft);
-            debug_assert!(done.is_ok());
-            for (part, piece) in parts.iter_mut().zip(lane.spectrum.chunks(BLOCK)) {
-                part[at..at + piece.len()].copy_from_slice(piece);
+        share_rows(lanes, blocks, pitch, given.start - base..given.end - base, |lane, rows, parts, at| {
+            let Lane { row, spectrum, fft, .. } = lane;
+            for (j, spectrum) in rows.clone().zip(spectrum.chunks_exact_mut(columns)) {
+                row[..nx].copy_from_slice(&p[(base + j) * nx..][..nx]);
+                row[nx..].fill(T::of(0.0));
+                let done = self.row_forward.process_with_scratch(row, spectrum, fft);
+                debug_assert!(done.is_ok());
+            }
+            for (b, part) in parts.iter_mut().enumerate() {
+                let count = BLOCK.min(columns - b * BLOCK);
+                let pieces = part[at..].chunks_exact_mut(BLOCK).take(rows.len());
+                for (piece, spectrum) in pieces.zip(spectrum.chunks_exact(columns)) {
+                    piece[..count].copy_from_slice(&spectrum[b * BLOCK..][..count]);
+                }
             }
         });
         share(lanes, blocks, pitch, |lane, b, block| {
@@ -275,12 +288,19 @@ impl<T: Real> Convolution<T> {
             self.columns_there_and_back(block, b * BLOCK, count, &given, &wanted, base, lane);
         });
         let blocks = &*blocks;
-        share(lanes, &mut u[wanted.start * nx..wanted.end * nx], nx, |lane, j, row| {
-            let at = (wanted.start + j - base) * BLOCK;
-            for (piece, block) in lane.spectrum.chunks_mut(BLOCK).zip(blocks.chunks_exact(pitch)) {
-                piece.copy_from_slice(&block[at..at + piece.len()]);
+        share(lanes, &mut u[wanted.start * nx..wanted.end * nx], GROUP * nx, |lane, group, rows| {
+            let Lane { row, spectrum, fft, .. } = lane;
+            let (at, here) = ((wanted.start + group * GROUP - base) * BLOCK, rows.len() / nx);
+            for (b, block) in blocks.chunks_exact(pitch).enumerate() {
+                let count = BLOCK.min(columns - b * BLOCK);
+                let pieces = block[at..].chunks_exact(BLOCK).take(here);
+                for (piece, spectrum) in pieces.zip(spectrum.chunks_exact_mut(columns)) {
+                    spectrum[b * BLOCK..][..count].copy_from_slice(&piece[..count]);
+                }
             }
-            self.row_back(lane, row);
+            for (u, spectrum) in rows.chunks_exact_mut(nx).zip(spectrum.chunks_exact_mut(columns)) {
+                self.row_back(row, spectrum, fft, u);
+            }
         });
     }
 
@@ -292,7 +312,7 @@ impl<T: Real> Convolution<T> {
             .max(self.column_forward.get_inplace_scratch_len())
             .max(self.column_inverse.get_inplace_scratch_len());
         lane.row.resize(self.length[0], T::of(0.0));
-        lane.spectrum.resize(self.length[0] / 2 + 1, Complex::default());
+        lane.spectrum.resize(GROUP * (self.length[0] / 2 + 1), Complex::default());
         lane.columns.resize(BLOCK * (self.length[1] + ASIDE), Complex::default());
         if lane.fft.len() < fft {
             lane.fft.resize(fft, Complex::default());
@@ -321,8 +341,8 @@ impl<T: Real> Convolution<T> {
     ) {
         let (my, zero) = (self.length[1], Complex::default());
         let pitch = my + ASIDE;
-        let work = &mut lane.columns[..count * pitch];
-        for column in work.chunks_exact_mut(pitch) {
+        let work = &mut lane.columns[..];
+        for column in work.chunks_exact_mut(pitch).take(count) {
             if self.turns.is_empty() {
                 column[..given.start].fill(zero);
                 column[given.end..].fill(zero);
@@ -333,25 +353,88 @@ impl<T: Real> Convolution<T> {
             }
         }
         let from = &block[(given.start - base) * BLOCK..(given.end - base) * BLOCK];
-        for (j, row) in given.clone().zip(from.chunks_exact(BLOCK)) {
-            let place = self.place(j);
-            for (value, column) in row.iter().zip(work.chunks_exact_mut(pitch)) {
-                column[place] = *value;
-            }
-        }
+        self.gather_columns(from, given.start, work);
         let size = self.symbol.len() / (self.length[0] / 2 + 1);
-        for (c, column) in work.chunks_exact_mut(pitch).enumerate() {
+        for (c, column) in work.chunks_exact_mut(pitch).enumerate().take(count) {
             let column = &mut column[..my];
             self.column_forward.process_with_scratch(column, &mut lane.fft);
             self.multiply(column, &self.symbol[(first + c) * size..(first + c + 1) * size]);
             self.column_inverse.process_with_scratch(column, &mut lane.fft);
         }
         let to = &mut block[(wanted.start - base) * BLOCK..(wanted.end - base) * BLOCK];
-        for (j, row) in wanted.clone().zip(to.chunks_exact_mut(BLOCK)) {
-            let place = self.place(j);
-            for (value, column) in row.iter_mut().zip(work.chunks_exact(pitch)) {
-                *value = column[place];
+        self.scatter_rows(work, wanted.start, to);
+    }
+
+    /// Rows of a block, from row `first` on, into columns side by side: by tiles, which stay in the nearest cache.
+    fn gather_columns(&self, mut rows: &[Complex<T>], first: usize, columns: &mut [Complex<T>]) {
+        let (my, mut j) = (self.length[1], first);
+        let pitch = my + ASIDE;
+        let mirrored = !self.turns.is_empty();
+        while !rows.is_empty() {
+            match rows.split_first_chunk::<TILE>() {
+                Some((tile, rest)) if !mirrored => {
+                    for (c, column) in columns.chunks_exact_mut(pitch).enumerate() {
+                        if let Some(to) = column[j..].first_chunk_mut::<BLOCK>() {
+                            *to = std::array::from_fn(|t| tile[t * BLOCK + c]);
+                        }
+                    }
+                    (rows, j) = (rest, j + BLOCK);
+                }
+                Some((tile, rest)) if j.is_multiple_of(2) => {
+                    for (c, column) in columns.chunks_exact_mut(pitch).enumerate() {
+                        if let Some(to) = column[j / 2..].first_chunk_mut::<HALF>() {
+                            *to = std::array::from_fn(|t| tile[2 * t * BLOCK + c]);
+                        }
+                        if let Some(to) = column[..my - j / 2].last_chunk_mut::<HALF>() {
+                            *to = std::array::from_fn(|t| tile[(2 * (HALF - t) - 1) * BLOCK + c]);
+                        }
+                    }
+                    (rows, j) = (rest, j + BLOCK);
+                }
+                _ => {
+                    let place = self.place(j);
+                    columns.chunks_exact_mut(pitch).zip(rows).for_each(|(column, value)| column[place] = *value);
+                    (rows, j) = (&rows[BLOCK..], j + 1);
+                }
             }
+        }
+    }
+
+    /// The way back of [`Self::gather_columns`].
+    fn scatter_rows(&self, columns: &[Complex<T>], first: usize, mut rows: &mut [Complex<T>]) {
+        let (my, mut j) = (self.length[1], first);
+        let columns = || columns.chunks_exact(my + ASIDE).enumerate();
+        let mirrored = !self.turns.is_empty();
+        while !rows.is_empty() {
+            let whole = rows.len() >= TILE && (!mirrored || j.is_multiple_of(2));
+            let (tile, rest) = rows.split_at_mut(if whole { TILE } else { BLOCK });
+            let here = tile.len() / BLOCK;
+            match tile.first_chunk_mut::<TILE>() {
+                Some(tile) if !mirrored => {
+                    for (c, column) in columns() {
+                        if let Some(from) = column[j..].first_chunk::<BLOCK>() {
+                            from.iter().enumerate().for_each(|(t, value)| tile[t * BLOCK + c] = *value);
+                        }
+                    }
+                }
+                Some(tile) => {
+                    for (c, column) in columns() {
+                        let low = column[j / 2..].first_chunk::<HALF>();
+                        if let (Some(low), Some(high)) = (low, column[..my - j / 2].last_chunk::<HALF>()) {
+                            for t in 0..HALF {
+                                tile[2 * t * BLOCK + c] = low[t];
+                                tile[(2 * (HALF - t) - 1) * BLOCK + c] = high[t];
+                            }
+                        }
+                    }
+                }
+                None => {
+                    let place = self.place(j);
+                    tile.iter_mut().zip(columns()).for_each(|(value, (_, column))| *value = column[place]);
+                }
+            }
+            j += here;
+            rows = rest;
         }
     }
 
@@ -384,26 +467,26 @@ impl<T: Real> Convolution<T> {
         }
     }
 
-    fn row_back(&self, lane: &mut Lane<T>, u: &mut [T]) {
+    fn row_back(&self, row: &mut [T], spectrum: &mut [Complex<T>], fft: &mut [Complex<T>], u: &mut [T]) {
         // Zero up to rounding; the transform wants it exactly.
-        lane.spectrum[0].im = T::of(0.0);
-        if let (true, Some(last)) = (self.length[0].is_multiple_of(2), lane.spectrum.last_mut()) {
+        spectrum[0].im = T::of(0.0);
+        if let (true, Some(last)) = (self.length[0].is_multiple_of(2), spectrum.last_mut()) {
             last.im = T::of(0.0);
         }
-        let done = self.row_inverse.process_with_scratch(&mut lane.spectrum, &mut lane.row, &mut lane.fft);
+        let done = self.row_inverse.process_with_scratch(spectrum, row, fft);
         debug_assert!(done.is_ok());
-        u.copy_from_slice(&lane.row[..u.len()]);
+        u.copy_from_slice(&row[..u.len()]);
     }
 }
 
-/// Calls `work` for each row in `rows` with the places of that row in all blocks, the rows shared out among the lanes: with the
-/// lane, the row, the parts of the blocks that the lane may write to and where in them the row begins.
+/// Calls `work` for groups of `rows` with their places in all blocks, the groups shared out among the lanes: with the lane, the
+/// rows, the parts of the blocks that the lane may write to and where in them the rows begin.
 fn share_rows<T: Real>(
     lanes: &mut [Lane<T>],
     blocks: &mut [Complex<T>],
     pitch: usize,
     rows: Range<usize>,
-    work: impl Fn(&mut Lane<T>, usize, &mut [&mut [Complex<T>]], usize) + Sync,
+    work: impl Fn(&mut Lane<T>, Range<usize>, &mut [&mut [Complex<T>]], usize) + Sync,
 ) {
     #[cfg(feature = "parallel")]
     if lanes.len() > 1 {
@@ -418,8 +501,8 @@ fn share_rows<T: Real>(
                 let (work, first) = (&work, rows.start + part * each);
                 let last = (first + each).min(rows.end);
                 scope.spawn(move |_| {
-                    for j in first..last {
-                        work(lane, j, &mut parts, (j - first) * BLOCK);
+                    for j in (first..last).step_by(GROUP) {
+                        work(lane, j..(j + GROUP).min(last), &mut parts, (j - first) * BLOCK);
                     }
                 });
             }
@@ -428,8 +511,8 @@ fn share_rows<T: Real>(
     }
     if let Some(lane) = lanes.first_mut() {
         let mut parts: Vec<&mut [Complex<T>]> = blocks.chunks_exact_mut(pitch).collect();
-        for j in rows {
-            work(lane, j, &mut parts, j * BLOCK);
+        for j in rows.clone().step_by(GROUP) {
+            work(lane, j..(j + GROUP).min(rows.end), &mut parts, j * BLOCK);
         }
     }
 }

@@ -15,6 +15,7 @@ mod growth;
 mod monotone;
 mod nested;
 mod operator;
+mod steps;
 
 use crate::discrete::{Discrete, DiscreteSolution};
 use crate::error::{Unsolved, Verdict};
@@ -23,6 +24,7 @@ use crate::influence::InfluenceTable;
 pub use growth::{displacement, growth};
 pub use nested::solve_nested;
 pub use operator::{Operator, Scratch};
+pub use steps::Steps;
 
 use convolution::Convolution;
 use faces::{Level, State};
@@ -68,16 +70,7 @@ impl Default for Settings {
 pub fn solve(problem: &Discrete, start: Option<&[f64]>, settings: &Settings) -> Result<DiscreteSolution, Unsolved> {
     with_threads(settings.threads, |scratch| {
         let Some(window) = Window::of(problem, SYMMETRIC * settings.tolerance) else { return Ok(no_contact(problem)) };
-        let table = window.table(problem);
-        let grid = window.grid(problem);
-        let unit = window.deepest / table.get(0, 0);
-        let start = start.filter(|p| p.len() == problem.grid.len()).map(|p| {
-            let mut start = window.cut(problem.grid.shape[0], p);
-            start.iter_mut().for_each(|p| *p /= unit);
-            start
-        });
-        let left = grid.solve(&table, start, settings.tolerance, settings.products, true, scratch);
-        window.finish(problem, &table, left, settings)
+        window.solve(problem, &window.table(problem), start, settings, scratch)
     })
 }
 
@@ -216,6 +209,34 @@ impl Window {
     fn table(&self, problem: &Discrete) -> InfluenceTable {
         let [hx, hy] = problem.grid.spacing;
         InfluenceTable::new(problem.kernel, if self.transposed { [hy, hx] } else { [hx, hy] }, self.extent)
+    }
+
+    /// Whether a table holds what [`Self::table`] would.
+    fn served_by(&self, table: &InfluenceTable, problem: &Discrete) -> bool {
+        let [hx, hy] = problem.grid.spacing;
+        let [nx, ny] = table.shape();
+        table.kernel() == problem.kernel
+            && table.spacing() == if self.transposed { [hy, hx] } else { [hx, hy] }
+            && (nx >= self.extent[0] && ny >= self.extent[1])
+    }
+
+    /// Solves in the window from `start`, a pressure on the grid of the problem.
+    fn solve(
+        &self,
+        problem: &Discrete,
+        table: &InfluenceTable,
+        start: Option<&[f64]>,
+        settings: &Settings,
+        scratch: &mut Scratch,
+    ) -> Result<DiscreteSolution, Unsolved> {
+        let unit = self.deepest / table.get(0, 0);
+        let start = start.filter(|p| p.len() == problem.grid.len()).map(|p| {
+            let mut start = self.cut(problem.grid.shape[0], p);
+            start.iter_mut().for_each(|p| *p /= unit);
+            start
+        });
+        let left = self.grid(problem).solve(table, start, settings.tolerance, settings.products, true, scratch);
+        self.finish(problem, table, left, settings)
     }
 
     /// The window as a grid to be solved on.
