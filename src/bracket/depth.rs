@@ -60,8 +60,7 @@ impl DepthBracket {
 
 /// A depth at which the bodies do not overlap yet, as large as can be found, and whether that is certain.
 pub(super) fn first_touch(gap: &dyn Gap, depth: f64) -> (f64, bool) {
-    let [x, y] = crate::gap::lowest(gap, gap.centre());
-    let lowest = gap.gap(x, y).min(depth);
+    let lowest = crate::gap::least(gap).1.min(depth);
     let overlap = depth - lowest;
     let none = |d: f64| matches!(gap.certain_reach(d), Reach::Nowhere);
     let below = std::iter::once(lowest).chain((0..40).map(|k| lowest - overlap * 1e-12 * f64::powi(2.0, k)));
