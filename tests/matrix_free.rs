@@ -1,6 +1,6 @@
 //! The matrix-free solver against a dense active set, and the laws it must keep whatever the gap.
 
-use contact_patch::matrix_free::{Settings, Steps, solve, solve_nested};
+use contact_patch::matrix_free::{Settings, solve, solve_nested};
 use contact_patch::{Discrete, DiscreteSolution, Grid, InfluenceTable, Kernel, Verdict};
 use nalgebra::{DMatrix, DVector};
 
@@ -218,33 +218,6 @@ fn threads_do_not_change_the_answer() {
     for threads in [2, 3, 8] {
         let many = solve_nested(&problem, &Settings { threads, ..Settings::default() }).expect("solved");
         assert_eq!(one, many);
-    }
-}
-
-#[test]
-fn steps_save_products_and_change_no_answer() {
-    let grid = cells([80, 64], [1.0 / 80.0, 1.0 / 64.0]);
-    let settings = Settings { tolerance: 1e-11, ..Settings::default() };
-    let mut steps = Steps::new(settings);
-    // Deeper, moved, apart, and again.
-    let path = [(1.0, 0.0), (1.01, 0.0), (1.01, 0.02), (-1.0, 0.0), (0.9, 0.0), (0.91, 0.01)];
-    for (number, (depth, moved)) in path.into_iter().enumerate() {
-        let overlap = (0..grid.len())
-            .map(|k| {
-                let [x, y] = grid.centre_of(k);
-                depth - (4.0 * (x - 0.5 - moved).abs()).max(3.0 * (y - 0.45).abs())
-            })
-            .collect();
-        let problem = Discrete { grid, kernel: Kernel::Galerkin, overlap };
-        let cold = solve_nested(&problem, &settings).expect("solved");
-        let warm = steps.solve(&problem).expect("solved");
-        let (warm_force, cold_force) = (force(&warm.pressure, &grid), force(&cold.pressure, &grid));
-        assert!((warm_force - cold_force).abs() <= 1e-9 * cold_force, "{number}: {warm_force} {cold_force}");
-        // A deeper contact is close to the last; one that has moved by more than a cell need not be.
-        if number == 1 {
-            let nothing = solve(&problem, None, &settings).expect("solved");
-            assert!(warm.operator_products < nothing.operator_products, "{number}");
-        }
     }
 }
 

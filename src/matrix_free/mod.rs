@@ -15,7 +15,6 @@ mod growth;
 mod monotone;
 mod nested;
 mod operator;
-mod steps;
 
 use crate::discrete::{Discrete, DiscreteSolution};
 use crate::error::{Unsolved, Verdict};
@@ -24,7 +23,6 @@ use crate::influence::InfluenceTable;
 pub use growth::{displacement, growth};
 pub use nested::solve_nested;
 pub use operator::{Operator, Scratch};
-pub use steps::Steps;
 
 use convolution::Convolution;
 use faces::{Level, State};
@@ -209,15 +207,6 @@ impl Window {
     fn table(&self, problem: &Discrete) -> InfluenceTable {
         let [hx, hy] = problem.grid.spacing;
         InfluenceTable::new(problem.kernel, if self.transposed { [hy, hx] } else { [hx, hy] }, self.extent)
-    }
-
-    /// Whether a table holds what [`Self::table`] would.
-    fn served_by(&self, table: &InfluenceTable, problem: &Discrete) -> bool {
-        let [hx, hy] = problem.grid.spacing;
-        let [nx, ny] = table.shape();
-        table.kernel() == problem.kernel
-            && table.spacing() == if self.transposed { [hy, hx] } else { [hx, hy] }
-            && (nx >= self.extent[0] && ny >= self.extent[1])
     }
 
     /// Solves in the window from `start`, a pressure on the grid of the problem.
