@@ -3,7 +3,7 @@
 use crate::Contact;
 use crate::error::{Unsolved, Verdict};
 use crate::fabrikant::{self, Approximation, Error, Family};
-use crate::gap::{AnyGap, Gap, least};
+use crate::gap::{AnyGap, Gap, Reach, extent, islands, least};
 use crate::settings::{BoundaryFamily, Method, Settings};
 use crate::solution::{Cost, Patch, PressureSummary, Solution};
 
@@ -27,16 +27,51 @@ pub(crate) fn solution(
         ..fabrikant::Settings::default()
     };
     let modulus = contact.modulus();
+    let apart = match extent(&**gap, depth) {
+        Reach::Within(reach) => islands(&**gap, depth, &reach).len(),
+        _ => 1,
+    };
+    if apart > 1 && settings.method == Method::Fabrikant {
+        let reason = format!("the bodies overlap in {apart} separate places: one boundary cannot hold them");
+        return Err(Unsolved::new(Verdict::NotStarShaped, reason));
+    }
     let found = match (settings.method, settings.boundary) {
         (Method::Ritz, _) => fabrikant::solve(gap, modulus, depth, Family::Ellipse, &fine),
         (_, BoundaryFamily::Auto) => fabrikant::auto(gap, modulus, depth, &fine),
         (_, family) => fabrikant::solve(gap, modulus, depth, family_of(family), &fine),
     };
-    let found = found.map_err(|error| match error {
+    let found = found.map_err(verdict)?;
+    let off = found.quadrature_error.iter().sum::<f64>();
+    if !(off <= settings.tolerance) {
+        let reason =
+            format!("relative error {off:.1e} of the quadrature reached; the tolerance is {:.1e}", settings.tolerance);
+        return Err(Unsolved::new(Verdict::ToleranceNotReached, reason));
+    }
+    if found.family == Family::Stationary {
+        // The pressure under a disc is exact, so that its force is too low: a stationary boundary with less is the wrong one.
+        let rough = fabrikant::Settings { tolerance: 1e-4, boundary_points: 0, ..fine };
+        if let Ok(disc) = fabrikant::solve(gap, modulus, depth, Family::Circle, &rough)
+            && disc.force * (1.0 - disc.quadrature_error.iter().sum::<f64>()) > found.force * (1.0 + off + 1e-6)
+        {
+            let reason = format!(
+                "the stationary boundary found has the force {:e}, but a disc alone holds {:e}: it is not the largest",
+                found.force, disc.force
+            );
+            return Err(Unsolved::new(Verdict::NoStationaryBoundary, reason));
+        }
+    }
+    let mut solution = dimensional(contact, depth, tilt, settings, found);
+    if apart > 1 {
+        solution.remarks.push(format!("the bodies overlap in {apart} separate places; the ellipse covers one"));
+    }
+    Ok(solution)
+}
+
+fn verdict(error: Error) -> Unsolved {
+    match error {
         Error::Unsolved(unsolved) => unsolved,
         Error::Input(input) => Unsolved::new(Verdict::NotApplicable, input.to_string()),
-    })?;
-    Ok(dimensional(contact, depth, tilt, settings, found))
+    }
 }
 
 fn family_of(boundary: BoundaryFamily) -> Family {

@@ -60,6 +60,23 @@ fn with_stiffness_matrix(
     Ok(Solution { stiffness_matrix: Some(matrix.map(|row| row.map(|k| k * unit))), ..solution })
 }
 
+/// The state of contacts that lie far apart, each on grids of its own, with its stiffness matrix; `None` when one grid serves.
+///
+/// # Errors
+/// As [`solution`].
+pub(crate) fn separately(
+    contact: &Contact,
+    gap: &AnyGap,
+    depth: f64,
+    tilt: [f64; 2],
+    settings: &Settings,
+) -> Result<Option<Solution>, Unsolved> {
+    let Reach::Within(reach) = extent(gap, depth) else { return Ok(None) };
+    let rectangles = separate::rectangles(gap, depth, &reach, settings);
+    let solved = |r: Vec<Rect>| separate::solution(contact, gap, depth, tilt, settings, &r, true);
+    rectangles.map(solved).transpose()
+}
+
 /// The state at a depth and tilt on one grid that stays where it is from one tilt to the next, with its stiffness
 /// matrix: force and moments are then the exact derivatives of one convex energy. `frame` is the box of that grid in the
 /// user's units; found when `None`, enlarged when the contact outgrows it.

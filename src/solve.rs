@@ -108,8 +108,9 @@ struct Engine<'a> {
     contact: &'a Contact,
     settings: &'a Settings,
     with_matrix: bool,
-    /// The box of the grid that all tilts share.
+    /// The box of the grid that all tilts share, and the cells along its longer side.
     frame: Option<Rect>,
+    cells: usize,
     /// The last full grid of an untilted contact.
     held: Option<Held<'a>>,
     /// Of all states so far.
@@ -118,7 +119,9 @@ struct Engine<'a> {
 
 impl<'a> Engine<'a> {
     fn new(contact: &'a Contact, settings: &'a Settings, with_matrix: bool) -> Self {
-        Self { contact, settings, with_matrix, frame: None, held: None, spent: Cost::default() }
+        let coarsest = (2.0 / settings.tolerance.sqrt()).clamp(32.0, 512.0) as usize;
+        let cells = settings.cells.unwrap_or(coarsest);
+        Self { contact, settings, with_matrix, frame: None, cells, held: None, spent: Cost::default() }
     }
 
     /// The state by a method without a grid; `None` when it takes a grid.
@@ -173,10 +176,12 @@ impl Respond for Engine<'_> {
             None if !self.with_matrix => self.upright(depth, quick)?,
             None => {
                 // One grid for all tilts: what differs from one to the next would be noise to Newton's method.
-                let coarsest = (2.0 / self.settings.tolerance.sqrt()).clamp(32.0, 512.0) as usize;
-                let cells = self.settings.cells.unwrap_or(coarsest);
                 let gap = tilted(self.contact, tilt);
-                by_grid::in_frame(self.contact, &gap, depth, tilt, self.settings, cells, &mut self.frame)?
+                let frame = &mut self.frame;
+                match by_grid::separately(self.contact, &gap, depth, tilt, self.settings)? {
+                    Some(apart) => apart,
+                    None => by_grid::in_frame(self.contact, &gap, depth, tilt, self.settings, self.cells, frame)?,
+                }
             }
         };
         self.spent.iterations += state.cost.iterations;
@@ -272,13 +277,30 @@ fn at_moment(contact: &Contact, force: f64, moment: [f64; 2], settings: &Setting
     let size = (upright.patch.area / std::f64::consts::PI).sqrt();
     // The last linear step of a force-driven solve has no place here: the state is solved anew at every tilt.
     let mut engine = Engine::new(contact, settings, true);
-    let close = |method| match method {
+    let close = |method: Method| match method {
         // Rounding in the force of a deep state is what is left.
         Method::ClosedForm => 1e-11,
         _ => 0.01 * settings.tolerance,
     };
-    equilibrium::under_moment(&mut engine, force, moment, upright, size, close)
+    let mut state = equilibrium::under_moment(&mut engine, force, moment, upright, size, close)?;
+    while settings.cells.is_none() && state.force_error.is_some_and(|error| error > settings.tolerance) {
+        if engine.cells >= FINEST {
+            let reason = format!(
+                "relative error {:.1e} reached with {} cells along the longer side; the tolerance is {:.1e}",
+                state.force_error.unwrap_or(f64::NAN),
+                engine.cells,
+                settings.tolerance
+            );
+            return Err(Unsolved::new(Verdict::ToleranceNotReached, reason));
+        }
+        engine.cells *= 2;
+        state = equilibrium::under_moment(&mut engine, force, moment, state, size, close)?;
+    }
+    Ok(state)
 }
+
+/// Cells along the longer side of the last grid that is tried for a tilting punch.
+const FINEST: usize = 1024;
 
 /// The state at a prescribed depth and tilt, by the method that the settings ask for.
 pub(crate) fn respond(
