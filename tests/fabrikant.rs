@@ -207,6 +207,32 @@ fn flat_polygons() {
     assert!(relative(ellipse.stiffness(unit()), 0.85008141898645497) < 1e-14);
 }
 
+/// A flat gap has one boundary at every depth, wherever it is put and however slender it is.
+#[test]
+fn flat_gaps_are_flat_punches() {
+    let solved = |outline: Outline| {
+        let gap = Placed::new(Flat::new(outline), [3.0, -1.0], 0.4).unwrap();
+        fabrikant::stationary(&gap, unit(), 0.5, &Settings::default())
+    };
+    let polygons = [
+        vec![[0.0, 0.0], [2.0, 0.0], [0.0, 1.0]],
+        vec![[0.0, 0.0], [30.0, 0.0], [30.0, 1.0], [0.0, 1.0]],
+        vec![[0.0, 0.0], [2.0, 0.0], [2.0, 0.9], [0.9, 0.9], [0.9, 2.0], [0.0, 2.0]],
+    ];
+    for corners in polygons {
+        let exact = FlatPunch::polygon(&corners).unwrap();
+        let found = solved(Outline::polygon(&corners).unwrap()).unwrap();
+        assert!(relative(found.force, 0.5 * exact.stiffness(unit())) < 1e-10, "{corners:?}: {}", found.force);
+        assert!(relative(found.area, exact.area()) < 1e-10);
+    }
+    let ellipse = solved(Outline::ellipse([2.0, 0.1]).unwrap()).unwrap();
+    let exact = FlatPunch::ellipse([2.0, 0.1]).unwrap().stiffness(unit());
+    assert!(relative(ellipse.stiffness, exact) < 1e-10, "{}", ellipse.stiffness);
+    let u = [[0.0, 0.0], [3.0, 0.0], [3.0, 3.0], [2.0, 3.0], [2.0, 1.0], [1.0, 1.0], [1.0, 3.0], [0.0, 3.0]];
+    let hidden = solved(Outline::polygon(&u).unwrap()).unwrap_err();
+    assert_eq!(hidden.verdict(), Some(Verdict::NotStarShaped));
+}
+
 #[test]
 fn plan_forms_that_are_not_star_shaped_get_a_verdict() {
     let u = [[0.0, 0.0], [3.0, 0.0], [3.0, 3.0], [2.0, 3.0], [2.0, 1.0], [1.0, 1.0], [1.0, 3.0], [0.0, 3.0]];

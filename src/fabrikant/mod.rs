@@ -25,6 +25,7 @@ mod flat_punch;
 mod force;
 mod hump;
 mod outer_root;
+mod plan_form;
 mod polyhedron;
 mod problem;
 mod ray;
