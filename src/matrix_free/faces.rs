@@ -35,7 +35,7 @@ const STEP: f64 = 0.4;
 pub(super) const NEAR: usize = 8;
 
 /// Changes of face without halving the residual before the face is given up.
-const PATIENCE: usize = 12;
+const PATIENCE: i32 = 12;
 
 /// Double-precision products without halving the error before the safe method takes over.
 const MOST_STALLS: usize = 2;
@@ -213,7 +213,7 @@ fn descend(level: &Level, state: &mut State, work: &mut Work, tolerance: f64, sc
     let [width, height] = level.shape();
     let aim = (AIM * tolerance) as f32;
     let mut step = STEP;
-    let mut best = (f64::INFINITY, 0);
+    let mut best = (f64::INFINITY, 0_i32);
     work.face.fill(0.0);
     let mut rz_old = 0.0;
     loop {
@@ -251,6 +251,8 @@ fn descend(level: &Level, state: &mut State, work: &mut Work, tolerance: f64, sc
 
         // Relax on the face. The first step also empties the cells that left.
         leaving &= changed;
+        // Cells that leave and come back were judged too early: the longer nothing is gained, the better a face is solved.
+        let fall = INNER.powi(1 + (best.1 / 2).min(5));
         let mut from = here;
         let mut first = changed || rz_old == 0.0;
         while state.all_products() < level.limit {
@@ -308,7 +310,7 @@ fn descend(level: &Level, state: &mut State, work: &mut Work, tolerance: f64, sc
                 leaving = false;
                 from = now;
             }
-            if now <= (INNER * from).max(aim) {
+            if now <= (fall * from).max(aim) {
                 break;
             }
         }
