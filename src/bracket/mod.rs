@@ -245,7 +245,7 @@ impl Default for BracketSettings {
 /// Units: any consistent set; `pressure` in the units of E*, on a grid in the units of the gap.
 ///
 /// # Errors
-/// [`Verdict::Unbounded`] when the gap stays below the depth without end, [`Verdict::NotApplicable`] when a number of the
+/// [`crate::Verdict::Unbounded`] when the gap stays below the depth without end, [`crate::Verdict::NotApplicable`] when a number of the
 /// pressure or of its grid is not finite.
 ///
 /// ```
