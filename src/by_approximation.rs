@@ -1,13 +1,15 @@
 //! A state of contact from the approximate methods.
 
 use crate::Contact;
+use crate::approximate_work;
 use crate::error::{Unsolved, Verdict};
 use crate::fabrikant::{self, Approximation, Error, Family};
 use crate::gap::{AnyGap, Gap, Reach, extent, islands, least};
 use crate::settings::{BoundaryFamily, Method, Settings};
 use crate::solution::{Cost, Patch, PressureSummary, Solution};
 
-/// The state at a depth and tilt (`gap` is the contact's gap under that tilt), in the user's units.
+/// The state at a depth and tilt (`gap` is the contact's gap under that tilt), in the user's units. `with_matrix`: energy, moments
+/// and the stiffness against tilts too, whether or not they come for nothing.
 ///
 /// # Errors
 /// The verdicts of [`fabrikant::solve`]; nothing is passed off as a solution when the method does not apply.
@@ -17,15 +19,55 @@ pub(crate) fn solution(
     depth: f64,
     tilt: [f64; 2],
     settings: &Settings,
+    with_matrix: bool,
 ) -> Result<Solution, Unsolved> {
-    if depth <= least(&**gap).1 {
+    let first_touch = least(&**gap).1;
+    if depth <= first_touch {
         return Ok(Solution::apart(settings.method, depth, tilt));
     }
     let fine = fabrikant::Settings {
         tolerance: 1e-3 * settings.tolerance,
-        boundary_points: if settings.outputs.patch { 180 } else { 0 },
+        boundary_points: if settings.outputs.patch || with_matrix { 180 } else { 0 },
         ..fabrikant::Settings::default()
     };
+    let (found, apart) = boundary(contact, gap, depth, settings, &fine)?;
+    let work = {
+        let rough = fabrikant::Settings { boundary_points: 0, ..fine };
+        let at = |gap: &AnyGap, depth: f64| boundary(contact, gap, depth, settings, &rough).map(|(found, _)| found);
+        let sought = approximate_work::Sought { gap, depth, found: &found, tolerance: settings.tolerance, at: &at };
+        match sought.for_nothing() {
+            Some(work) if !with_matrix => Ok(work),
+            _ if with_matrix => Ok(sought.with_matrix(contact.modulus().e_star())?),
+            None if settings.outputs.energy => sought.asked_for().map_err(|e| e.reason),
+            _ => Err("further solves, not asked for".to_owned()),
+        }
+    };
+    let mut solution = dimensional(contact, depth, tilt, settings, found);
+    if apart > 1 {
+        solution.remarks.push(format!("the bodies overlap in {apart} separate places; the ellipse covers one"));
+    }
+    match work {
+        Ok(work) => {
+            solution.energy = Some(work.energy);
+            solution.moment = work.first_moment.map(|[x, y]| [y, -x]);
+            solution.stiffness = work.stiffness;
+            solution.stiffness_matrix = work.matrix;
+            solution.cost.steps = work.states;
+            solution.remarks.extend(work.remark);
+        }
+        Err(why) => solution.left_out.push(format!("energy and moments: {why}")),
+    }
+    Ok(solution)
+}
+
+/// The boundary that the settings ask for, and the number of separate places of overlap.
+fn boundary(
+    contact: &Contact,
+    gap: &AnyGap,
+    depth: f64,
+    settings: &Settings,
+    fine: &fabrikant::Settings,
+) -> Result<(Approximation, usize), Unsolved> {
     let modulus = contact.modulus();
     let apart = match extent(&**gap, depth) {
         Reach::Within(reach) => islands(&**gap, depth, &reach).len(),
@@ -36,9 +78,9 @@ pub(crate) fn solution(
         return Err(Unsolved::new(Verdict::NotStarShaped, reason));
     }
     let found = match (settings.method, settings.boundary) {
-        (Method::Ritz, _) => fabrikant::solve(gap, modulus, depth, Family::Ellipse, &fine),
-        (_, BoundaryFamily::Auto) => fabrikant::auto(gap, modulus, depth, &fine),
-        (_, family) => fabrikant::solve(gap, modulus, depth, family_of(family), &fine),
+        (Method::Ritz, _) => fabrikant::solve(gap, modulus, depth, Family::Ellipse, fine),
+        (_, BoundaryFamily::Auto) => fabrikant::auto(gap, modulus, depth, fine),
+        (_, family) => fabrikant::solve(gap, modulus, depth, family_of(family), fine),
     };
     let found = found.map_err(verdict)?;
     let off = found.quadrature_error.iter().sum::<f64>();
@@ -49,7 +91,7 @@ pub(crate) fn solution(
     }
     if found.family == Family::Stationary {
         // The pressure under a disc is exact, so that its force is too low: a stationary boundary with less is the wrong one.
-        let rough = fabrikant::Settings { tolerance: 1e-4, boundary_points: 0, ..fine };
+        let rough = fabrikant::Settings { tolerance: 1e-4, boundary_points: 0, ..*fine };
         if let Ok(disc) = fabrikant::solve(gap, modulus, depth, Family::Circle, &rough)
             && disc.force * (1.0 - disc.quadrature_error.iter().sum::<f64>()) > found.force * (1.0 + off + 1e-6)
         {
@@ -60,11 +102,7 @@ pub(crate) fn solution(
             return Err(Unsolved::new(Verdict::NoStationaryBoundary, reason));
         }
     }
-    let mut solution = dimensional(contact, depth, tilt, settings, found);
-    if apart > 1 {
-        solution.remarks.push(format!("the bodies overlap in {apart} separate places; the ellipse covers one"));
-    }
-    Ok(solution)
+    Ok((found, apart))
 }
 
 fn verdict(error: Error) -> Unsolved {

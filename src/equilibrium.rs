@@ -158,7 +158,7 @@ pub(crate) fn under_moment(
         |s: &Solution| s.energy.unwrap_or(f64::NAN) - target.dot(&Vector3::new(s.depth, s.tilt[0], s.tilt[1]));
     for step in 0..MOST_STEPS {
         let (Some(moment), Some(stiffness)) = (state.moment, state.stiffness_matrix) else {
-            return Err(Unsolved::new(Verdict::NotApplicable, "the method does not give moments of the pressure"));
+            return Err(Unsolved::new(Verdict::NotApplicable, "the method gives no moments of the pressure here"));
         };
         let missing = target - Vector3::new(state.force, -moment[1], moment[0]);
         let error = missing.component_div(&unit).amax();
@@ -184,6 +184,11 @@ pub(crate) fn under_moment(
             match engine.respond(depth, tilt, false) {
                 Ok(trial) if trial.force > 0.0 && potential(&trial) <= before + allowed => break trial,
                 Ok(trial) if trial.force > 0.0 && length < 0.02 => break trial,
+                // What the method cannot solve says nothing about the load.
+                Err(e) if length < 1e-4 && !matches!(e.verdict, Verdict::Unbounded | Verdict::NoEquilibrium) => {
+                    let reason = format!("at depth {depth:e}, tilt ({:e}, {:e}): {}", tilt[0], tilt[1], e.reason);
+                    return Err(Unsolved { reason, ..e });
+                }
                 _ if length < 1e-4 => return Err(nowhere(step, &state)),
                 _ => length *= 0.5,
             }

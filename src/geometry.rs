@@ -112,6 +112,21 @@ pub fn centroid(polygon: &[[f64; 2]]) -> [f64; 2] {
     [base[0] + moment[0] / (3.0 * twice), base[1] + moment[1] / (3.0 * twice)]
 }
 
+/// Integrals of x^2, x y and y^2 over a counter-clockwise polygon, x and y measured from `about`.
+#[must_use]
+pub fn second_moments(polygon: &[[f64; 2]], about: [f64; 2]) -> [f64; 3] {
+    let from = |p: &[f64; 2]| [p[0] - about[0], p[1] - about[1]];
+    let mut sums = [0.0; 3];
+    for (p, q) in polygon.iter().zip(polygon.iter().cycle().skip(1)) {
+        let (p, q) = (from(p), from(q));
+        let cross = p[0] * q[1] - p[1] * q[0];
+        sums[0] += cross * (p[0] * p[0] + p[0] * q[0] + q[0] * q[0]) / 12.0;
+        sums[1] += cross * (p[0] * q[1] + 2.0 * (p[0] * p[1] + q[0] * q[1]) + q[0] * p[1]) / 24.0;
+        sums[2] += cross * (p[1] * p[1] + p[1] * q[1] + q[1] * q[1]) / 12.0;
+    }
+    sums
+}
+
 /// Edges relative to the first corner, so that a polygon far from the origin loses no digits.
 fn edges_about_first(polygon: &[[f64; 2]]) -> impl Iterator<Item = ([f64; 2], [f64; 2])> + '_ {
     let base = polygon.first().copied().unwrap_or_default();

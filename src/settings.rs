@@ -66,6 +66,8 @@ pub struct Outputs {
     pub bracket: bool,
     /// Force against depth up to the given load.
     pub curve: bool,
+    /// Stored energy and moments where they cost more solves: by the approximate methods, for a gap that is not homogeneous.
+    pub energy: bool,
 }
 
 /// How to solve.

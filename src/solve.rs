@@ -321,6 +321,8 @@ pub(crate) fn respond(
             Err(e) if e.verdict == Verdict::NoClosedForm => grid(&gap),
             answered => answered,
         },
-        Method::Ritz | Method::Fabrikant => by_approximation::solution(contact, &gap, depth, tilt, settings),
+        Method::Ritz | Method::Fabrikant => {
+            by_approximation::solution(contact, &gap, depth, tilt, settings, with_matrix)
+        }
     }
 }

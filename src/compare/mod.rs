@@ -257,7 +257,8 @@ fn reference(contact: &Contact, plan: &Plan) -> Option<(Solution, String)> {
 const LONG: f64 = 2.0;
 
 /// What is compared besides the force.
-const COMPARED: Outputs = Outputs { patch: true, pressure: true, gap: false, bracket: false, curve: false };
+const COMPARED: Outputs =
+    Outputs { patch: true, pressure: true, gap: false, bracket: false, curve: false, energy: false };
 
 /// The answer with its boundary and field, and what it took without them.
 struct Timed {

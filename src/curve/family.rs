@@ -33,8 +33,11 @@ impl<'a> Family<'a> {
     /// States with forces good to `wanted`, or to what the finest grid gives.
     pub fn new(contact: &'a Contact, settings: &Settings, wanted: f64, first_touch: f64, deepest: f64) -> Self {
         let tolerance = settings.tolerance;
-        let settings =
-            Settings { outputs: Outputs::default(), tolerance: wanted.min(tolerance).max(SHARPEST), ..*settings };
+        let settings = Settings {
+            outputs: Outputs { energy: true, ..Outputs::default() },
+            tolerance: wanted.min(tolerance).max(SHARPEST),
+            ..*settings
+        };
         Self { contact, settings, tolerance, first_touch, deepest, similar: None, solves: 0 }
     }
 

@@ -347,6 +347,8 @@ pub(super) enum OutputName {
     Bracket,
     /// Force against depth up to the given load.
     Curve,
+    /// Stored energy and moments where they cost more solves (approximate methods).
+    Energy,
 }
 
 /// Checks a number of cells given at `path`.
@@ -397,6 +399,7 @@ pub(super) fn settings(solve: SolveForm, output: &[OutputName]) -> Result<Settin
         gap: output.contains(&OutputName::Gap),
         bracket: output.contains(&OutputName::Bracket),
         curve: output.contains(&OutputName::Curve),
+        energy: output.contains(&OutputName::Energy),
     };
     Ok(settings)
 }
