@@ -13,6 +13,9 @@ mod figure_2;
 #[path = "../examples/rough_surface.rs"]
 #[allow(dead_code)]
 mod rough_surface;
+#[path = "../examples/spring_for_multibody.rs"]
+#[allow(dead_code)]
+mod spring_for_multibody;
 #[path = "../examples/table_1.rs"]
 #[allow(dead_code)]
 mod table_1;
@@ -113,4 +116,24 @@ fn real_area_grows_with_the_load() {
     // In proportion, nearly: area over force changes by less than a factor of two while the force grows tenfold.
     let ratios: Vec<f64> = rows.iter().skip(2).map(|row| row[2] / row[1]).collect();
     assert!(ratios.iter().all(|r| *r < 2.0 * ratios[ratios.len() - 1]), "{text}");
+}
+
+#[test]
+fn the_slope_of_the_spring_is_that_of_its_force() {
+    let text = spring_for_multibody::text().unwrap();
+    assert!(text.lines().count() < 40, "{text}");
+    let rows: Vec<Vec<f64>> =
+        text.lines().skip(2).take(9).map(|line| line.split_whitespace().map(number).collect()).collect();
+    // From 4e-7 m in steps of 2e-7 m; the third derivative of the force leaves central differences that close.
+    for three in rows.windows(3) {
+        let slope = (three[2][1] - three[0][1]) / (three[2][0] - three[0][0]);
+        assert!((slope / three[1][2] - 1.0).abs() < 1e-2, "{slope}: {text}");
+        assert!(three[0][2] < three[1][2], "{text}");
+    }
+    // The table holds the same law.
+    let table = text.lines().skip_while(|line| !line.starts_with("as a table")).skip(1);
+    let table: Vec<Vec<f64>> =
+        table.map(|line| line.split_whitespace().filter_map(|word| word.parse().ok()).collect()).collect();
+    let table: Vec<Vec<f64>> = table.into_iter().filter(|row| row.len() == 2).collect();
+    assert!(table.len() >= 4 && table.windows(2).all(|w| w[0][0] < w[1][0] && w[0][1] < w[1][1]), "{text}");
 }

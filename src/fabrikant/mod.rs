@@ -10,8 +10,8 @@
 //! | families of boundaries | `family.rs`; which of them, `choice.rs` |
 //! | section 2.2, Rayleigh-Ritz ellipse | `ritz.rs`, beside this folder |
 //!
-//! The pressure p itself is not available from this method, and so neither is the line of action of the force:
-//! reciprocity gives the total force only. Results are estimates, neither upper nor lower bounds, except for ellipses
+//! Reciprocity gives the total force only, neither the pressure nor its line of action; energy and moments follow from the
+//! forces at other depths and tilts (`approximate_work.rs`, beside this folder). Results are estimates, neither upper nor lower bounds, except for ellipses
 //! ([`Approximation::lower_bound`]).
 
 // Comparisons are written so that NaN takes the branch of failure.
