@@ -3,6 +3,7 @@
 use crate::Contact;
 use crate::discrete::Discrete;
 use crate::domain::Door;
+use crate::edges;
 use crate::error::Unsolved;
 use crate::exact::{self, GridState, Refined};
 use crate::gap::{AnyGap, Gap, Reach, extent};
@@ -38,7 +39,7 @@ pub(crate) fn solution(
     let degree = homogeneity::degree(gap, &reach);
     let refined = exact::refined(&door, settings, method, degree)?;
     let solution = dimensional(contact, &door, &refined, degree, depth, tilt, settings)?;
-    if with_matrix { with_stiffness_matrix(contact, &door, &refined.state, solution) } else { Ok(solution) }
+    if with_matrix { with_stiffness_matrix(contact, &door, &refined, solution) } else { Ok(solution) }
 }
 
 /// Whether the contact at this depth is solved on several grids, which [`Held`] does not do.
@@ -52,12 +53,16 @@ pub(crate) fn on_several_grids(contact: &Contact, depth: f64, settings: &Setting
 fn with_stiffness_matrix(
     contact: &Contact,
     door: &Door,
-    state: &GridState,
+    refined: &Refined,
     solution: Solution,
 ) -> Result<Solution, Unsolved> {
     let unit = contact.modulus().e_star() * door.gap.length;
-    let matrix = exact::stiffness_matrix(state, |p| door.gap.outward(p))?;
-    Ok(Solution { stiffness_matrix: Some(matrix.map(|row| row.map(|k| k * unit))), ..solution })
+    let entries = |state: &GridState| {
+        let matrix = exact::stiffness_matrix(state, |p| door.gap.outward(p))?;
+        Ok(std::array::from_fn::<f64, 9, _>(|n| matrix[n / 3][n % 3] * unit))
+    };
+    let entries = refined.limits(entries)?;
+    Ok(Solution { stiffness_matrix: Some([0, 1, 2].map(|i| [0, 1, 2].map(|j| entries[3 * i + j]))), ..solution })
 }
 
 /// The state of contacts that lie far apart, each on grids of its own, with its stiffness matrix; `None` when one grid serves.
@@ -90,7 +95,7 @@ pub(crate) fn in_frame(
     tilt: [f64; 2],
     settings: &Settings,
     cells: usize,
-    frame: &mut Option<Rect>,
+    frame: &mut Frame,
 ) -> Result<Solution, Unsolved> {
     let method = if settings.method == Method::Qp { Method::Qp } else { Method::Fft };
     let Some(door) = Door::enter(gap, depth)? else {
@@ -98,17 +103,39 @@ pub(crate) fn in_frame(
     };
     let inward = |r: &Rect| Rect { min: door.gap.inward(r.min), max: door.gap.inward(r.max) };
     let outward = |r: &Rect| Rect { min: door.gap.outward(r.min), max: door.gap.outward(r.max) };
-    let mut window = match frame {
+    let mut window = match &frame.window {
         Some(rect) => inward(rect),
         None => crate::domain::locate(&door)?.scaled(ROOM),
     };
     let state = exact::at_resolution(&door, &mut window, cells, settings, method)?;
-    *frame = Some(outward(&window));
+    frame.window = Some(outward(&window));
+    frame.sharp = edges::met(&state);
+    frame.spacing = state.problem.grid.spacing[0].max(state.problem.grid.spacing[1]) * door.gap.length;
     let force = state.force();
-    let error = exact::other_kernel(&door, &state)? - force;
-    let refined = Refined { force, error: error.abs(), state, stopped: None };
+    let error = if frame.alone { exact::other_kernel(&door, &state)? - force } else { 0.0 };
+    let refined = Refined { force, error: error.abs(), state, stopped: None, ladder: None };
     let solution = dimensional(contact, &door, &refined, None, depth, tilt, settings)?;
-    with_stiffness_matrix(contact, &door, &refined.state, solution)
+    with_stiffness_matrix(contact, &door, &refined, solution)
+}
+
+/// The grid that all tilts share.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Frame {
+    /// Its box, once it is known.
+    pub window: Option<Rect>,
+    /// Whether the last contact on it ended at sharp edges.
+    pub sharp: bool,
+    /// The longer side of its cells.
+    pub spacing: f64,
+    /// Whether a grid has to tell its own error, by the other kernel.
+    pub alone: bool,
+}
+
+impl Frame {
+    /// Not laid yet.
+    pub fn new() -> Self {
+        Self { window: None, sharp: false, spacing: f64::NAN, alone: true }
+    }
 }
 
 /// A solved grid with what it takes to go on from it to another depth.
@@ -139,7 +166,7 @@ impl<'a> Held<'a> {
         let problem = Discrete::sample(&door.gap, door.depth, grid, settings.kernel);
         let solution = exact::coarse(&problem)?;
         let state = GridState::of(Method::Fft, problem, solution);
-        let refined = Refined { force: state.force(), error: f64::INFINITY, state, stopped: None };
+        let refined = Refined { force: state.force(), error: f64::INFINITY, state, stopped: None, ladder: None };
         Ok(Some(Self::grown(door, refined)?))
     }
 
@@ -171,8 +198,10 @@ impl<'a> Held<'a> {
         if exact::outgrown(&door, &state.problem.grid.extent(), &state).is_some() {
             return Ok(None);
         }
-        let error = error / force * state.force();
-        Ok(Some(Self::grown(door, Refined { force: state.force(), error, state, stopped: None })?))
+        // Sharp edges: the limit over the force of the finest grid, as it was before.
+        let scale = if self.refined.ladder.is_some() { force / before.force() } else { 1.0 };
+        let (error, force) = (error / force * scale * state.force(), scale * state.force());
+        Ok(Some(Self::grown(door, Refined { force, error, state, stopped: None, ladder: None })?))
     }
 
     fn grown(door: Door<'a>, refined: Refined) -> Result<Self, Unsolved> {
@@ -182,7 +211,8 @@ impl<'a> Held<'a> {
 
     /// In the user's units.
     pub fn solution(&self, contact: &Contact, settings: &Settings) -> Solution {
-        let stiffness = self.growing.iter().sum::<f64>() * self.refined.state.problem.grid.cell_area();
+        let scale = if self.refined.ladder.is_some() { self.refined.force / self.refined.state.force() } else { 1.0 };
+        let stiffness = scale * self.growing.iter().sum::<f64>() * self.refined.state.problem.grid.cell_area();
         let depth = self.door.depth * self.door.gap.depth;
         in_users_units(contact, &self.door, &self.refined, stiffness, depth, [0.0; 2], settings)
     }
@@ -207,7 +237,7 @@ pub(crate) fn dimensional(
     let stiffness = match degree {
         // P ~ d^(1 + 1/k).
         Some(degree) => (1.0 + degree.inverse()) * refined.force / door.depth,
-        None => exact::stiffness(&refined.state)?,
+        None => refined.limits(|state| Ok([exact::stiffness(state)?]))?[0],
     };
     Ok(in_users_units(contact, door, refined, stiffness, depth, tilt, settings))
 }
@@ -226,7 +256,19 @@ fn in_users_units(
     let unit_force = e_star * height * length;
     let grid = state.problem.grid;
     let values = &state.solution.pressure;
-    let mut patch = patch::of(&state.problem, &state.solution, door.gap.inward(contact.gap().reference()));
+    let reference = door.gap.inward(contact.gap().reference());
+    let patch_of = |state: &GridState| patch::of(&state.problem, &state.solution, reference);
+    let mut patch = patch_of(state);
+    let mut sums = [state.energy(), 0.0, 0.0, patch.area, patch.max_radius];
+    [sums[1], sums[2]] = moments(state, door);
+    if let Some(ladder) = &refined.ladder {
+        sums = ladder.found(|state| {
+            let ([mx, my], patch) = (moments(state, door), patch_of(state));
+            [state.energy(), mx, my, patch.area, patch.max_radius]
+        });
+    }
+    let [energy, mx, my, ..] = sums;
+    (patch.area, patch.max_radius) = (sums[3], sums[4]);
     patch.area *= length * length;
     patch.max_radius *= length;
     patch.centroid = patch.centroid.map(|c| door.gap.outward(c));
@@ -241,7 +283,6 @@ fn in_users_units(
     let unit_pressure = e_star * height / length;
     let outward_grid =
         Grid { origin: door.gap.outward(grid.origin), spacing: grid.spacing.map(|h| h * length), shape: grid.shape };
-    let moment = moments(state, door).map(|m| m * unit_force);
     let pressure = PressureSummary {
         max: Some(values[strongest] * unit_pressure),
         mean: (patch.area > 0.0).then(|| force * unit_force / patch.area),
@@ -265,8 +306,8 @@ fn in_users_units(
         depth_bracket: None,
         stiffness: stiffness * e_star * length,
         stiffness_matrix: None,
-        moment: Some(moment),
-        energy: Some(state.energy() * unit_force * height),
+        moment: Some([mx * unit_force, my * unit_force]),
+        energy: Some(energy * unit_force * height),
         patch,
         pressure,
         residuals: Some(state.solution.residuals),

@@ -2,6 +2,7 @@
 
 use crate::discrete::{Discrete, DiscreteSolution};
 use crate::domain::{Door, locate, shape};
+use crate::edges::{self, Ladder};
 use crate::error::{Unsolved, Verdict};
 use crate::extrapolate::{self, Estimate};
 use crate::gap::Gap;
@@ -87,6 +88,24 @@ pub(crate) struct Refined {
     pub error: f64,
     /// What kept the method from finer grids.
     pub stopped: Option<String>,
+    /// The grids that it took where the contact ends at sharp edges; `state` is the finest.
+    pub ladder: Option<Ladder>,
+}
+
+impl Refined {
+    /// Best values of what is found in a state: of the finest grid, or the limits of all where the contact ends at sharp edges.
+    ///
+    /// # Errors
+    /// Those of `values`.
+    pub fn limits<const N: usize>(
+        &self,
+        values: impl Fn(&GridState) -> Result<[f64; N], Unsolved>,
+    ) -> Result<[f64; N], Unsolved> {
+        match &self.ladder {
+            Some(ladder) => ladder.limits(values),
+            None => values(&self.state),
+        }
+    }
 }
 
 /// The contact at one depth, on grids that double until the estimated error of the force is below the tolerance, or on
@@ -168,13 +187,16 @@ pub(crate) fn as_far_as(
         }
         if settings.cells.is_some() {
             // Who prescribes the grid wants the force of that grid.
-            best = Some(Refined { state, force, error: error + (force - value).abs(), stopped: None });
+            best = Some(Refined { state, force, error: error + (force - value).abs(), stopped: None, ladder: None });
             continue;
         }
         // Edges of flat punches converge with another order than smooth contacts: three grids show which.
         let clean = matches!(from_energy, Some(Degree::Power(_)));
         let good = error <= settings.tolerance * value && (clean || forces.len() >= 3);
-        best = Some(Refined { state, force: value, error, stopped: None });
+        if !good && forces.len() >= 3 && edges::met(&state) {
+            return sharp(door, &mut window, finest, settings, method, spent);
+        }
+        best = Some(Refined { state, force: value, error, stopped: None, ladder: None });
         if good {
             break;
         }
@@ -184,6 +206,25 @@ pub(crate) fn as_far_as(
         let reason = "the bodies overlap, but no cell does as a whole: the grid is too coarse to see the contact";
         Unsolved::new(Verdict::ToleranceNotReached, reason)
     })
+}
+
+/// The same where the contact ends at sharp edges; `spent` are iterations and products so far.
+fn sharp(
+    door: &Door,
+    window: &mut Rect,
+    finest: usize,
+    settings: &Settings,
+    method: Method,
+    spent: (usize, usize),
+) -> Result<Refined, Unsolved> {
+    let (ladder, Estimate { value, error }) = edges::ladder(door, window, finest, settings, method)?;
+    let (iterations, operator_products) = ladder.spent();
+    let mut state = ladder.last().clone();
+    (state.iterations, state.operator_products) = (spent.0 + iterations, spent.1 + operator_products);
+    state.remarks.push(format!("sharp edges: the limit of {} grids, by a line", ladder.grids()));
+    let stopped =
+        Some(format!("{} cells along the longer side are the most that are tried at sharp edges", edges::FINEST));
+    Ok(Refined { state, force: value, error, stopped, ladder: Some(ladder) })
 }
 
 /// The force on the same grid by the other kernel.

@@ -48,6 +48,7 @@ mod contact;
 pub mod curve;
 mod discrete;
 mod domain;
+mod edges;
 mod equilibrium;
 mod error;
 mod exact;

@@ -3,10 +3,12 @@
 use std::time::Instant;
 
 use crate::bracketed::with_bracket;
-use crate::by_grid::Held;
+use crate::by_grid::{Frame, Held};
 use crate::contact::{Contact, Load};
+use crate::edges;
 use crate::equilibrium::{self, Respond};
 use crate::error::{Unsolved, Verdict};
+use crate::extrapolate::Intercept;
 use crate::gap::{AnyGap, Gap, Reach, Tilted, extent, least};
 use crate::geometry::Rect;
 use crate::homogeneity::{self, Degree};
@@ -108,8 +110,8 @@ struct Engine<'a> {
     contact: &'a Contact,
     settings: &'a Settings,
     with_matrix: bool,
-    /// The box of the grid that all tilts share, and the cells along its longer side.
-    frame: Option<Rect>,
+    /// The grid that all tilts share, and the cells along its longer side.
+    frame: Frame,
     cells: usize,
     /// The last full grid of an untilted contact.
     held: Option<Held<'a>>,
@@ -121,7 +123,7 @@ impl<'a> Engine<'a> {
     fn new(contact: &'a Contact, settings: &'a Settings, with_matrix: bool) -> Self {
         let coarsest = (2.0 / settings.tolerance.sqrt()).clamp(32.0, 512.0) as usize;
         let cells = settings.cells.unwrap_or(coarsest);
-        Self { contact, settings, with_matrix, frame: None, cells, held: None, spent: Cost::default() }
+        Self { contact, settings, with_matrix, frame: Frame::new(), cells, held: None, spent: Cost::default() }
     }
 
     /// The state by a method without a grid; `None` when it takes a grid.
@@ -283,6 +285,12 @@ fn at_moment(contact: &Contact, force: f64, moment: [f64; 2], settings: &Setting
         _ => 0.01 * settings.tolerance,
     };
     let mut state = equilibrium::under_moment(&mut engine, force, moment, upright, size, close)?;
+    let enough = |state: &Solution| state.force_error.is_none_or(|error| error <= settings.tolerance);
+    if settings.cells.is_none() && engine.frame.sharp && !enough(&state) {
+        let balance =
+            |engine: &mut Engine, start: Solution| equilibrium::under_moment(engine, force, moment, start, size, close);
+        return at_sharp_edges(&mut engine, state, settings, &balance);
+    }
     while settings.cells.is_none() && state.force_error.is_some_and(|error| error > settings.tolerance) {
         if engine.cells >= FINEST {
             let reason = format!(
@@ -297,6 +305,49 @@ fn at_moment(contact: &Contact, force: f64, moment: [f64; 2], settings: &Setting
         state = equilibrium::under_moment(&mut engine, force, moment, state, size, close)?;
     }
     Ok(state)
+}
+
+/// A punch balanced on many grids, and the limit of what they give; see [`edges`].
+fn at_sharp_edges(
+    engine: &mut Engine,
+    mut state: Solution,
+    settings: &Settings,
+    balance: &dyn Fn(&mut Engine, Solution) -> Result<Solution, Unsolved>,
+) -> Result<Solution, Unsolved> {
+    // The grids tell the error together.
+    engine.frame.alone = false;
+    let (mut spacings, mut found) = (Vec::new(), Vec::new());
+    let mut reached = f64::INFINITY;
+    for cells in (0..).map(edges::cells).take_while(|&n| n <= edges::FINEST / 2) {
+        engine.cells = cells;
+        state = balance(engine, state)?;
+        spacings.push(engine.frame.spacing);
+        let matrix = state.stiffness_matrix.unwrap_or([[f64::NAN; 3]; 3]);
+        let scalars = [state.depth, state.tilt[0], state.tilt[1], state.energy.unwrap_or(f64::NAN), state.patch.area];
+        found.push(scalars.into_iter().chain(matrix.into_iter().flatten()).collect::<Vec<f64>>());
+        let Some(line) = Intercept::new(&spacings) else { continue };
+        let limit = |of: &dyn Fn(&[f64]) -> f64| line.of(&found.iter().map(|values| of(values)).collect::<Vec<_>>());
+        // To first order, the force at any depth and tilts is off by as much as this is.
+        let [k, kx, ky] = matrix[0];
+        reached = limit(&|values| k * values[0] + kx * values[1] + ky * values[2]).error / state.force;
+        if reached > settings.tolerance {
+            continue;
+        }
+        let at = |n: usize| limit(&|values| values[n]).value;
+        (state.depth, state.tilt, state.energy) = (at(0), [at(1), at(2)], Some(at(3)));
+        state.patch.area = at(4);
+        state.pressure.mean = Some(state.force / state.patch.area);
+        let matrix = [0, 1, 2].map(|i| [0, 1, 2].map(|j| at(5 + 3 * i + j)));
+        (state.stiffness, state.stiffness_matrix) = (matrix[0][0], Some(matrix));
+        state.force_error = Some(reached);
+        state.remarks.push(format!("sharp edges: the limit of {} grids, by a line", spacings.len()));
+        return Ok(state);
+    }
+    let reason = format!(
+        "relative error {reached:.1e} reached with {} cells along the longer side; the tolerance is {:.1e}",
+        engine.cells, settings.tolerance
+    );
+    Err(Unsolved::new(Verdict::ToleranceNotReached, reason))
 }
 
 /// Cells along the longer side of the last grid that is tried for a tilting punch.
