@@ -49,6 +49,7 @@ pub mod curve;
 mod discrete;
 mod domain;
 mod edges;
+mod engine;
 mod equilibrium;
 mod error;
 mod exact;
@@ -71,6 +72,7 @@ pub mod quadrature;
 pub mod recognise;
 #[cfg(feature = "scene")]
 pub mod report;
+mod respond;
 pub mod ritz;
 pub mod scalar;
 #[cfg(feature = "scene")]
@@ -82,6 +84,7 @@ mod solve;
 #[cfg(all(feature = "scene", feature = "qp", feature = "formula"))]
 pub mod stability;
 pub mod symmetry;
+mod tilting;
 
 pub use contact::{Contact, Load, Loading};
 pub use curve::{Curve, CurveRange};

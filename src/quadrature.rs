@@ -166,6 +166,9 @@ fn kronrod(f: &mut impl FnMut(f64) -> f64, a: f64, b: f64) -> Integral {
 /// Most panels that [`adaptive`] splits an interval into.
 const PANELS: usize = 200;
 
+/// Halvings that neither change the integral nor lessen its error, after which the rest is the rounding of f (QUADPACK).
+const USELESS: usize = 8;
+
 /// The integral of f over [a, b], the panel with the largest error halved until the sum of errors is below
 /// `tolerance` times the integral of |f| is reached, rounding stops it, or there are 200 panels. f is never
 /// evaluated at a or b. `breaks` are points between which f is smooth; those outside (a, b) are ignored.
@@ -186,6 +189,7 @@ pub fn adaptive(mut f: impl FnMut(f64) -> f64, a: f64, b: f64, breaks: &[f64], t
         from = to;
     }
     let mut evaluations = 21 * panels.len();
+    let mut useless = 0;
     loop {
         let total = panels.iter().fold(Integral::ZERO, |sum, (_, _, part)| sum.plus(*part));
         let size: f64 = panels.iter().map(|(_, _, part)| part.value.abs()).sum();
@@ -195,11 +199,17 @@ pub fn adaptive(mut f: impl FnMut(f64) -> f64, a: f64, b: f64, breaks: &[f64], t
         let middle = 0.5 * (p + q);
         // A panel at its own rounding cannot get better by halving.
         let at_rounding = part.error <= 4.0 * f64::EPSILON * part.value.abs() || middle == p || middle == q;
-        if total.error <= tolerance * size || at_rounding || panels.len() >= PANELS + breaks.len() {
+        let full = panels.len() >= PANELS + breaks.len() || useless >= USELESS;
+        if total.error <= tolerance * size || at_rounding || full {
             return Integral { evaluations, ..total };
         }
-        panels[worst] = (p, middle, kronrod(&mut f, p, middle));
-        panels.push((middle, q, kronrod(&mut f, middle, q)));
+        let halves = [kronrod(&mut f, p, middle), kronrod(&mut f, middle, q)];
+        let both = halves[0].plus(halves[1]);
+        if (both.value - part.value).abs() <= 1e-10 * both.value.abs() && both.error >= 0.99 * part.error {
+            useless += 1;
+        }
+        panels[worst] = (p, middle, halves[0]);
+        panels.push((middle, q, halves[1]));
         evaluations += 42;
     }
 }

@@ -8,9 +8,9 @@ use crate::error::{Unsolved, Verdict};
 use crate::exact;
 use crate::gap::{Reach, extent};
 use crate::homogeneity::{self, Degree};
+use crate::respond::respond;
 use crate::settings::{Method, Outputs, Settings};
 use crate::solution::Solution;
-use crate::solve::respond;
 
 /// Cells along the longer side of the finest grid of one state, or half of them where twice as many are enough. Where they are
 /// not, the error of that state says so and the curve is no better.

@@ -116,7 +116,8 @@ impl Gap for Formula {
         if self.region.as_ref().is_some_and(|region| !region.contains([x, y])) {
             return None;
         }
-        let (r, theta) = (x.hypot(y), y.atan2(x));
+        let r = if self.tape.uses(R) || self.tape.uses(THETA) { x.hypot(y) } else { 0.0 };
+        let theta = if self.tape.uses(THETA) { y.atan2(x) } else { 0.0 };
         // At the origin the side towards +x.
         let [cos, sin] = if r > 0.0 { [x / r, y / r] } else { [1.0, 0.0] };
         let Dual { value, gradient } = self.tape.run([

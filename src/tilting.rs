@@ -1,0 +1,127 @@
+//! A punch free to tilt: balanced on grids that become finer until the force is good enough.
+
+use crate::contact::Contact;
+use crate::edges;
+use crate::engine::Engine;
+use crate::equilibrium;
+use crate::error::{Unsolved, Verdict};
+use crate::extrapolate::Intercept;
+use crate::gap::{AnyGap, Gap, Reach, least};
+use crate::geometry::Rect;
+use crate::settings::{Method, Settings};
+use crate::solution::Solution;
+
+/// A box around everything that can touch at any tilt: where the gap is less than a depth beyond all measure.
+fn material(gap: &AnyGap, depth: f64) -> Option<Rect> {
+    let (_, least) = least(&**gap);
+    match gap.reach(least + 1e12 * (depth - least)) {
+        Reach::Within(rect) => Some(rect),
+        _ => None,
+    }
+}
+
+/// The state under a force and moments (Mx, My) about the origin; `upright` is that under the force without tilt.
+///
+/// # Errors
+/// `NoEquilibrium` when the line of action passes outside of what can touch; `ToleranceNotReached`; the verdicts of the method.
+pub(crate) fn under_moment(
+    contact: &Contact,
+    upright: Solution,
+    force: f64,
+    moment: [f64; 2],
+    settings: &Settings,
+) -> Result<Solution, Unsolved> {
+    if force == 0.0 {
+        return if moment == [0.0; 2] {
+            Ok(upright)
+        } else {
+            Err(Unsolved::new(Verdict::NoEquilibrium, "a moment without a force"))
+        };
+    }
+    let through = [-moment[1] / force, moment[0] / force];
+    if let Some(material) = material(contact.gap(), upright.depth)
+        && !material.contains(through)
+    {
+        let (a, b) = (material.min, material.max);
+        let reason = format!(
+            "the line of action meets the surface at ({:e}, {:e}), outside of all material, [{:e}, {:e}] x [{:e}, {:e}]",
+            through[0], through[1], a[0], b[0], a[1], b[1]
+        );
+        return Err(Unsolved::new(Verdict::NoEquilibrium, reason));
+    }
+    let size = (upright.patch.area / std::f64::consts::PI).sqrt();
+    // The last linear step of a force-driven solve has no place here: the state is solved anew at every tilt.
+    let mut engine = Engine::new(contact, settings, true);
+    let close = |method: Method| match method {
+        // Rounding in the force of a deep state is what is left.
+        Method::ClosedForm => 1e-11,
+        _ => 0.01 * settings.tolerance,
+    };
+    let mut state = equilibrium::under_moment(&mut engine, force, moment, upright, size, close)?;
+    let enough = |state: &Solution| state.force_error.is_none_or(|error| error <= settings.tolerance);
+    if settings.cells.is_none() && engine.frame.sharp && !enough(&state) {
+        let balance =
+            |engine: &mut Engine, start: Solution| equilibrium::under_moment(engine, force, moment, start, size, close);
+        return at_sharp_edges(&mut engine, state, settings, &balance);
+    }
+    while settings.cells.is_none() && state.force_error.is_some_and(|error| error > settings.tolerance) {
+        if engine.cells >= FINEST {
+            let reason = format!(
+                "relative error {:.1e} reached with {} cells along the longer side; the tolerance is {:.1e}",
+                state.force_error.unwrap_or(f64::NAN),
+                engine.cells,
+                settings.tolerance
+            );
+            return Err(Unsolved::new(Verdict::ToleranceNotReached, reason));
+        }
+        engine.cells *= 2;
+        state = equilibrium::under_moment(&mut engine, force, moment, state, size, close)?;
+    }
+    Ok(state)
+}
+
+/// A punch balanced on many grids, and the limit of what they give; see [`edges`].
+fn at_sharp_edges(
+    engine: &mut Engine,
+    mut state: Solution,
+    settings: &Settings,
+    balance: &dyn Fn(&mut Engine, Solution) -> Result<Solution, Unsolved>,
+) -> Result<Solution, Unsolved> {
+    // The grids tell the error together.
+    engine.frame.alone = false;
+    let (mut spacings, mut found) = (Vec::new(), Vec::new());
+    let mut reached = f64::INFINITY;
+    for cells in (0..).map(edges::cells).take_while(|&n| n <= edges::FINEST / 2) {
+        engine.cells = cells;
+        state = balance(engine, state)?;
+        spacings.push(engine.frame.spacing);
+        let matrix = state.stiffness_matrix.unwrap_or([[f64::NAN; 3]; 3]);
+        let scalars = [state.depth, state.tilt[0], state.tilt[1], state.energy.unwrap_or(f64::NAN), state.patch.area];
+        found.push(scalars.into_iter().chain(matrix.into_iter().flatten()).collect::<Vec<f64>>());
+        let Some(line) = Intercept::new(&spacings) else { continue };
+        let limit = |of: &dyn Fn(&[f64]) -> f64| line.of(&found.iter().map(|values| of(values)).collect::<Vec<_>>());
+        // To first order, the force at any depth and tilts is off by as much as this is.
+        let [k, kx, ky] = matrix[0];
+        reached = limit(&|values| k * values[0] + kx * values[1] + ky * values[2]).error / state.force;
+        if reached > settings.tolerance {
+            continue;
+        }
+        let at = |n: usize| limit(&|values| values[n]).value;
+        (state.depth, state.tilt, state.energy) = (at(0), [at(1), at(2)], Some(at(3)));
+        state.patch.area = at(4);
+        state.pressure.mean = Some(state.force / state.patch.area);
+        let matrix = [0, 1, 2].map(|i| [0, 1, 2].map(|j| at(5 + 3 * i + j)));
+        (state.stiffness, state.stiffness_matrix) = (matrix[0][0], Some(matrix));
+        state.force_error = Some(reached);
+        state.remarks.push(format!("sharp edges: the limit of {} grids, by a line", spacings.len()));
+        return Ok(state);
+    }
+    let reason = format!(
+        "relative error {reached:.1e} reached with {} cells along the longer side; the tolerance is {:.1e}",
+        engine.cells, settings.tolerance
+    );
+    Err(Unsolved::new(Verdict::ToleranceNotReached, reason))
+}
+
+/// Cells along the longer side of the last grid that is tried for a tilting punch.
+const FINEST: usize = 1024;
