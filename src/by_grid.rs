@@ -110,7 +110,8 @@ pub(crate) fn in_frame(
     let state = exact::at_resolution(&door, &mut window, cells, settings, method)?;
     frame.window = Some(outward(&window));
     frame.sharp = edges::met(&state);
-    frame.spacing = state.problem.grid.spacing[0].max(state.problem.grid.spacing[1]) * door.gap.length;
+    let [spacing, lost] = if frame.sharp { edges::measure(&door, &state) } else { [0.0; 2] };
+    frame.measure = [spacing * door.gap.length, lost * door.gap.length * door.gap.length];
     let force = state.force();
     let error = if frame.alone { exact::other_kernel(&door, &state)? - force } else { 0.0 };
     let refined = Refined { force, error: error.abs(), state, stopped: None, ladder: None };
@@ -125,8 +126,8 @@ pub(crate) struct Frame {
     pub window: Option<Rect>,
     /// Whether the last contact on it ended at sharp edges.
     pub sharp: bool,
-    /// The longer side of its cells.
-    pub spacing: f64,
+    /// The longer side of its cells and the area they leave out, at sharp edges.
+    pub measure: [f64; 2],
     /// Whether a grid has to tell its own error, by the other kernel.
     pub alone: bool,
 }
@@ -134,7 +135,7 @@ pub(crate) struct Frame {
 impl Frame {
     /// Not laid yet.
     pub fn new() -> Self {
-        Self { window: None, sharp: false, spacing: f64::NAN, alone: true }
+        Self { window: None, sharp: false, measure: [0.0; 2], alone: true }
     }
 }
 

@@ -1,13 +1,14 @@
 //! Punches with sharp edges: the limit of many grids.
 //!
-//! Where the pressure grows without bound towards an edge, forces converge with the first power of the cells, and jump with
+//! Where the pressure grows without bound towards an edge (the end of the material, or a step of the gap), forces converge with the first power of the cells, and jump with
 //! where the edge falls between them. No three grids show an order. A line through the forces of ten or more, four to a
-//! doubling, does: the jumps average out, and their size tells how well.
+//! doubling, does: the area that each grid leaves out explains most of the jumps, the rest average out, and their size tells how well.
 
 use crate::domain::Door;
 use crate::error::{Unsolved, Verdict};
 use crate::exact::{GridState, at_resolution};
 use crate::extrapolate::{Estimate, Intercept};
+use crate::gap::Gap;
 use crate::geometry::Rect;
 use crate::settings::{Method, Settings};
 
@@ -25,21 +26,56 @@ pub(crate) fn cells(k: usize) -> usize {
     (COARSEST * (k as f64 / STEPS).exp2()).round() as usize
 }
 
-/// Whether the contact runs up to where the material ends.
+/// Share of the depth by which the gap grows over two cells where it counts as an edge.
+const JUMP: f64 = 0.25;
+
+/// Whether the contact runs up to where the material ends or the gap jumps.
 pub(crate) fn met(state: &GridState) -> bool {
     let ([nx, ny], overlap) = (state.problem.grid.shape, &state.problem.overlap);
-    let void = |i: usize, j: usize| overlap[j * nx + i] == f64::NEG_INFINITY;
+    let jump = JUMP * state.problem.deepest();
     state.solution.pressure.iter().enumerate().filter(|(_, p)| **p > 0.0).any(|(k, _)| {
-        let (i, j) = (k % nx, k / nx);
-        i == 0
-            || j == 0
-            || i + 1 == nx
-            || j + 1 == ny
-            || void(i - 1, j)
-            || void(i + 1, j)
-            || void(i, j - 1)
-            || void(i, j + 1)
+        let [i, j] = [k % nx, k / nx];
+        // A cell on the edge itself may hold a mean of both sides: the one behind it tells.
+        let ends = |along: [i64; 2]| {
+            let at = |n: i64| {
+                let [i, j] = [i as i64 + n * along[0], j as i64 + n * along[1]];
+                let inside = (0..nx as i64).contains(&i) && (0..ny as i64).contains(&j);
+                if inside { overlap[j as usize * nx + i as usize] } else { f64::NEG_INFINITY }
+            };
+            at(1) == f64::NEG_INFINITY || (at(2) < 0.0 && overlap[k] - at(2) > jump)
+        };
+        [[1, 0], [-1, 0], [0, 1], [0, -1]].into_iter().any(ends)
     })
+}
+
+/// Points a side at which a cell is looked at.
+const POINTS: usize = 8;
+
+/// Area of the material beside the contact that lies in cells which are not all material, and so are left out. Zero when the
+/// edges lie along the cells.
+pub(crate) fn left_out(door: &Door, state: &GridState) -> f64 {
+    let (grid, overlap) = (&state.problem.grid, &state.problem.overlap);
+    let [nx, ny] = grid.shape;
+    let pressed = |i: usize, j: usize| state.solution.pressure[j * nx + i] > 0.0;
+    let beside = |n: usize, end: usize| n.saturating_sub(1)..(n + 2).min(end);
+    let share = |i: usize, j: usize| {
+        let cell = grid.cell(i, j);
+        let (size, at) = (cell.size(), |n: usize| (n as f64 + 0.5) / POINTS as f64);
+        let holds = |k: usize| {
+            let [x, y] = [cell.min[0] + at(k % POINTS) * size[0], cell.min[1] + at(k / POINTS) * size[1]];
+            Gap::gap(&door.gap, x, y) < door.depth
+        };
+        (0..POINTS * POINTS).filter(|&k| holds(k)).count() as f64 / (POINTS * POINTS) as f64
+    };
+    let void = (0..grid.len()).filter(|&k| overlap[k] == f64::NEG_INFINITY).map(|k| (k % nx, k / nx));
+    let near = void.filter(|&(i, j)| beside(j, ny).any(|j| beside(i, nx).any(|i| pressed(i, j))));
+    near.map(|(i, j)| share(i, j)).sum::<f64>() * grid.cell_area()
+}
+
+/// The longer side of the cells, and what they leave out: what an [`Intercept`] asks of a grid.
+pub(crate) fn measure(door: &Door, state: &GridState) -> [f64; 2] {
+    let [hx, hy] = state.problem.grid.spacing;
+    [hx.max(hy), left_out(door, state)]
 }
 
 /// States on grids four to a doubling, coarse to fine.
@@ -97,7 +133,7 @@ pub(crate) fn ladder(
     settings: &Settings,
     method: Method,
 ) -> Result<(Ladder, Estimate), Unsolved> {
-    let mut states: Vec<GridState> = Vec::new();
+    let (mut states, mut grids): (Vec<GridState>, Vec<[f64; 2]>) = Default::default();
     let mut best = None;
     for cells in (0..).map(cells).take_while(|&n| n <= finest.clamp(128, FINEST)) {
         let state = match at_resolution(door, window, cells, settings, method) {
@@ -107,9 +143,9 @@ pub(crate) fn ladder(
         if state.force() <= 0.0 {
             continue;
         }
+        grids.push(measure(door, &state));
         states.push(state);
-        let spacing = |state: &GridState| state.problem.grid.spacing[0].max(state.problem.grid.spacing[1]);
-        let Some(line) = Intercept::new(&states.iter().map(spacing).collect::<Vec<_>>()) else { continue };
+        let Some(line) = Intercept::new(&grids) else { continue };
         let estimate = line.of(&states.iter().map(GridState::force).collect::<Vec<_>>());
         let good = estimate.error <= settings.tolerance * estimate.value;
         best = Some((line, estimate));

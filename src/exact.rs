@@ -192,8 +192,11 @@ pub(crate) fn as_far_as(
         }
         // Edges of flat punches converge with another order than smooth contacts: three grids show which.
         let clean = matches!(from_energy, Some(Degree::Power(_)));
-        let good = error <= settings.tolerance * value && (clean || forces.len() >= 3);
-        if !good && forces.len() >= 3 && edges::met(&state) {
+        let close = error <= settings.tolerance * value && (clean || forces.len() >= 3);
+        // Three grids may agree on a limit that is not the punch's while its edges lie between two rows of cells.
+        let sharp_edges = forces.len() >= 3 && !clean && edges::met(&state);
+        let good = close && !(sharp_edges && edges::left_out(door, &state) > 0.0);
+        if !good && sharp_edges {
             return sharp(door, &mut window, finest, settings, method, spent);
         }
         best = Some(Refined { state, force: value, error, stopped: None, ladder: None });

@@ -203,7 +203,7 @@ fn grid_steps(
                 None => "the force of the last three grids",
             };
             steps.push(format!(
-                "cells doubled from 16 until the error of the force is below {:e}, by {how}",
+                "cells doubled from 16 until the error of the force is below {:e}, by {how}; at sharp edges a line through many grids",
                 settings.tolerance
             ));
         }

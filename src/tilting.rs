@@ -89,16 +89,16 @@ fn at_sharp_edges(
 ) -> Result<Solution, Unsolved> {
     // The grids tell the error together.
     engine.frame.alone = false;
-    let (mut spacings, mut found) = (Vec::new(), Vec::new());
+    let (mut grids, mut found) = (Vec::new(), Vec::new());
     let mut reached = f64::INFINITY;
     for cells in (0..).map(edges::cells).take_while(|&n| n <= edges::FINEST / 2) {
         engine.cells = cells;
         state = balance(engine, state)?;
-        spacings.push(engine.frame.spacing);
+        grids.push(engine.frame.measure);
         let matrix = state.stiffness_matrix.unwrap_or([[f64::NAN; 3]; 3]);
         let scalars = [state.depth, state.tilt[0], state.tilt[1], state.energy.unwrap_or(f64::NAN), state.patch.area];
         found.push(scalars.into_iter().chain(matrix.into_iter().flatten()).collect::<Vec<f64>>());
-        let Some(line) = Intercept::new(&spacings) else { continue };
+        let Some(line) = Intercept::new(&grids) else { continue };
         let limit = |of: &dyn Fn(&[f64]) -> f64| line.of(&found.iter().map(|values| of(values)).collect::<Vec<_>>());
         // To first order, the force at any depth and tilts is off by as much as this is.
         let [k, kx, ky] = matrix[0];
@@ -113,7 +113,7 @@ fn at_sharp_edges(
         let matrix = [0, 1, 2].map(|i| [0, 1, 2].map(|j| at(5 + 3 * i + j)));
         (state.stiffness, state.stiffness_matrix) = (matrix[0][0], Some(matrix));
         state.force_error = Some(reached);
-        state.remarks.push(format!("sharp edges: the limit of {} grids, by a line", spacings.len()));
+        state.remarks.push(format!("sharp edges: the limit of {} grids, by a line", grids.len()));
         return Ok(state);
     }
     let reason = format!(

@@ -1,0 +1,104 @@
+//! Punches whose edges lie anyhow between the cells: the limit of many grids, and its error, against what is known.
+#![cfg(feature = "scene")]
+
+use contact_patch::gap::{AnyGap, Flat, Gap, Minimum, Outline, Paraboloid, Placed, Tilted};
+use contact_patch::{Contact, EffectiveModulus, Load, Loading, Method, Settings, Solution, Unsolved, solve};
+
+/// Force of a flat square of half side 1 at depth 1, E* = 1 (data/reference: flat polygons).
+const SQUARE: f64 = 2.304_596;
+
+fn square(turn: f64) -> impl Gap + 'static {
+    let outline = Outline::polygon(&[[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]).unwrap();
+    Placed::new(Flat::new(outline), [0.3, -0.2], turn).unwrap()
+}
+
+fn by_fft(gap: impl Gap + 'static, load: Load) -> Result<Solution, Unsolved> {
+    let settings = Settings { method: Method::Fft, ..Settings::default() };
+    let contact = Contact::new(EffectiveModulus::from_e_star(1.0).unwrap(), gap, Loading::Single(load)).unwrap();
+    solve(&contact, &settings).remove(0)
+}
+
+fn within_its_error(state: &Solution, force: f64) {
+    let (off, said) = ((state.force / force - 1.0).abs(), state.force_error.unwrap());
+    assert!(off <= said && said <= 1e-3, "off {off:e}, said {said:e}");
+}
+
+#[test]
+fn a_square_turned_against_the_grid_has_the_force_of_one_that_is_not() {
+    for turn in [0.01, 0.2, 0.5, 0.7] {
+        let state = by_fft(square(turn), Load::Depth(1.0)).unwrap();
+        within_its_error(&state, SQUARE);
+        // So few cells that no single grid of theirs comes near.
+        assert!(state.cost.unknowns < 200_000, "{}", state.cost.unknowns);
+        assert!((state.patch.area / 4.0 - 1.0).abs() < 3e-3, "area {}", state.patch.area);
+    }
+}
+
+#[test]
+fn flat_ellipses_anywhere_on_the_grid_have_their_closed_form() {
+    // 2 E* agm(a, b) d.
+    for (axes, agm, turn) in [([1.0, 1.0], 1.0, 0.3), ([1.0, 0.3], 0.597_767_1, 0.4), ([0.5, 2.0], 1.121_514_3, 1.2)] {
+        let ellipse = Placed::new(Flat::new(Outline::ellipse(axes).unwrap()), [0.1, 0.2], turn).unwrap();
+        within_its_error(&by_fft(ellipse, Load::Depth(0.7)).unwrap(), 2.0 * agm * 0.7);
+    }
+}
+
+#[test]
+fn a_step_of_the_gap_is_an_edge() {
+    // A disc that stands above a wide bowl which the depth does not reach: the disc alone.
+    let disc = || AnyGap::new(Flat::new(Outline::disc(0.6).unwrap()));
+    let bowl = Placed::new(Paraboloid::new([4.0, 4.0]).unwrap(), [0.05, 0.0], 0.0).unwrap();
+    let raised = contact_patch::gap::Sum::new(vec![AnyGap::new(bowl), AnyGap::new(|_: f64, _: f64| 0.9)]).unwrap();
+    let both = Minimum::new(vec![disc(), AnyGap::new(raised)]).unwrap();
+    let alone = by_fft(disc(), Load::Depth(1.0)).unwrap();
+    let state = by_fft(both, Load::Depth(1.0)).unwrap();
+    within_its_error(&alone, 1.2);
+    assert!((state.force / alone.force - 1.0).abs() < 2e-3, "{} and {}", state.force, alone.force);
+}
+
+#[test]
+fn a_tilt_about_the_middle_of_a_square_changes_no_force_but_turns_it_back() {
+    // f = d + t (x - c): by symmetry P as without the tilt, and int p (x - c) = K t with one K for all directions.
+    let (d, centre) = (1.0, [0.3, -0.2]);
+    let mut turning = Vec::new();
+    for tilt in [[0.3, 0.0], [0.1, 0.25]] {
+        let depth = d - tilt[0] * centre[0] - tilt[1] * centre[1];
+        let state = by_fft(square(0.5), Load::Tilted { depth, tilt }).unwrap();
+        within_its_error(&state, SQUARE);
+        let [mx, my] = state.moment.unwrap();
+        let about = [-my - state.force * centre[0], mx - state.force * centre[1]];
+        let k = state.stiffness_matrix.unwrap();
+        assert!((k[0][0] / SQUARE - 1.0).abs() < 2e-3, "{k:?}");
+        let own = [0, 1].map(|i| k[i + 1][i + 1] - k[0][0] * centre[i] * centre[i]);
+        for i in 0..2 {
+            assert!((own[i] / own[0] - 1.0).abs() < 3e-3, "{own:?}");
+            assert!((about[i] - own[0] * tilt[i]).abs() < 3e-3 * own[0] * 0.3, "{about:?} for {tilt:?}, {own:?}");
+        }
+        turning.push(own[0]);
+    }
+    assert!((turning[0] / turning[1] - 1.0).abs() < 3e-3, "{turning:?}");
+    // Given back as a force and moments, the same depth and tilt.
+    let tilt = [0.1, 0.25];
+    let depth = d - tilt[0] * centre[0] - tilt[1] * centre[1];
+    let pressed = by_fft(square(0.5), Load::Tilted { depth, tilt }).unwrap();
+    let load = Load::ForceMoment { force: pressed.force, moment: pressed.moment.unwrap() };
+    let state = by_fft(square(0.5), load).unwrap();
+    assert!((state.depth / depth - 1.0).abs() < 3e-3, "{} and {depth}", state.depth);
+    assert!((0..2).all(|m| (state.tilt[m] - tilt[m]).abs() < 3e-3), "{:?}", state.tilt);
+}
+
+#[test]
+fn half_lifted_a_tilted_square_leaves_one_edge() {
+    // Neither homogeneous nor whole: two resolutions of the same law agree within what they say.
+    let gap = || Tilted::new(AnyGap::new(square(0.4)), [1.5, 0.2]);
+    let settings = |tolerance| Settings { method: Method::Fft, tolerance, ..Settings::default() };
+    let run = |tolerance| {
+        let modulus = EffectiveModulus::from_e_star(1.0).unwrap();
+        let contact = Contact::new(modulus, gap(), Loading::depth(0.1)).unwrap();
+        solve(&contact, &settings(tolerance)).remove(0).unwrap()
+    };
+    let (rough, fine) = (run(5e-3), run(1e-3));
+    let allowed = rough.force_error.unwrap() + fine.force_error.unwrap();
+    assert!((rough.force / fine.force - 1.0).abs() <= allowed, "{} and {}, {allowed:e}", rough.force, fine.force);
+    assert!(fine.patch.area < 3.0, "{}", fine.patch.area);
+}
