@@ -23,7 +23,7 @@ use super::operator::Scratch;
 const INNER: f32 = 0.2;
 
 /// The residual on the face that is aimed at, in tolerances: what is left is for the pressures rounded up to zero.
-const AIM: f64 = 0.7;
+const AIM: f64 = 0.9;
 
 /// Fall of the residual that single precision can follow: measured, it has then lost a tenth of its digits at most.
 pub(super) const FALL: f64 = 2e-6;
@@ -221,7 +221,12 @@ fn descend(level: &Level, state: &mut State, work: &mut Work, tolerance: f64, sc
         let (mut worst, mut changed, mut leaving) = (0.0_f64, false, false);
         for (((inside, &p), &r), &f) in work.face.iter_mut().zip(&state.p).zip(&work.r).zip(level.f) {
             let r = f64::from(r);
-            let is = f > 0.0 && p + r > 0.0 && (p > 0.0 || r > 0.5 * tolerance);
+            let is = f > 0.0
+                && match *inside > 0.0 {
+                    // The cells of a face have made up their minds with the others; what r would still do is theirs to decide.
+                    true => p > 0.0,
+                    false => p + r > 0.0 && (p > 0.0 || r > 0.5 * tolerance),
+                };
             worst = worst.max(if is { r.abs() } else { r.max(p.abs()) });
             let is = f32::from(u8::from(is));
             changed |= is != *inside;
