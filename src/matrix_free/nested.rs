@@ -4,7 +4,8 @@
 //! problem itself, for values at centres it is close, and a start is all that is wanted of it. One table of influence
 //! coefficients serves all grids.
 
-use super::{Cells, SYMMETRIC, Settings, Window, no_contact, with_threads};
+use super::window::Window;
+use super::{Cells, Operators, SYMMETRIC, Settings, no_contact, with_threads};
 use crate::discrete::{Discrete, DiscreteSolution};
 use crate::error::Unsolved;
 
@@ -45,7 +46,8 @@ pub fn solve_nested(problem: &Discrete, settings: &Settings) -> Result<DiscreteS
                 0 => (settings.tolerance, settings.products),
                 _ => (COARSE_TOLERANCE.max(settings.tolerance), 60),
             };
-            let left = grid.solve(&table, start.take(), tolerance, limit, level == 0, scratch);
+            let operators = Operators::new(&table, grid.shape, grid.mirrored, level == 0);
+            let left = grid.solve(&table, &operators, start.take(), tolerance, limit, scratch);
             if level == 0 {
                 return window.finish(problem, &table, left, settings);
             }
