@@ -2,7 +2,9 @@
 //!
 //! A face is a guess of the contact. On it A p = f is relaxed until the residual has fallen by a fraction; then the
 //! cells in tension leave and the penetrating cells enter. In the terms of Hintermueller, Ito & Kunisch
-//! (SIAM J. Optim. 13 (2002) 865) the new face is { p + c (f - A p) > 0 }, a semismooth Newton step solved inexactly.
+//! (SIAM J. Optim. 13 (2002) 865) the new face is { p + c (f - A p) > 0 }, a semismooth Newton step solved inexactly; on the
+//! face, where the residual is on its way to zero, the sign of p decides alone (c = 0: what the residual would still change
+//! is for the cells of the face together, and measured, cells that left for it came back).
 //! The preconditioner is the mask of the face on both sides of an unpadded circulant (as Vollebregt, J. Comput. Phys. 257
 //! (2014) 333). A departure: the step that takes p to zero in the cells that leave also takes the first step
 //! on the new face, with the length that the last face ended with and with what the cells that leave will do to their
@@ -121,7 +123,6 @@ fn descend(level: &Level, state: &mut State, work: &mut Work, tolerance: f64, sc
             let r = f64::from(r);
             let is = f > 0.0
                 && match *inside > 0.0 {
-                    // The cells of a face have made up their minds with the others; what r would still do is theirs to decide.
                     true => p > 0.0,
                     false => p + r > 0.0 && (p > 0.0 || r > 0.5 * tolerance),
                 };
