@@ -1,7 +1,12 @@
 //! The matrix-free solver against a dense active set, and the laws it must keep whatever the gap.
 
-use contact_patch::matrix_free::{Settings, solve, solve_nested};
-use contact_patch::{Discrete, DiscreteSolution, Grid, InfluenceTable, Kernel, Verdict};
+use contact_patch::closed_form::Hertz;
+use contact_patch::gap::Paraboloid;
+use contact_patch::matrix_free::{Settings, Solver, solve, solve_nested};
+use contact_patch::{
+    Contact, Discrete, DiscreteSolution, EffectiveModulus, Grid, InfluenceTable, Kernel, Loading, Method, Outputs,
+    Verdict,
+};
 use nalgebra::{DMatrix, DVector};
 
 /// Numbers in [0, 1) that are the same on every run (Knuth's MMIX generator).
@@ -255,4 +260,75 @@ fn a_mirror_in_the_gap_does_not_change_the_answer() {
     };
     assert!((turned / upright - 1.0).abs() < 1e-10, "{turned} {upright}");
     assert!((broken / upright - 1.0).abs() < 1e-10, "{broken} {upright}");
+}
+
+/// A ridged punch at this place and depth over a window of the surface.
+fn punch_at(corner: [f64; 2], shape: [usize; 2], at: [f64; 2], depth: f64) -> Discrete {
+    let grid = Grid { origin: corner, spacing: [0.05, 0.04], shape };
+    let overlap = (0..grid.len())
+        .map(|k| {
+            let [x, y] = grid.centre_of(k);
+            let [u, v] = [x - at[0], y - at[1]];
+            depth - u.max(-0.6 * u + 1.1 * v.abs())
+        })
+        .collect();
+    Discrete { grid, kernel: Kernel::Galerkin, overlap }
+}
+
+#[test]
+fn one_problem_after_another_has_the_answers_of_each_alone() {
+    let settings = Settings { tolerance: 1e-10, ..Settings::default() };
+    let mut solver = Solver::new(settings);
+    let far = [f64::NEG_INFINITY; 100];
+    let sequence = [
+        // Load steps, deeper and back.
+        (punch_at([-2.5, -2.0], [90, 100], [0.0, 0.0], 1.0), false),
+        (punch_at([-2.5, -2.0], [90, 100], [0.0, 0.0], 1.01), true),
+        (punch_at([-2.5, -2.0], [90, 100], [0.0, 0.0], 1.0), true),
+        // The punch moves, then the window with it, by whole cells and by parts of one.
+        (punch_at([-2.5, -2.0], [90, 100], [0.013, 0.007], 1.0), false),
+        (punch_at([-2.45, -2.04], [90, 100], [0.013, 0.007], 1.0), true),
+        (punch_at([-2.43, -1.99], [88, 97], [0.013, 0.007], 1.0), false),
+        // The contact is elsewhere, of another size, gone, and back.
+        (punch_at([-2.5, -2.0], [90, 100], [-1.5, -1.2], 0.3), false),
+        (punch_at([-2.5, -2.0], [90, 100], [0.6, 0.9], 1.0), false),
+        (Discrete { overlap: far.to_vec(), ..punch_at([0.0, 0.0], [10, 10], [0.0, 0.0], 1.0) }, false),
+        (random_problem(3), false),
+        (random_problem(12), false),
+        (punch_at([-2.5, -2.0], [90, 100], [0.6, 0.9], 1.0), false),
+    ];
+    for (step, (problem, near)) in sequence.iter().enumerate() {
+        let next = solver.solve(problem).unwrap_or_else(|unsolved| panic!("{step}: {unsolved}"));
+        let alone = solve(problem, None, &settings).expect("solved");
+        let strongest = alone.pressure.iter().copied().fold(0.0, f64::max);
+        if strongest > 0.0 {
+            check(problem, &next, 1e-10);
+        }
+        for (p, q) in next.pressure.iter().zip(&alone.pressure) {
+            assert!((p - q).abs() <= 1e-6 * strongest, "{step}: {p} {q}");
+        }
+        if *near {
+            let (next, alone) = (next.operator_products, alone.operator_products);
+            assert!(next < alone, "{step}: {next} {alone}");
+        }
+    }
+}
+
+#[test]
+fn hertz_a_hundred_times_longer_than_wide() {
+    let modulus = EffectiveModulus::from_e_star(1.0).expect("positive");
+    let radii = [2000.0, 1.0];
+    let hertz = Hertz::new(modulus, radii).expect("two radii");
+    assert!((100.0 * hertz.axis_ratio() - 1.0).abs() < 0.01, "{}", hertz.axis_ratio());
+    let exact = hertz.at_depth(1.0).expect("a depth").force;
+    let contact = Contact::new(modulus, Paraboloid::new(radii).expect("radii"), Loading::depth(1.0)).expect("a depth");
+    for kernel in [Kernel::Galerkin, Kernel::Collocation] {
+        let outputs = Outputs { pressure: true, ..Outputs::default() };
+        let settings =
+            contact_patch::Settings { method: Method::Fft, kernel, outputs, ..contact_patch::Settings::default() };
+        let solution = contact_patch::solve(&contact, &settings).remove(0).expect("solved");
+        assert!((solution.force / exact - 1.0).abs() < 1e-3, "{kernel:?}: {} {exact}", solution.force);
+        let [hx, hy] = solution.pressure.field.expect("asked for").grid.spacing;
+        assert!(hx > 20.0 * hy, "cells as slender as the contact asks for: {hx} {hy}");
+    }
 }

@@ -9,6 +9,8 @@
 //! (Love, Phil. Trans. R. Soc. A 228 (1929) 377), and its mean over a cell the fourth difference of G over two steps.
 //! The differences lose (r/h_x)^2 (r/h_y)^2 digits: up to 1e8 for slender neighbours. With 32 digits nothing is seen of it.
 
+use std::collections::HashMap;
+
 use super::double_double::DoubleDouble;
 use crate::grid::Kernel;
 
@@ -41,8 +43,12 @@ fn g(x: DoubleDouble, y: DoubleDouble) -> DoubleDouble {
     half * x * y * (x * asinh_ratio(y, x, r) + y * asinh_ratio(x, y, r)) - cube
 }
 
+/// F or G at corners, by their place in half steps: cells next to each other share them. Of one kernel and one cell.
+#[derive(Default)]
+pub(super) struct Corners(HashMap<[i64; 2], DoubleDouble>);
+
 /// Integral of the weight of the kernel over 1/r, over the sides of the cell [`super::coefficient`] (not divided by pi).
-pub(super) fn integral(kernel: Kernel, h: [f64; 2], offset: [i64; 2]) -> f64 {
+pub(super) fn integral(kernel: Kernel, h: [f64; 2], offset: [i64; 2], corners: &mut Corners) -> f64 {
     let node = |k: usize, steps: f64| DoubleDouble::product(offset[k] as f64 + steps, h[k]);
     let weights: &[(f64, f64)] = match kernel {
         Kernel::Galerkin => &[(-1.0, 1.0), (0.0, -2.0), (1.0, 1.0)],
@@ -52,10 +58,11 @@ pub(super) fn integral(kernel: Kernel, h: [f64; 2], offset: [i64; 2]) -> f64 {
     for &(s, v) in weights {
         for &(t, w) in weights {
             let (x, y) = (node(0, s), node(1, t));
-            let value = match kernel {
+            let place = [(offset[0], s), (offset[1], t)].map(|(n, step)| 2 * n + (2.0 * step) as i64);
+            let value = *corners.0.entry(place).or_insert_with(|| match kernel {
                 Kernel::Galerkin => g(x, y),
                 Kernel::Collocation => f(x, y),
-            };
+            });
             total = total + value * DoubleDouble::from(v * w);
         }
     }

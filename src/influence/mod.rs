@@ -20,6 +20,7 @@ use std::f64::consts::FRAC_1_PI;
 
 use crate::grid::Kernel;
 use far::Series;
+use love::Corners;
 
 pub use table::InfluenceTable;
 
@@ -38,7 +39,7 @@ pub use table::InfluenceTable;
 #[must_use]
 pub fn coefficient(kernel: Kernel, spacing: [f64; 2], offset: [i64; 2]) -> f64 {
     let (h, scale) = scaled(spacing);
-    scale * coefficient_by(&Series::new(kernel, h), kernel, h, offset)
+    scale * coefficient_by(&Series::new(kernel, h), kernel, h, offset, &mut Corners::default())
 }
 
 /// Sides in units of the longer one, and the longer one.
@@ -48,7 +49,7 @@ fn scaled(spacing: [f64; 2]) -> ([f64; 2], f64) {
 }
 
 /// The coefficient for a cell whose longer side is 1.
-fn coefficient_by(series: &Series, kernel: Kernel, h: [f64; 2], offset: [i64; 2]) -> f64 {
+fn coefficient_by(series: &Series, kernel: Kernel, h: [f64; 2], offset: [i64; 2], corners: &mut Corners) -> f64 {
     let [mut i, mut j] = offset.map(i64::abs);
     let mut h = h;
     let r = (i as f64 * h[0]).hypot(j as f64 * h[1]);
@@ -67,7 +68,8 @@ fn coefficient_by(series: &Series, kernel: Kernel, h: [f64; 2], offset: [i64; 2]
         Kernel::Collocation => (i as f64 - 0.5).max(0.0),
     };
     let d = (end * h[0]).hypot(j as f64 * h[1]) / h[1];
-    FRAC_1_PI * if d >= far::GAUSS { far::across(kernel, h, [i, j], d) } else { love::integral(kernel, h, [i, j]) }
+    FRAC_1_PI
+        * if d >= far::GAUSS { far::across(kernel, h, [i, j], d) } else { love::integral(kernel, h, [i, j], corners) }
 }
 
 #[cfg(test)]
@@ -146,7 +148,8 @@ mod tests {
                 for (i, j) in [(4, 0), (5, 1), (4, 4), (3, 3)] {
                     let at = [i as f64 * h[0], j as f64 * h[1]];
                     if at[0].hypot(at[1]) >= far::GAUSS {
-                        let (a, b) = (love::integral(kernel, h, [i, j]), far::both(kernel, h, at));
+                        let (a, b) =
+                            (love::integral(kernel, h, [i, j], &mut Corners::default()), far::both(kernel, h, at));
                         assert!(
                             (a / b - 1.0).abs() < 1e-13,
                             "Gauss, closed {kernel:?} {h:?} {i} {j}: {:e}",
@@ -157,7 +160,8 @@ mod tests {
             }
             let h = [1.0, 0.01];
             for (i, j, d) in [(0, 4, 4.0), (0, 9, 9.0), (1, 5, 5.0), (2, 0, 100.0), (3, 2, 200.0)] {
-                let (a, b) = (love::integral(kernel, h, [i, j]), far::across(kernel, h, [i, j], d));
+                let (a, b) =
+                    (love::integral(kernel, h, [i, j], &mut Corners::default()), far::across(kernel, h, [i, j], d));
                 assert!((a / b - 1.0).abs() < 1e-12, "across, closed {kernel:?} {i} {j}: {:e}", a / b - 1.0);
             }
         }

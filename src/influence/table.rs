@@ -3,6 +3,7 @@
 use std::f64::consts::FRAC_1_PI;
 use std::sync::OnceLock;
 
+use super::love::Corners;
 use super::{Series, coefficient_by, far, scaled};
 use crate::grid::Kernel;
 
@@ -15,7 +16,9 @@ fn near_squares(kernel: Kernel) -> &'static [[f64; NEAR]; NEAR] {
     KNOWN[usize::from(kernel == Kernel::Galerkin)].get_or_init(|| {
         let h = [1.0; 2];
         let series = Series::new(kernel, h);
-        let of = |i: usize, j: usize| coefficient_by(&series, kernel, h, [i.max(j) as i64, i.min(j) as i64]);
+        let mut corners = Corners::default();
+        let mut of =
+            |i: usize, j: usize| coefficient_by(&series, kernel, h, [i.max(j) as i64, i.min(j) as i64], &mut corners);
         std::array::from_fn(|j| std::array::from_fn(|i| of(i, j)))
     })
 }
@@ -49,6 +52,7 @@ impl InfluenceTable {
         let (h, _) = scaled(spacing);
         let series = Series::new(kernel, h);
         let mut values = vec![0.0; nx * ny];
+        let mut corners = Corners::default();
         let square = h[0] == h[1];
         // The series holds outside a circle; inside, one offset at a time. Of a square cell one octant is enough.
         let inside = far::SERIES;
@@ -62,7 +66,7 @@ impl InfluenceTable {
             for (i, value) in row.iter_mut().enumerate().take(near).skip(octant) {
                 *value = match known {
                     Some(known) => known[j][i],
-                    None => coefficient_by(&series, kernel, h, [i as i64, j as i64]),
+                    None => coefficient_by(&series, kernel, h, [i as i64, j as i64], &mut corners),
                 };
             }
             series.row(h, y, near.max(octant), row, FRAC_1_PI);
@@ -73,7 +77,7 @@ impl InfluenceTable {
                     values[j * nx + i] = if j < nx && i < ny {
                         values[i * nx + j]
                     } else {
-                        coefficient_by(&series, kernel, h, [i as i64, j as i64])
+                        coefficient_by(&series, kernel, h, [i as i64, j as i64], &mut corners)
                     };
                 }
             }

@@ -12,129 +12,19 @@
 //!
 //! half the rows, columns of half the length.
 
-use std::cell::RefCell;
-use std::ops::{Mul, MulAssign, Range};
+use std::ops::Range;
 use std::sync::Arc;
 
-use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
+use realfft::{ComplexToReal, RealToComplex};
+use rustfft::Fft;
 use rustfft::num_complex::Complex;
-use rustfft::{Fft, FftNum, FftPlanner};
 
-/// Columns transformed together: their rows then share cache lines.
-pub(super) const BLOCK: usize = 8;
+use super::lanes::{ASIDE, BLOCK, GROUP, Lane, Room, share, share_rows};
+use super::symbol::{Real, Symbol};
 
 /// Numbers in a square of a block, and half its side.
 const TILE: usize = BLOCK * BLOCK;
 const HALF: usize = BLOCK / 2;
-
-/// Rows handed over together: what passes between rows and columns then comes in pieces of several cache lines.
-const GROUP: usize = 4;
-
-/// Room between columns side by side, in numbers: lengths that are powers of two would share their place in the cache.
-const ASIDE: usize = 8;
-
-/// A precision to compute in.
-pub(super) trait Real: FftNum + Mul<Output = Self> + MulAssign + Default {
-    /// Calls with the planners of this thread. Twiddle factors outlive an operator: small problems would spend most of
-    /// their time on them.
-    fn with_planners<R>(work: impl FnOnce(&mut RealFftPlanner<Self>, &mut FftPlanner<Self>) -> R) -> R;
-
-    /// The nearest number of this precision.
-    fn of(value: f64) -> Self;
-}
-
-type Planners<T> = RefCell<(RealFftPlanner<T>, FftPlanner<T>)>;
-
-thread_local! {
-    static DOUBLE: Planners<f64> = RefCell::new((RealFftPlanner::new(), FftPlanner::new()));
-    static SINGLE: Planners<f32> = RefCell::new((RealFftPlanner::new(), FftPlanner::new()));
-}
-
-impl Real for f64 {
-    fn with_planners<R>(work: impl FnOnce(&mut RealFftPlanner<Self>, &mut FftPlanner<Self>) -> R) -> R {
-        DOUBLE.with_borrow_mut(|(real, complex)| work(real, complex))
-    }
-
-    fn of(value: f64) -> Self {
-        value
-    }
-}
-
-impl Real for f32 {
-    fn with_planners<R>(work: impl FnOnce(&mut RealFftPlanner<Self>, &mut FftPlanner<Self>) -> R) -> R {
-        SINGLE.with_borrow_mut(|(real, complex)| work(real, complex))
-    }
-
-    fn of(value: f64) -> Self {
-        value as Self
-    }
-}
-
-/// The transform of an even kernel: real and even, so a quarter of it. Column k holds its rows next to each other.
-pub(super) struct Symbol {
-    /// Lengths of the whole transform.
-    pub(super) length: [usize; 2],
-    pub(super) values: Vec<f64>,
-}
-
-impl Symbol {
-    /// The transform of the kernel whose row j, offsets i = 0..=length_x/2, is what `fill` puts in place of zeros.
-    pub(super) fn of(length: [usize; 2], fill: impl Fn(usize, &mut [f64])) -> Self {
-        let [mx, my] = length;
-        let zero = Complex::default();
-        let (along, across) =
-            f64::with_planners(|real, complex| (real.plan_fft_forward(mx), complex.plan_fft_forward(my)));
-        let (columns, half) = (mx / 2 + 1, my / 2 + 1);
-        // Rows of the kernel, extended evenly: their transforms are real.
-        let mut rows = vec![0.0; half * columns];
-        let (mut row, mut spectrum) = (vec![0.0; mx], vec![zero; columns]);
-        let mut scratch = vec![zero; along.get_scratch_len().max(across.get_inplace_scratch_len())];
-        for j in 0..half {
-            row.fill(0.0);
-            fill(j, &mut row[..columns]);
-            for i in columns..mx {
-                row[i] = row[mx - i];
-            }
-            if row[0] != 0.0 {
-                let done = along.process_with_scratch(&mut row, &mut spectrum, &mut scratch);
-                debug_assert!(done.is_ok());
-                for (to, from) in rows[j * columns..].iter_mut().zip(&spectrum) {
-                    *to = from.re;
-                }
-            }
-        }
-        // Two real even columns make one complex transform.
-        let mut values = vec![0.0; columns * half];
-        let mut work = vec![zero; BLOCK * (my + ASIDE)];
-        for first in (0..columns).step_by(2 * BLOCK) {
-            let pairs = (columns - first).div_ceil(2).min(BLOCK);
-            for j in 0..half {
-                let row = &rows[j * columns..(j + 1) * columns][first..];
-                for (pair, column) in row.chunks(2).zip(work.chunks_exact_mut(my + ASIDE)) {
-                    let value = Complex { re: pair[0], im: pair.get(1).copied().unwrap_or(0.0) };
-                    column[j] = value;
-                    column[(my - j) % my] = value;
-                }
-            }
-            for (c, column) in work.chunks_exact_mut(my + ASIDE).enumerate().take(pairs) {
-                across.process_with_scratch(&mut column[..my], &mut scratch);
-                let k = first + 2 * c;
-                for (l, value) in column[..half].iter().enumerate() {
-                    values[k * half + l] = value.re;
-                    if k + 1 < columns {
-                        values[(k + 1) * half + l] = value.im;
-                    }
-                }
-            }
-        }
-        Self { length, values }
-    }
-
-    /// The largest magnitude: the 2-norm of the convolution, or a bound of it.
-    pub(super) fn norm(&self) -> f64 {
-        self.values.iter().fold(0.0, |m: f64, s| m.max(s.abs()))
-    }
-}
 
 /// A convolution, ready to be applied.
 #[derive(Clone)]
@@ -152,33 +42,9 @@ pub(super) struct Convolution<T> {
     column_inverse: Arc<dyn Fft<T>>,
 }
 
-/// Room for the transforms of a [`Convolution`], grown as needed, kept from product to product.
-#[derive(Debug)]
-pub(super) struct Room<T> {
-    /// Blocks of columns; in each, rows of [`BLOCK`] numbers.
-    blocks: Vec<Complex<T>>,
-    lanes: Vec<Lane<T>>,
-}
-
-/// Room that one thread needs.
-#[derive(Debug, Default)]
-struct Lane<T> {
-    row: Vec<T>,
-    spectrum: Vec<Complex<T>>,
-    columns: Vec<Complex<T>>,
-    fft: Vec<Complex<T>>,
-}
-
-impl<T> Default for Room<T> {
-    fn default() -> Self {
-        Self { blocks: Vec::new(), lanes: Vec::new() }
-    }
-}
-
-impl<T> Room<T> {
-    /// Bytes held.
-    pub(super) fn bytes(&self) -> usize {
-        size_of::<Complex<T>>() * self.blocks.capacity()
+impl<T> std::fmt::Debug for Convolution<T> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Convolution").field("shape", &self.shape).field("length", &self.length).finish_non_exhaustive()
     }
 }
 
@@ -476,72 +342,5 @@ impl<T: Real> Convolution<T> {
         let done = self.row_inverse.process_with_scratch(spectrum, row, fft);
         debug_assert!(done.is_ok());
         u.copy_from_slice(&row[..u.len()]);
-    }
-}
-
-/// Calls `work` for groups of `rows` with their places in all blocks, the groups shared out among the lanes: with the lane, the
-/// rows, the parts of the blocks that the lane may write to and where in them the rows begin.
-fn share_rows<T: Real>(
-    lanes: &mut [Lane<T>],
-    blocks: &mut [Complex<T>],
-    pitch: usize,
-    rows: Range<usize>,
-    work: impl Fn(&mut Lane<T>, Range<usize>, &mut [&mut [Complex<T>]], usize) + Sync,
-) {
-    #[cfg(feature = "parallel")]
-    if lanes.len() > 1 {
-        let each = rows.len().div_ceil(lanes.len());
-        let mut shares: Vec<Vec<&mut [Complex<T>]>> = lanes.iter().map(|_| Vec::new()).collect();
-        for block in blocks.chunks_exact_mut(pitch) {
-            let rows = block[rows.start * BLOCK..rows.end * BLOCK].chunks_mut(each * BLOCK);
-            shares.iter_mut().zip(rows).for_each(|(share, part)| share.push(part));
-        }
-        rayon::scope(|scope| {
-            for (part, (lane, mut parts)) in lanes.iter_mut().zip(shares).enumerate() {
-                let (work, first) = (&work, rows.start + part * each);
-                let last = (first + each).min(rows.end);
-                scope.spawn(move |_| {
-                    for j in (first..last).step_by(GROUP) {
-                        work(lane, j..(j + GROUP).min(last), &mut parts, (j - first) * BLOCK);
-                    }
-                });
-            }
-        });
-        return;
-    }
-    if let Some(lane) = lanes.first_mut() {
-        let mut parts: Vec<&mut [Complex<T>]> = blocks.chunks_exact_mut(pitch).collect();
-        for j in rows.clone().step_by(GROUP) {
-            work(lane, j..(j + GROUP).min(rows.end), &mut parts, j * BLOCK);
-        }
-    }
-}
-
-/// Calls `work` on each chunk of `data`, the chunks shared out among the lanes.
-fn share<T: Send, U: Send>(
-    lanes: &mut [Lane<T>],
-    data: &mut [U],
-    chunk: usize,
-    work: impl Fn(&mut Lane<T>, usize, &mut [U]) + Sync,
-) {
-    #[cfg(feature = "parallel")]
-    if lanes.len() > 1 {
-        let each = data.len().div_ceil(chunk).div_ceil(lanes.len());
-        rayon::scope(|scope| {
-            for (part, (lane, data)) in lanes.iter_mut().zip(data.chunks_mut(each * chunk)).enumerate() {
-                let work = &work;
-                scope.spawn(move |_| {
-                    for (k, piece) in data.chunks_mut(chunk).enumerate() {
-                        work(lane, part * each + k, piece);
-                    }
-                });
-            }
-        });
-        return;
-    }
-    if let Some(lane) = lanes.first_mut() {
-        for (k, piece) in data.chunks_mut(chunk).enumerate() {
-            work(lane, k, piece);
-        }
     }
 }

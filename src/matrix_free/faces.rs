@@ -2,7 +2,9 @@
 //!
 //! A face is a guess of the contact. On it A p = f is relaxed until the residual has fallen by a fraction; then the
 //! cells in tension leave and the penetrating cells enter. In the terms of Hintermueller, Ito & Kunisch
-//! (SIAM J. Optim. 13 (2002) 865) the new face is { p + c (f - A p) > 0 }, a semismooth Newton step solved inexactly.
+//! (SIAM J. Optim. 13 (2002) 865) the new face is { p + c (f - A p) > 0 }, a semismooth Newton step solved inexactly; on the
+//! face, where the residual is on its way to zero, the sign of p decides alone (c = 0: what the residual would still change
+//! is for the cells of the face together, and measured, cells that left for it came back).
 //! The preconditioner is the mask of the face on both sides of an unpadded circulant (as Vollebregt, J. Comput. Phys. 257
 //! (2014) 333). A departure: the step that takes p to zero in the cells that leave also takes the first step
 //! on the new face, with the length that the last face ended with and with what the cells that leave will do to their
@@ -14,16 +16,15 @@
 //!
 //! No proof of convergence covers every A. When the residual stops falling, [`super::monotone`] takes over, which has one.
 
-use std::ops::Range;
-
-use super::convolution::Convolution;
+use super::fixed::{dot, largest};
+use super::level::{Level, State, occupied};
 use super::operator::Scratch;
 
 /// Fall of the residual on a face before the face is looked at again.
 const INNER: f32 = 0.2;
 
 /// The residual on the face that is aimed at, in tolerances: what is left is for the pressures rounded up to zero.
-const AIM: f64 = 0.7;
+const AIM: f64 = 0.9;
 
 /// Fall of the residual that single precision can follow: measured, it has then lost a tenth of its digits at most.
 pub(super) const FALL: f64 = 2e-6;
@@ -31,112 +32,11 @@ pub(super) const FALL: f64 = 2e-6;
 /// Length of a step whose direction has no product yet; those of conjugate gradients are 0.3 to 0.6.
 const STEP: f64 = 0.4;
 
-/// Offsets, in cells, as far as the displacement by a cell that leaves is foreseen.
-pub(super) const NEAR: usize = 8;
-
 /// Changes of face without halving the residual before the face is given up.
 const PATIENCE: i32 = 12;
 
 /// Double-precision products without halving the error before the safe method takes over.
 const MOST_STALLS: usize = 2;
-
-/// The discrete problem on a box of cells, in units of the largest overlap and with A = 1 from a cell to itself: p and r are
-/// then of one size.
-pub(super) struct Level<'a> {
-    /// Overlap in each cell.
-    pub(super) f: &'a [f64],
-    /// The compliance; none where a start for the next grid is all that is wanted.
-    pub(super) compliance: Option<&'a Convolution<f64>>,
-    pub(super) single: &'a Convolution<f32>,
-    pub(super) preconditioner: &'a Convolution<f32>,
-    /// A at offsets below [`NEAR`], row by row.
-    pub(super) near: &'a [[f32; NEAR]; NEAR],
-    pub(super) mirrored: bool,
-    /// Largest error of the gap allowed.
-    pub(super) tolerance: f64,
-    /// Products allowed.
-    pub(super) limit: usize,
-}
-
-/// Pressure and what belongs to it.
-pub(super) struct State {
-    pub(super) p: Vec<f64>,
-    /// f - A p in every cell, when it was last computed in double precision.
-    pub(super) r: Vec<f64>,
-    pub(super) iterations: usize,
-    /// Products in double precision.
-    pub(super) products: usize,
-    /// Products in single precision.
-    pub(super) single_products: usize,
-}
-
-impl State {
-    pub(super) fn from(p: Vec<f64>) -> Self {
-        Self { p, r: Vec::new(), iterations: 0, products: 0, single_products: 0 }
-    }
-
-    pub(super) fn all_products(&self) -> usize {
-        self.products + self.single_products
-    }
-}
-
-impl Level<'_> {
-    pub(super) fn shape(&self) -> [usize; 2] {
-        self.single.shape()
-    }
-
-    /// f - A p from scratch, where there is a compliance in double precision.
-    pub(super) fn refresh(&self, state: &mut State, scratch: &mut Scratch) {
-        let [width, height] = self.shape();
-        state.r.resize(state.p.len(), 0.0);
-        let given = occupied(&state.p, width);
-        let Some(compliance) = self.compliance.filter(|_| !given.is_empty()) else {
-            state.r.copy_from_slice(self.f);
-            return;
-        };
-        compliance.product(&state.p, given, &mut state.r, 0..height, scratch);
-        for (r, f) in state.r.iter_mut().zip(self.f) {
-            *r = f - *r;
-        }
-        state.products += 1;
-    }
-
-    /// Adds to the residual on the face what it will be more by near the cells that leave.
-    fn foresee(&self, p: &[f64], cells: Range<usize>, face: &[f32], residual: &mut [f32]) {
-        let [width, height] = self.shape();
-        let reach = |at: usize, end: usize| at.saturating_sub(NEAR - 1)..(at + NEAR).min(end);
-        for (k, _) in p[cells.clone()].iter().zip(face).enumerate().filter(|(_, (p, m))| **m == 0.0 && **p != 0.0) {
-            let k = cells.start + k;
-            let (i, j, p) = (k % width, k / width, p[k] as f32);
-            let mut add = |row: usize, offset: usize| {
-                for x in reach(i, width) {
-                    if let Some(1.0) = (row * width + x).checked_sub(cells.start).and_then(|at| face.get(at)).copied() {
-                        residual[row * width + x] += p * self.near[offset][x.abs_diff(i)];
-                    }
-                }
-            };
-            reach(j, height).for_each(|row| add(row, row.abs_diff(j)));
-            if self.mirrored {
-                // From the image at -1 - j.
-                (0..height.min(NEAR.saturating_sub(j + 1))).for_each(|row| add(row, row + j + 1));
-            }
-        }
-    }
-
-    /// Largest |f - A p| where there is pressure and largest f - A p elsewhere. Only for p >= 0.
-    pub(super) fn error(&self, state: &State) -> f64 {
-        super::error(&state.p, &state.r)
-    }
-}
-
-/// Rows from the first to the last that hold a number other than zero.
-pub(super) fn occupied<T: PartialEq + Default>(field: &[T], width: usize) -> Range<usize> {
-    let holds = |row: &&[T]| row.iter().any(|v| *v != T::default());
-    let rows = field.len() / width;
-    let before = field.chunks_exact(width).take_while(|row| !holds(row)).count();
-    let after = field.chunks_exact(width).rev().take_while(|row| !holds(row)).count();
-    if before == rows { 0..0 } else { before..rows - after }
-}
 
 /// Fields in single precision.
 struct Work {
@@ -221,7 +121,11 @@ fn descend(level: &Level, state: &mut State, work: &mut Work, tolerance: f64, sc
         let (mut worst, mut changed, mut leaving) = (0.0_f64, false, false);
         for (((inside, &p), &r), &f) in work.face.iter_mut().zip(&state.p).zip(&work.r).zip(level.f) {
             let r = f64::from(r);
-            let is = f > 0.0 && p + r > 0.0 && (p > 0.0 || r > 0.5 * tolerance);
+            let is = f > 0.0
+                && match *inside > 0.0 {
+                    true => p > 0.0,
+                    false => p + r > 0.0 && (p > 0.0 || r > 0.5 * tolerance),
+                };
             worst = worst.max(if is { r.abs() } else { r.max(p.abs()) });
             let is = f32::from(u8::from(is));
             changed |= is != *inside;
@@ -315,82 +219,6 @@ fn descend(level: &Level, state: &mut State, work: &mut Work, tolerance: f64, sc
             }
         }
     }
-}
-
-/// A face that stays.
-pub(super) struct Fixed<'a> {
-    pub(super) single: &'a Convolution<f32>,
-    pub(super) preconditioner: &'a Convolution<f32>,
-    /// 1 on the face and 0 elsewhere.
-    pub(super) face: &'a [f32],
-}
-
-impl Fixed<'_> {
-    /// Lowers the residual to `goal`, as far as `limit` products allow; calls `step` with length and direction of each step.
-    /// Returns the products it took.
-    pub(super) fn relax(
-        &self,
-        r: &mut [f32],
-        goal: f32,
-        limit: usize,
-        scratch: &mut Scratch,
-        mut step: impl FnMut(f64, &[f32]),
-    ) -> usize {
-        let (n, rows) = (r.len(), 0..self.single.shape()[1]);
-        let [mut z, mut d, mut ad] = [(); 3].map(|()| vec![0.0; n]);
-        let mut rz_old = 0.0;
-        for products in 0..limit {
-            if largest(self.face, r) <= goal {
-                return products;
-            }
-            self.preconditioner.product(r, rows.clone(), &mut z, rows.clone(), scratch);
-            let rz = dot(r, &z);
-            let beta = if products == 0 { 0.0 } else { (rz / rz_old) as f32 };
-            rz_old = rz;
-            for ((d, z), m) in d.iter_mut().zip(&z).zip(self.face) {
-                *d = m * z + beta * *d;
-            }
-            self.single.product(&d, rows.clone(), &mut ad, rows.clone(), scratch);
-            let alpha = rz / dot(&d, &ad);
-            if !alpha.is_finite() {
-                return products + 1;
-            }
-            step(alpha, &d);
-            for ((r, ad), m) in r.iter_mut().zip(&ad).zip(self.face) {
-                *r -= alpha as f32 * m * ad;
-            }
-        }
-        limit
-    }
-}
-
-/// Largest |r| on the face.
-fn largest(face: &[f32], r: &[f32]) -> f32 {
-    let mut most = [0.0_f32; 8];
-    let more = |most: &mut f32, m: &f32, r: &f32| {
-        let size = (m * r).abs();
-        *most = if size > *most { size } else { *most };
-    };
-    for (face, r) in face.chunks(8).zip(r.chunks(8)) {
-        for ((most, m), r) in most.iter_mut().zip(face).zip(r) {
-            more(most, m, r);
-        }
-    }
-    most.iter().fold(0.0, |a, b| a.max(*b))
-}
-
-/// a . b: short sums side by side in single precision, summed in double.
-fn dot(a: &[f32], b: &[f32]) -> f64 {
-    let piece = |a: &[f32], b: &[f32]| {
-        let mut sums = [0.0_f32; 8];
-        for (a, b) in a.chunks(8).zip(b.chunks(8)) {
-            for ((sum, a), b) in sums.iter_mut().zip(a).zip(b) {
-                *sum += a * b;
-            }
-        }
-        sums.iter().map(|s| f64::from(*s)).sum::<f64>()
-    };
-    a.chunks(512).zip(b.chunks(512)).map(|(a, b)| piece(a, b)).sum()
 }
 
 fn project(state: &mut State) {

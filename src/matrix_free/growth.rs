@@ -1,6 +1,7 @@
 //! Linear systems on a fixed contact: how the pressure grows when the load does.
 
-use super::{Operator, Operators, Settings, Window, faces, with_threads};
+use super::window::Window;
+use super::{Operator, Operators, Settings, faces, fixed, with_threads};
 use crate::discrete::Discrete;
 use crate::error::{Unsolved, Verdict};
 use crate::influence::InfluenceTable;
@@ -27,14 +28,13 @@ use crate::influence::InfluenceTable;
 /// `IterationLimit` when the products are used up.
 pub fn growth(problem: &Discrete, pressure: &[f64], rates: &[f64], settings: &Settings) -> Result<Vec<f64>, Unsolved> {
     let grid = problem.grid;
-    let width = grid.shape[0];
     let masked: Vec<f64> = pressure.iter().map(|&p| if p > 0.0 { 1.0 } else { f64::NEG_INFINITY }).collect();
     let contact = Discrete { grid, kernel: problem.kernel, overlap: masked };
     let Some(mut window) = Window::of(&contact, 0.0) else { return Ok(vec![0.0; pressure.len()]) };
     let rate = |k: usize| if pressure[k] > 0.0 { rates[k] } else { 0.0 };
     let largest = (0..rates.len()).map(|k| rate(k).abs()).fold(0.0, f64::max);
     let tolerance = settings.tolerance;
-    if !window.symmetric(width, |a, b| (rate(a) - rate(b)).abs() <= 1e-3 * tolerance * largest) {
+    if !window.symmetric(grid.shape, |a, b| (rate(a) - rate(b)).abs() <= 1e-3 * tolerance * largest) {
         window.unfold();
     }
     let table = window.table(&contact);
@@ -42,7 +42,7 @@ pub fn growth(problem: &Discrete, pressure: &[f64], rates: &[f64], settings: &Se
         Operators::new(&table, window.shape(), window.mirrored, true);
     let Some(compliance) = compliance.filter(|_| largest > 0.0) else { return Ok(vec![0.0; pressure.len()]) };
     let face: Vec<f32> = window.grid(&contact).overlap.iter().map(|&f| if f > 0.0 { 1.0 } else { 0.0 }).collect();
-    let mut target = window.cut(width, rates);
+    let mut target = window.cut(grid.shape, rates, 0.0);
     target.iter_mut().zip(&face).for_each(|(t, m)| *t = if *m > 0.0 { *t / largest } else { 0.0 });
     let rows = 0..window.shape()[1];
     let mut residual = target.clone();
@@ -64,7 +64,7 @@ pub fn growth(problem: &Discrete, pressure: &[f64], rates: &[f64], settings: &Se
                 return Err(Unsolved::new(Verdict::IterationLimit, reason));
             }
             before = worst;
-            let fixed = faces::Fixed { single: &single, preconditioner: &preconditioner, face: &face };
+            let fixed = fixed::Fixed { single: &single, preconditioner: &preconditioner, face: &face };
             let mut r: Vec<f32> = residual.iter().zip(&face).map(|(r, m)| (r / worst) as f32 * m).collect();
             let goal = (0.7 * tolerance / worst).max(faces::FALL);
             products += 1 + fixed.relax(&mut r, goal as f32, settings.products - products, scratch, |alpha, d| {

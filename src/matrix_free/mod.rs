@@ -1,9 +1,9 @@
 //! Contact on grids of millions of cells, without a matrix.
 //!
 //! The problem is [`Discrete`]: p >= 0, A p >= f, p (A p - f) = 0. A product with A is a convolution ([`Operator`]); the
-//! solver is conjugate gradients on a changing guess of the contact (`faces`), started from a coarser grid (`nested`),
-//! with a slower method that cannot fail behind it (`monotone`). The box is cut to the cells that overlap: no other cell
-//! can carry pressure.
+//! solver is conjugate gradients on a changing guess of the contact (`faces`), started from a coarser grid (`nested`) or from the
+//! last answers ([`Solver`]), with a slower method that cannot fail behind it (`monotone`). The box is cut to the cells that
+//! overlap (`window`): no other cell can carry pressure.
 //!
 //! The error of an answer is the largest |f - A p| under pressure and the largest f - A p elsewhere, over the largest
 //! overlap. It is recomputed from the pressure, which is not negative anywhere, before an answer is given. The displacement
@@ -11,10 +11,16 @@
 
 mod convolution;
 mod faces;
+mod fixed;
 mod growth;
+mod lanes;
+mod level;
 mod monotone;
 mod nested;
 mod operator;
+mod solver;
+mod symbol;
+mod window;
 
 use crate::discrete::{Discrete, DiscreteSolution};
 use crate::error::{Unsolved, Verdict};
@@ -23,9 +29,11 @@ use crate::influence::InfluenceTable;
 pub use growth::{displacement, growth};
 pub use nested::solve_nested;
 pub use operator::{Operator, Scratch};
+pub use solver::Solver;
 
 use convolution::Convolution;
-use faces::{Level, State};
+use level::{Level, NEAR, State};
+use window::Window;
 
 /// What a solve is held to.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,7 +53,8 @@ impl Default for Settings {
 }
 
 /// Solves on one grid, from `start` where it is given (a pressure on the same cells, such as that of the last load
-/// step; anything finite will do) and from nothing otherwise. [`solve_nested`] is faster without a good start.
+/// step; anything finite will do) and from nothing otherwise. [`solve_nested`] is faster without a good start, and a [`Solver`] for
+/// many problems in a row.
 ///
 /// # Errors
 /// [`Verdict::IterationLimit`] when the tolerance is not reached within the products allowed.
@@ -68,37 +77,31 @@ impl Default for Settings {
 pub fn solve(problem: &Discrete, start: Option<&[f64]>, settings: &Settings) -> Result<DiscreteSolution, Unsolved> {
     with_threads(settings.threads, |scratch| {
         let Some(window) = Window::of(problem, SYMMETRIC * settings.tolerance) else { return Ok(no_contact(problem)) };
-        window.solve(problem, &window.table(problem), start, settings, scratch)
+        let table = window.table(problem);
+        let operators = Operators::new(&table, window.shape(), window.mirrored, true);
+        window.solve(problem, &table, &operators, start, settings, scratch)
     })
 }
 
 /// Calls `work` with room for as many threads as are asked for.
 fn with_threads<T: Send>(threads: usize, work: impl FnOnce(&mut Scratch) -> T + Send) -> T {
+    threaded(threads, &mut Scratch::new(), work)
+}
+
+/// The same with the room of the caller.
+fn threaded<T: Send>(threads: usize, scratch: &mut Scratch, work: impl FnOnce(&mut Scratch) -> T + Send) -> T {
     #[cfg(feature = "parallel")]
     if threads != 1
         && let Ok(pool) = rayon::ThreadPoolBuilder::new().num_threads(threads).build()
     {
-        return pool.install(|| work(&mut Scratch::parallel()));
+        return pool.install(|| work(scratch.shared()));
     }
     let _ = threads;
-    work(&mut Scratch::new())
+    work(scratch)
 }
 
 /// Two overlaps that differ by less than this share of the tolerance count as one.
 const SYMMETRIC: f64 = 1e-3;
-
-/// The box around the cells that overlap. Where they have a mirror, half of it, laid with the mirror below its first row.
-struct Window {
-    /// Its first cell in the grid of the problem.
-    corner: [usize; 2],
-    /// Number of cells along the rows and across them, both halves of a mirrored window counted.
-    extent: [usize; 2],
-    /// Rows of the window are columns of the problem.
-    transposed: bool,
-    /// The upper half stands for both.
-    mirrored: bool,
-    deepest: f64,
-}
 
 /// A grid to be solved on, in units of its own: the largest overlap, and the pressure that moves a cell by it.
 struct Cells {
@@ -115,125 +118,24 @@ struct Left {
 }
 
 impl Window {
-    /// `None` when no cell overlaps. Overlaps that differ by less than `same` of the largest are not told apart.
-    fn of(problem: &Discrete, same: f64) -> Option<Self> {
-        let [nx, _] = problem.grid.shape;
-        let (mut low, mut high) = ([usize::MAX; 2], [0; 2]);
-        let mut deepest = f64::NEG_INFINITY;
-        for (j, row) in problem.overlap.chunks_exact(nx.max(1)).enumerate() {
-            let Some(first) = row.iter().position(|&f| f > 0.0) else { continue };
-            let last = row.iter().rposition(|&f| f > 0.0).unwrap_or(first);
-            low = [low[0].min(first), low[1].min(j)];
-            high = [high[0].max(last + 1), j + 1];
-            deepest = row[first..=last].iter().fold(deepest, |m, f| if *f > m { *f } else { m });
-        }
-        if low[0] == usize::MAX {
-            return None;
-        }
-        let extent = [high[0] - low[0], high[1] - low[1]];
-        let mut window = Self { corner: low, extent, transposed: false, mirrored: false, deepest };
-        let same = same * deepest;
-        let f = &problem.overlap;
-        let alike = |a: usize, b: usize| (f[a] - f[b]).abs() <= same || (f[a] <= 0.0 && f[b] <= 0.0);
-        window.mirrored = extent[1].is_multiple_of(2) && window.symmetric(nx, alike);
-        if !window.mirrored && extent[0].is_multiple_of(2) {
-            let turned = Self { extent: [extent[1], extent[0]], transposed: true, mirrored: true, ..window };
-            if turned.symmetric(nx, alike) {
-                return Some(turned);
-            }
-        }
-        Some(window)
-    }
-
-    /// Whether all cells are like their images in a mirror in the middle of the window.
-    fn symmetric(&self, width: usize, alike: impl Fn(usize, usize) -> bool) -> bool {
-        let [nx, ny] = self.extent;
-        (0..ny / 2).all(|j| (0..nx).all(|i| alike(self.index(width, i, j), self.index(width, i, ny - 1 - j))))
-    }
-
-    /// Both halves for themselves.
-    fn unfold(&mut self) {
-        if self.transposed {
-            self.extent.reverse();
-        }
-        (self.transposed, self.mirrored) = (false, false);
-    }
-
-    /// Place of cell i of row j of the window in a field on `width` columns.
-    fn index(&self, width: usize, i: usize, j: usize) -> usize {
-        let [i, j] = if self.transposed { [j, i] } else { [i, j] };
-        (self.corner[1] + j) * width + self.corner[0] + i
-    }
-
-    /// Cells that are solved for.
-    fn shape(&self) -> [usize; 2] {
-        [self.extent[0], if self.mirrored { self.extent[1] / 2 } else { self.extent[1] }]
-    }
-
-    /// The part of a field on `width` columns that lies in the window; of a mirrored one the mean of the halves.
-    fn cut(&self, width: usize, field: &[f64]) -> Vec<f64> {
-        let ([nx, ny], height) = (self.shape(), self.extent[1]);
-        let mut part = Vec::with_capacity(nx * ny);
-        for j in 0..ny {
-            let upper = height - ny + j;
-            if self.mirrored {
-                let lower = height - 1 - upper;
-                let mean = |i| 0.5 * (field[self.index(width, i, upper)] + field[self.index(width, i, lower)]);
-                part.extend((0..nx).map(mean));
-            } else if self.transposed {
-                part.extend((0..nx).map(|i| field[self.index(width, i, upper)]));
-            } else {
-                part.extend_from_slice(&field[self.index(width, 0, upper)..][..nx]);
-            }
-        }
-        part
-    }
-
-    /// The field on the whole grid, zero around the window.
-    fn paste(&self, shape: [usize; 2], part: &[f64]) -> Vec<f64> {
-        let mut field = vec![0.0; shape[0] * shape[1]];
-        let (nx, height) = (self.extent[0], self.extent[1]);
-        let below = height - self.shape()[1];
-        for j in 0..height {
-            let row = if j >= below { j - below } else { below - 1 - j };
-            for (i, &value) in part[row * nx..(row + 1) * nx].iter().enumerate() {
-                field[self.index(shape[0], i, j)] = value;
-            }
-        }
-        field
-    }
-
-    /// Influence coefficients for all offsets in the window.
-    fn table(&self, problem: &Discrete) -> InfluenceTable {
-        let [hx, hy] = problem.grid.spacing;
-        InfluenceTable::new(problem.kernel, if self.transposed { [hy, hx] } else { [hx, hy] }, self.extent)
-    }
-
     /// Solves in the window from `start`, a pressure on the grid of the problem.
     fn solve(
         &self,
         problem: &Discrete,
         table: &InfluenceTable,
+        operators: &Operators,
         start: Option<&[f64]>,
         settings: &Settings,
         scratch: &mut Scratch,
     ) -> Result<DiscreteSolution, Unsolved> {
         let unit = self.deepest / table.get(0, 0);
         let start = start.filter(|p| p.len() == problem.grid.len()).map(|p| {
-            let mut start = self.cut(problem.grid.shape[0], p);
+            let mut start = self.cut(problem.grid.shape, p, 0.0);
             start.iter_mut().for_each(|p| *p /= unit);
             start
         });
-        let left = self.grid(problem).solve(table, start, settings.tolerance, settings.products, true, scratch);
+        let left = self.grid(problem).solve(table, operators, start, settings.tolerance, settings.products, scratch);
         self.finish(problem, table, left, settings)
-    }
-
-    /// The window as a grid to be solved on.
-    fn grid(&self, problem: &Discrete) -> Cells {
-        let mut overlap = self.cut(problem.grid.shape[0], &problem.overlap);
-        // With finite numbers u = f - (f - u) is not lost.
-        overlap.iter_mut().for_each(|f| *f = (*f / self.deepest).max(-1.0));
-        Cells { shape: self.shape(), mirrored: self.mirrored, overlap }
     }
 
     /// The solution on the grid of the problem, its residuals from scratch.
@@ -258,7 +160,7 @@ impl Window {
         }
         let shape = problem.grid.shape;
         // u = f - r.
-        let mut u = self.cut(shape[0], &problem.overlap);
+        let mut u = self.cut(shape, &problem.overlap, f64::NEG_INFINITY);
         for (u, r) in u.iter_mut().zip(&state.r) {
             *u = u.max(-self.deepest) - self.deepest * r;
         }
@@ -280,18 +182,18 @@ impl Window {
 }
 
 impl Cells {
-    /// Relaxes from `start`: to the tolerance where the answer is wanted, in single precision where a start is.
+    /// Relaxes from `start` to the tolerance; in single precision alone where the operators are.
     fn solve(
         &self,
         table: &InfluenceTable,
+        operators: &Operators,
         start: Option<Vec<f64>>,
         tolerance: f64,
         limit: usize,
-        answer: bool,
         scratch: &mut Scratch,
     ) -> Left {
-        let operators = Operators::new(table, self.shape, self.mirrored, answer);
-        let mut near = [[0.0; faces::NEAR]; faces::NEAR];
+        let answer = operators.compliance.is_some();
+        let mut near = [[0.0; NEAR]; NEAR];
         for (j, row) in near.iter_mut().enumerate().take(table.shape()[1]) {
             for (value, coefficient) in row.iter_mut().zip(table.row(j)) {
                 *value = (coefficient / table.row(0)[0]) as f32;
@@ -319,6 +221,7 @@ impl Cells {
 }
 
 /// What a grid is solved with, in its units: A = 1 from a cell to itself.
+#[derive(Debug)]
 struct Operators {
     compliance: Option<Convolution<f64>>,
     single: Convolution<f32>,

@@ -6,7 +6,7 @@
 //! While |beta| is not the larger, conjugate gradients on the face, cut at the first pressure that vanishes and followed by
 //! a projected step of fixed length 1/|A|; else a step along -beta.
 
-use super::faces::{Level, State, occupied};
+use super::level::{Level, State, occupied};
 use super::operator::Scratch;
 
 /// From p >= 0 with its residual to the tolerance: true. False when the limit of products is met first. `norm`: that of A.

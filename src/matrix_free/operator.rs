@@ -5,11 +5,13 @@
 
 use std::ops::Range;
 
-use super::convolution::{Convolution, Real, Room, Symbol};
+use super::convolution::Convolution;
+use super::lanes::Room;
+use super::symbol::{Real, Symbol};
 use crate::influence::InfluenceTable;
 
 /// The least number not below `n` of the form 2^a 3^b 5^c 7^d, even if `even`: lengths whose transforms are fast.
-fn good_length(n: usize, even: bool) -> usize {
+pub(super) fn good_length(n: usize, even: bool) -> usize {
     (n.max(1)..)
         .find(|&m| {
             let mut rest = m;
@@ -81,6 +83,13 @@ impl Scratch {
     #[must_use]
     pub fn parallel() -> Self {
         Self { parallel: true, ..Self::default() }
+    }
+
+    /// The same room, for all threads of the pool.
+    #[cfg(feature = "parallel")]
+    pub(super) fn shared(&mut self) -> &mut Self {
+        self.parallel = true;
+        self
     }
 
     /// Bytes held.

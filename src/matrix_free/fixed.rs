@@ -1,0 +1,80 @@
+//! A face that stays: conjugate gradients in single precision, and the sums they are made of.
+
+use super::convolution::Convolution;
+use super::operator::Scratch;
+
+/// A face that stays.
+pub(super) struct Fixed<'a> {
+    pub(super) single: &'a Convolution<f32>,
+    pub(super) preconditioner: &'a Convolution<f32>,
+    /// 1 on the face and 0 elsewhere.
+    pub(super) face: &'a [f32],
+}
+
+impl Fixed<'_> {
+    /// Lowers the residual to `goal`, as far as `limit` products allow; calls `step` with length and direction of each step.
+    /// Returns the products it took.
+    pub(super) fn relax(
+        &self,
+        r: &mut [f32],
+        goal: f32,
+        limit: usize,
+        scratch: &mut Scratch,
+        mut step: impl FnMut(f64, &[f32]),
+    ) -> usize {
+        let (n, rows) = (r.len(), 0..self.single.shape()[1]);
+        let [mut z, mut d, mut ad] = [(); 3].map(|()| vec![0.0; n]);
+        let mut rz_old = 0.0;
+        for products in 0..limit {
+            if largest(self.face, r) <= goal {
+                return products;
+            }
+            self.preconditioner.product(r, rows.clone(), &mut z, rows.clone(), scratch);
+            let rz = dot(r, &z);
+            let beta = if products == 0 { 0.0 } else { (rz / rz_old) as f32 };
+            rz_old = rz;
+            for ((d, z), m) in d.iter_mut().zip(&z).zip(self.face) {
+                *d = m * z + beta * *d;
+            }
+            self.single.product(&d, rows.clone(), &mut ad, rows.clone(), scratch);
+            let alpha = rz / dot(&d, &ad);
+            if !alpha.is_finite() {
+                return products + 1;
+            }
+            step(alpha, &d);
+            for ((r, ad), m) in r.iter_mut().zip(&ad).zip(self.face) {
+                *r -= alpha as f32 * m * ad;
+            }
+        }
+        limit
+    }
+}
+
+/// Largest |r| on the face.
+pub(super) fn largest(face: &[f32], r: &[f32]) -> f32 {
+    let mut most = [0.0_f32; 8];
+    let more = |most: &mut f32, m: &f32, r: &f32| {
+        let size = (m * r).abs();
+        *most = if size > *most { size } else { *most };
+    };
+    for (face, r) in face.chunks(8).zip(r.chunks(8)) {
+        for ((most, m), r) in most.iter_mut().zip(face).zip(r) {
+            more(most, m, r);
+        }
+    }
+    most.iter().fold(0.0, |a, b| a.max(*b))
+}
+
+/// a . b: short sums side by side in single precision, summed in double.
+pub(super) fn dot(a: &[f32], b: &[f32]) -> f64 {
+    let piece = |a: &[f32], b: &[f32]| {
+        let mut sums = [0.0_f32; 8];
+        for (a, b) in a.chunks(8).zip(b.chunks(8)) {
+            for ((sum, a), b) in sums.iter_mut().zip(a).zip(b) {
+                *sum += a * b;
+            }
+        }
+        sums.iter().map(|s| f64::from(*s)).sum::<f64>()
+    };
+    a.chunks(512).zip(b.chunks(512)).map(|(a, b)| piece(a, b)).sum()
+}

@@ -1,0 +1,107 @@
+//! One grid as the solvers see it: what is given, and the state that they improve.
+
+use std::ops::Range;
+
+use super::convolution::Convolution;
+use super::operator::Scratch;
+
+/// Offsets, in cells, as far as the displacement by a cell that leaves is foreseen.
+pub(super) const NEAR: usize = 8;
+
+/// The discrete problem on a box of cells, in units of the largest overlap and with A = 1 from a cell to itself: p and r are
+/// then of one size.
+pub(super) struct Level<'a> {
+    /// Overlap in each cell.
+    pub(super) f: &'a [f64],
+    /// The compliance; none where a start for the next grid is all that is wanted.
+    pub(super) compliance: Option<&'a Convolution<f64>>,
+    pub(super) single: &'a Convolution<f32>,
+    pub(super) preconditioner: &'a Convolution<f32>,
+    /// A at offsets below [`NEAR`], row by row.
+    pub(super) near: &'a [[f32; NEAR]; NEAR],
+    pub(super) mirrored: bool,
+    /// Largest error of the gap allowed.
+    pub(super) tolerance: f64,
+    /// Products allowed.
+    pub(super) limit: usize,
+}
+
+/// Pressure and what belongs to it.
+pub(super) struct State {
+    pub(super) p: Vec<f64>,
+    /// f - A p in every cell, when it was last computed in double precision.
+    pub(super) r: Vec<f64>,
+    pub(super) iterations: usize,
+    /// Products in double precision.
+    pub(super) products: usize,
+    /// Products in single precision.
+    pub(super) single_products: usize,
+}
+
+impl State {
+    pub(super) fn from(p: Vec<f64>) -> Self {
+        Self { p, r: Vec::new(), iterations: 0, products: 0, single_products: 0 }
+    }
+
+    pub(super) fn all_products(&self) -> usize {
+        self.products + self.single_products
+    }
+}
+
+impl Level<'_> {
+    pub(super) fn shape(&self) -> [usize; 2] {
+        self.single.shape()
+    }
+
+    /// f - A p from scratch, where there is a compliance in double precision.
+    pub(super) fn refresh(&self, state: &mut State, scratch: &mut Scratch) {
+        let [width, height] = self.shape();
+        state.r.resize(state.p.len(), 0.0);
+        let given = occupied(&state.p, width);
+        let Some(compliance) = self.compliance.filter(|_| !given.is_empty()) else {
+            state.r.copy_from_slice(self.f);
+            return;
+        };
+        compliance.product(&state.p, given, &mut state.r, 0..height, scratch);
+        for (r, f) in state.r.iter_mut().zip(self.f) {
+            *r = f - *r;
+        }
+        state.products += 1;
+    }
+
+    /// Adds to the residual on the face what it will be more by near the cells that leave.
+    pub(super) fn foresee(&self, p: &[f64], cells: Range<usize>, face: &[f32], residual: &mut [f32]) {
+        let [width, height] = self.shape();
+        let reach = |at: usize, end: usize| at.saturating_sub(NEAR - 1)..(at + NEAR).min(end);
+        for (k, _) in p[cells.clone()].iter().zip(face).enumerate().filter(|(_, (p, m))| **m == 0.0 && **p != 0.0) {
+            let k = cells.start + k;
+            let (i, j, p) = (k % width, k / width, p[k] as f32);
+            let mut add = |row: usize, offset: usize| {
+                for x in reach(i, width) {
+                    if let Some(1.0) = (row * width + x).checked_sub(cells.start).and_then(|at| face.get(at)).copied() {
+                        residual[row * width + x] += p * self.near[offset][x.abs_diff(i)];
+                    }
+                }
+            };
+            reach(j, height).for_each(|row| add(row, row.abs_diff(j)));
+            if self.mirrored {
+                // From the image at -1 - j.
+                (0..height.min(NEAR.saturating_sub(j + 1))).for_each(|row| add(row, row + j + 1));
+            }
+        }
+    }
+
+    /// Largest |f - A p| where there is pressure and largest f - A p elsewhere. Only for p >= 0.
+    pub(super) fn error(&self, state: &State) -> f64 {
+        super::error(&state.p, &state.r)
+    }
+}
+
+/// Rows from the first to the last that hold a number other than zero.
+pub(super) fn occupied<T: PartialEq + Default>(field: &[T], width: usize) -> Range<usize> {
+    let holds = |row: &&[T]| row.iter().any(|v| *v != T::default());
+    let rows = field.len() / width;
+    let before = field.chunks_exact(width).take_while(|row| !holds(row)).count();
+    let after = field.chunks_exact(width).rev().take_while(|row| !holds(row)).count();
+    if before == rows { 0..0 } else { before..rows - after }
+}

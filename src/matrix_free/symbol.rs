@@ -1,0 +1,113 @@
+//! The transform of an even kernel, and the planners of either precision.
+
+use std::cell::RefCell;
+use std::ops::{Mul, MulAssign};
+
+use realfft::RealFftPlanner;
+use rustfft::num_complex::Complex;
+use rustfft::{FftNum, FftPlanner};
+
+use super::lanes::{ASIDE, BLOCK};
+
+/// A precision to compute in.
+pub(super) trait Real: FftNum + Mul<Output = Self> + MulAssign + Default {
+    /// Calls with the planners of this thread. Twiddle factors outlive an operator: small problems would spend most of
+    /// their time on them.
+    fn with_planners<R>(work: impl FnOnce(&mut RealFftPlanner<Self>, &mut FftPlanner<Self>) -> R) -> R;
+
+    /// The nearest number of this precision.
+    fn of(value: f64) -> Self;
+}
+
+type Planners<T> = RefCell<(RealFftPlanner<T>, FftPlanner<T>)>;
+
+thread_local! {
+    static DOUBLE: Planners<f64> = RefCell::new((RealFftPlanner::new(), FftPlanner::new()));
+    static SINGLE: Planners<f32> = RefCell::new((RealFftPlanner::new(), FftPlanner::new()));
+}
+
+impl Real for f64 {
+    fn with_planners<R>(work: impl FnOnce(&mut RealFftPlanner<Self>, &mut FftPlanner<Self>) -> R) -> R {
+        DOUBLE.with_borrow_mut(|(real, complex)| work(real, complex))
+    }
+
+    fn of(value: f64) -> Self {
+        value
+    }
+}
+
+impl Real for f32 {
+    fn with_planners<R>(work: impl FnOnce(&mut RealFftPlanner<Self>, &mut FftPlanner<Self>) -> R) -> R {
+        SINGLE.with_borrow_mut(|(real, complex)| work(real, complex))
+    }
+
+    fn of(value: f64) -> Self {
+        value as Self
+    }
+}
+
+/// The transform of an even kernel: real and even, so a quarter of it. Column k holds its rows next to each other.
+pub(super) struct Symbol {
+    /// Lengths of the whole transform.
+    pub(super) length: [usize; 2],
+    pub(super) values: Vec<f64>,
+}
+
+impl Symbol {
+    /// The transform of the kernel whose row j, offsets i = 0..=length_x/2, is what `fill` puts in place of zeros.
+    pub(super) fn of(length: [usize; 2], fill: impl Fn(usize, &mut [f64])) -> Self {
+        let [mx, my] = length;
+        let zero = Complex::default();
+        let (along, across) =
+            f64::with_planners(|real, complex| (real.plan_fft_forward(mx), complex.plan_fft_forward(my)));
+        let (columns, half) = (mx / 2 + 1, my / 2 + 1);
+        // Rows of the kernel, extended evenly: their transforms are real.
+        let mut rows = vec![0.0; half * columns];
+        let (mut row, mut spectrum) = (vec![0.0; mx], vec![zero; columns]);
+        let mut scratch = vec![zero; along.get_scratch_len().max(across.get_inplace_scratch_len())];
+        for j in 0..half {
+            row.fill(0.0);
+            fill(j, &mut row[..columns]);
+            for i in columns..mx {
+                row[i] = row[mx - i];
+            }
+            if row[0] != 0.0 {
+                let done = along.process_with_scratch(&mut row, &mut spectrum, &mut scratch);
+                debug_assert!(done.is_ok());
+                for (to, from) in rows[j * columns..].iter_mut().zip(&spectrum) {
+                    *to = from.re;
+                }
+            }
+        }
+        // Two real even columns make one complex transform.
+        let mut values = vec![0.0; columns * half];
+        let mut work = vec![zero; BLOCK * (my + ASIDE)];
+        for first in (0..columns).step_by(2 * BLOCK) {
+            let pairs = (columns - first).div_ceil(2).min(BLOCK);
+            for j in 0..half {
+                let row = &rows[j * columns..(j + 1) * columns][first..];
+                for (pair, column) in row.chunks(2).zip(work.chunks_exact_mut(my + ASIDE)) {
+                    let value = Complex { re: pair[0], im: pair.get(1).copied().unwrap_or(0.0) };
+                    column[j] = value;
+                    column[(my - j) % my] = value;
+                }
+            }
+            for (c, column) in work.chunks_exact_mut(my + ASIDE).enumerate().take(pairs) {
+                across.process_with_scratch(&mut column[..my], &mut scratch);
+                let k = first + 2 * c;
+                for (l, value) in column[..half].iter().enumerate() {
+                    values[k * half + l] = value.re;
+                    if k + 1 < columns {
+                        values[(k + 1) * half + l] = value.im;
+                    }
+                }
+            }
+        }
+        Self { length, values }
+    }
+
+    /// The largest magnitude: the 2-norm of the convolution, or a bound of it.
+    pub(super) fn norm(&self) -> f64 {
+        self.values.iter().fold(0.0, |m: f64, s| m.max(s.abs()))
+    }
+}
