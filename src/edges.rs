@@ -78,6 +78,22 @@ pub(crate) fn measure(door: &Door, state: &GridState) -> [f64; 2] {
     [hx.max(hy), left_out(door, state)]
 }
 
+/// The box with shares of a cell put to each side, others for each grid: edges along the cells would otherwise fall upon them, or
+/// just beside, on every grid alike, and what is left out would tell nothing.
+fn moved(window: &Rect, cells: usize, k: usize) -> Rect {
+    // A sequence of the generalised golden ratio in four dimensions (Roberts 2018).
+    let share = |n: i32| (0.5 + GOLDEN.powi(n) * k as f64).fract();
+    let size = window.size();
+    let h = size[0].max(size[1]) / cells as f64;
+    Rect {
+        min: [window.min[0] - share(1) * h, window.min[1] - share(2) * h],
+        max: [window.max[0] + share(3) * h, window.max[1] + share(4) * h],
+    }
+}
+
+/// 1/phi, phi^5 = phi + 1.
+const GOLDEN: f64 = 0.856_674_883_854_502_9;
+
 /// States on grids four to a doubling, coarse to fine.
 #[derive(Debug, Clone)]
 pub(crate) struct Ladder {
@@ -122,21 +138,28 @@ impl Ladder {
     }
 }
 
-/// Grids up to `finest` cells along the longer side until the force is known to the tolerance, or as well as they tell.
+/// Grids up to `finest` cells along the longer side, moved against the edges unless those lie along the cells (`aligned`), until the force is known to the tolerance, or as well as they tell.
 ///
 /// # Errors
 /// As the solvers; `ToleranceNotReached` when no grid is fine enough to see the contact.
 pub(crate) fn ladder(
     door: &Door,
     window: &mut Rect,
+    aligned: bool,
     finest: usize,
     settings: &Settings,
     method: Method,
 ) -> Result<(Ladder, Estimate), Unsolved> {
     let (mut states, mut grids): (Vec<GridState>, Vec<[f64; 2]>) = Default::default();
     let mut best = None;
-    for cells in (0..).map(cells).take_while(|&n| n <= finest.clamp(128, FINEST)) {
-        let state = match at_resolution(door, window, cells, settings, method) {
+    for (k, cells) in (0..).map(cells).take_while(|&n| n <= finest.clamp(128, FINEST)).enumerate() {
+        let (mut laid, cells) = if aligned { (*window, cells) } else { (moved(window, cells, k), cells + 1) };
+        let first = laid;
+        let state = at_resolution(door, &mut laid, cells, settings, method);
+        if laid != first {
+            *window = window.union(&laid);
+        }
+        let state = match state {
             Err(e) if e.verdict == Verdict::TooLarge && best.is_some() => break,
             other => other?,
         };

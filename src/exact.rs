@@ -195,9 +195,10 @@ pub(crate) fn as_far_as(
         let close = error <= settings.tolerance * value && (clean || forces.len() >= 3);
         // Three grids may agree on a limit that is not the punch's while its edges lie between two rows of cells.
         let sharp_edges = forces.len() >= 3 && !clean && edges::met(&state);
-        let good = close && !(sharp_edges && edges::left_out(door, &state) > 0.0);
+        let aligned = sharp_edges && edges::left_out(door, &state) == 0.0;
+        let good = close && (aligned || !sharp_edges);
         if !good && sharp_edges {
-            return sharp(door, &mut window, finest, settings, method, spent);
+            return sharp(door, &mut window, aligned, finest, settings, method, spent);
         }
         best = Some(Refined { state, force: value, error, stopped: None, ladder: None });
         if good {
@@ -215,12 +216,13 @@ pub(crate) fn as_far_as(
 fn sharp(
     door: &Door,
     window: &mut Rect,
+    aligned: bool,
     finest: usize,
     settings: &Settings,
     method: Method,
     spent: (usize, usize),
 ) -> Result<Refined, Unsolved> {
-    let (ladder, Estimate { value, error }) = edges::ladder(door, window, finest, settings, method)?;
+    let (ladder, Estimate { value, error }) = edges::ladder(door, window, aligned, finest, settings, method)?;
     let (iterations, operator_products) = ladder.spent();
     let mut state = ladder.last().clone();
     (state.iterations, state.operator_products) = (spent.0 + iterations, spent.1 + operator_products);
