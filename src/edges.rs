@@ -155,7 +155,9 @@ pub(crate) fn ladder(
     for (k, cells) in (0..).map(cells).take_while(|&n| n <= finest.clamp(128, FINEST)).enumerate() {
         let (mut laid, cells) = if aligned { (*window, cells) } else { (moved(window, cells, k), cells + 1) };
         let first = laid;
-        let state = at_resolution(door, &mut laid, cells, settings, method);
+        // Room for the shares of a cell.
+        let roomy = Door { gap: door.gap, depth: door.depth, reach: door.reach.union(&laid) };
+        let state = at_resolution(&roomy, &mut laid, cells, settings, method);
         if laid != first {
             *window = window.union(&laid);
         }
