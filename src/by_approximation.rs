@@ -90,10 +90,12 @@ fn boundary(
         return Err(Unsolved::new(Verdict::ToleranceNotReached, reason));
     }
     if found.family == Family::Stationary {
-        // The pressure under a disc is exact, so that its force is too low: a stationary boundary with less is the wrong one.
+        // The pressure under a disc is exact, so that its force is too low: a stationary boundary with less, by more than may
+        // be wrong with either, is the wrong one.
         let rough = fabrikant::Settings { tolerance: 1e-4, boundary_points: 0, ..*fine };
         if let Ok(disc) = fabrikant::solve(gap, modulus, depth, Family::Circle, &rough)
-            && disc.force * (1.0 - disc.quadrature_error.iter().sum::<f64>()) > found.force * (1.0 + off + 1e-6)
+            && disc.force * (1.0 - disc.quadrature_error.iter().sum::<f64>())
+                > found.force * (1.0 + off + settings.tolerance)
         {
             let reason = format!(
                 "the stationary boundary found has the force {:e}, but a disc alone holds {:e}: it is not the largest",

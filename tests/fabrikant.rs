@@ -5,7 +5,7 @@
 use std::f64::consts::{FRAC_2_PI, PI, TAU};
 
 use contact_patch::fabrikant::{self, Family, FlatPunch, RegularPolyhedron, Settings};
-use contact_patch::gap::{AnyGap, Cone, Flat, Outline, Paraboloid, Placed, Polyhedron, Power, Revolved, Sphere};
+use contact_patch::gap::{AnyGap, Cone, Flat, Gap, Outline, Paraboloid, Placed, Polyhedron, Power, Revolved, Sphere};
 use contact_patch::{Body, EffectiveModulus, Verdict, ritz};
 
 fn unit() -> EffectiveModulus {
@@ -535,4 +535,99 @@ fn depth_for_a_force() {
     }
     let error = fabrikant::at_force(&*gaps[0], unit(), -1.0, Family::Stationary, &settings).unwrap_err();
     assert_eq!(error.verdict(), None);
+}
+
+/// A gap of planes is convex, and log P concave over ellipses: the maximum is one, and symmetry makes it a circle.
+#[test]
+fn the_best_ellipse_of_a_regular_punch_is_a_circle() {
+    let settings = Settings::with_tolerance(1e-8);
+    for n in 3..=12 {
+        for exponent in -12..=12 {
+            let depth = 10f64.powf(0.25 * f64::from(exponent));
+            let punch = Polyhedron::truncated_pyramid(n, 0.25 * PI, 1.0).unwrap();
+            let moved = Placed::new(punch, [0.3, -0.2], 0.4).unwrap();
+            let ellipse = ritz::ellipse(&moved, unit(), depth, &settings).unwrap();
+            let circle = ritz::circle(&moved, unit(), depth, &settings).unwrap();
+            assert!(relative(ellipse.force, circle.force) < 1e-9, "{n} {depth}: {} {}", ellipse.force, circle.force);
+            assert!(ellipse.second_variation.unwrap() < 0.0 && ellipse.residual < 1e-6, "{n} {depth}");
+            // No less than the incircle of the flat alone.
+            assert!(ellipse.force >= 2.0 * depth, "{n} {depth}");
+        }
+    }
+    // Very many faces are a cone cut off.
+    let punch = Polyhedron::truncated_pyramid(1000, 0.25 * PI, 1.0).unwrap();
+    let cone = Revolved::new(vec![[0.0, 0.0], [1.0, 0.0], [20.0, 19.0]]).unwrap();
+    for depth in [0.01, 0.3, 5.0] {
+        let [a, b] = [AnyGap::new(punch.clone()), AnyGap::new(cone.clone())]
+            .map(|gap| ritz::circle(&gap, unit(), depth, &Settings::with_tolerance(1e-7)).unwrap().force);
+        assert!(relative(a, b) < 2e-5, "{depth}: {a} {b}");
+    }
+}
+
+/// Planes at random: no other ellipse has more force, by a quadrature that knows nothing of ridges.
+#[test]
+fn no_ellipse_beats_the_best_one() {
+    let mut state = 7u64;
+    let mut random = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    };
+    let settings = Settings::with_tolerance(1e-7);
+    let mut bounded = 0;
+    for case in 0..80 {
+        let planes = (0..3 + case % 6).map(|_| [random(), random(), 0.3 * random()]).collect();
+        let punch = Polyhedron::new(planes).unwrap();
+        let [x, y] = punch.centre();
+        let depth = punch.gap(x, y) + 10f64.powf(2.0 * random());
+        if !matches!(punch.reach(depth), contact_patch::gap::Reach::Within(_)) {
+            continue;
+        }
+        bounded += 1;
+        let best = ritz::ellipse(&punch, unit(), depth, &settings).unwrap();
+        let radii = best.boundary.outline.iter().map(|p| p[1]);
+        let (b, a) = (radii.clone().fold(f64::INFINITY, f64::min), radii.fold(0.0, f64::max));
+        let long = best.boundary.outline.iter().max_by(|p, q| p[1].total_cmp(&q[1])).unwrap()[0];
+        let force = |shift: [f64; 5]| {
+            let (a, b, turn) = (a * shift[2].exp(), b * shift[3].exp(), long + shift[4]);
+            let radius = |theta: f64| 1.0 / ((theta - turn).cos() / a).hypot((theta - turn).sin() / b);
+            let centre = [best.centroid[0] + b * shift[0], best.centroid[1] + b * shift[1]];
+            fabrikant::force(&punch, unit(), depth, centre, &radius, &[], &Settings::with_tolerance(1e-6))
+                .unwrap()
+                .force
+        };
+        assert!(relative(force([0.0; 5]), best.force) < 1e-5, "{case}: {} {}", force([0.0; 5]), best.force);
+        for size in [0.03, 0.3] {
+            for _ in 0..6 {
+                let other = force(std::array::from_fn(|_| size * random()));
+                assert!(other < best.force * (1.0 + 1e-6), "{case}: {other} {}", best.force);
+            }
+        }
+    }
+    assert!(bounded > 30, "{bounded}");
+}
+
+/// Where the ellipse is nearer to the truth than a Fourier series, `auto` takes the ellipse (measured by the fft method).
+#[test]
+fn auto_does_not_believe_a_small_gain() {
+    let settings = Settings::with_tolerance(1e-6);
+    let hertzian = Paraboloid::new([1.8, 0.5]).unwrap();
+    let stiffer = |x: f64, y: f64| x * x + 4.0 * y * y + 0.5 * x.powi(4);
+    let gaps = [(AnyGap::new(hertzian), hertz(1.0 / 3.6)), (AnyGap::new(stiffer), 0.66499)];
+    for (k, (gap, exact)) in gaps.iter().enumerate() {
+        let series = fabrikant::solve(gap, unit(), 1.0, Family::Fourier(4), &settings).unwrap();
+        let found = fabrikant::auto(gap, unit(), 1.0, &settings).unwrap();
+        assert_eq!(found.family, Family::Ellipse, "{k}: {}", found.why);
+        assert!(relative(found.force, *exact) < relative(series.force, *exact), "{k}");
+        assert!(found.why.contains("Fourier series of order 4 gains"), "{}", found.why);
+    }
+}
+
+/// A gap that is not convex: the ellipse over two tips, not over one of them alone.
+#[test]
+fn the_best_ellipse_covers_two_tips() {
+    let tip = |x: f64, y: f64| 0.5 * (x * x + y * y);
+    let two = move |x: f64, y: f64| tip(x - 1.0, y).min(tip(x + 1.0, y));
+    let one = ritz::ellipse(&tip, unit(), 1.0, &Settings::with_tolerance(1e-6)).unwrap();
+    let found = ritz::ellipse(&two, unit(), 1.0, &Settings::with_tolerance(1e-4)).unwrap();
+    assert!(found.force > 1.4 * one.force && found.centroid[0].abs() < 1e-2, "{} {}", found.force, one.force);
 }

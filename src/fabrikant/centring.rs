@@ -4,10 +4,12 @@ use nalgebra::Vector2;
 
 use crate::error::{Unsolved, Verdict};
 use crate::fabrikant::star::Star;
-use crate::fabrikant::sweeps::Found;
+use crate::fabrikant::sweeps::{Found, LOW};
 
 /// Moves of the centre before giving up.
 const MOST_MOVES: usize = 40;
+/// Moves in a row at which the hump of G_a is too low on some ray, before it is taken to be so wherever the centre is.
+const MOST_LOW: usize = 12;
 
 impl Star<'_> {
     /// Moves the centre to the centroid of the settled region until the two agree (Broyden's method; the step that the
@@ -22,12 +24,16 @@ impl Star<'_> {
         let mut last: Option<(Vector2<f64>, Vector2<f64>)> = None;
         // What a loose boundary leaves in the centroid would be noise to the moves; where none is needed it does no harm.
         let mut residual = if self.moved { 0.01 * allowed } else { f64::INFINITY };
+        let mut low = 0;
         for moves in 0..MOST_MOVES {
             let found = settle(self, residual)?;
+            low = if found.tightest.1 < -LOW { low + 1 } else { 0 };
             let (off, area) = self.centroid_and_area();
             let off = Vector2::from(off);
             let size = area.sqrt();
-            if off.norm() <= allowed * size || (moves + 1 == MOST_MOVES && found.tightest.1 < -1e-9) {
+            let hopeless = low == MOST_LOW || (low > 0 && self.tired().is_some());
+            let at_last = moves + 1 == MOST_MOVES && found.tightest.1 < -1e-9;
+            if off.norm() <= allowed * size || hopeless || at_last {
                 return Ok((found, moves, off.norm() / size));
             }
             if residual > 0.01 * allowed {

@@ -75,10 +75,11 @@ pub(super) fn best(
     let centroid = problem.overlap.gap.outward([star.centre[0] + off[0], star.centre[1] + off[1]]);
     let perimeter = star.sum(|r| r.a);
     let mut outline = star.outline();
+    let mut phi = vec![0.0; q.len()];
     for k in 0..settings.boundary_points {
         let angle = std::f64::consts::TAU * k as f64 / settings.boundary_points as f64;
         let ray = star.extra_ray(angle, 1.0);
-        let phi = shapes(&star, &ray, family);
+        shapes(&star, &ray, family, phi.iter_mut());
         outline.push([angle, phi.iter().zip(&q).map(|(p, q)| p * q).sum()]);
     }
     outline.sort_by(|p, q| p[0].total_cmp(&q[0]));
@@ -102,18 +103,24 @@ pub(super) fn best(
     })
 }
 
-/// phi_j at the angle of a ray.
-fn shapes(star: &Star, ray: &Ray, family: Family) -> Vec<f64> {
+/// Number of shapes phi_j.
+fn parameters(family: Family) -> usize {
     match family {
-        Family::Fourier(order) => {
-            let waves = (1..=order).flat_map(|k| {
-                let (sin, cos) = (k as f64 * ray.spoke.angle).sin_cos();
-                [cos, sin]
-            });
-            std::iter::once(1.0).chain(waves).collect()
-        }
-        Family::PlanForm => vec![contour(star, ray)],
-        Family::Stationary | Family::Circle | Family::Ellipse => vec![1.0],
+        Family::Fourier(order) => 1 + 2 * order,
+        Family::PlanForm | Family::Stationary | Family::Circle | Family::Ellipse => 1,
+    }
+}
+
+/// phi_j at the angle of a ray, into `phi`.
+fn shapes<'p>(star: &Star, ray: &Ray, family: Family, phi: impl Iterator<Item = &'p mut f64>) {
+    for (j, phi) in phi.enumerate() {
+        let wave = j.div_ceil(2) as f64 * ray.spoke.angle;
+        *phi = match family {
+            Family::PlanForm => contour(star, ray),
+            _ if j == 0 => 1.0,
+            _ if j % 2 == 1 => wave.cos(),
+            _ => wave.sin(),
+        };
     }
 }
 
@@ -152,10 +159,10 @@ fn second_variation(star: &Star, phi: &DMatrix<f64>) -> DMatrix<f64> {
 /// of unit mean square.
 fn climb(star: &mut Star, family: Family, q: &mut Vec<f64>, allowed: f64) -> Result<(Found, f64), Unsolved> {
     let rays = star.rays.len();
-    let n = if rays == 0 { 0 } else { shapes(star, &star.rays[0], family).len() };
+    let n = parameters(family);
     let mut phi = DMatrix::zeros(n, rays);
     for k in 0..rays {
-        phi.set_column(k, &DVector::from_vec(shapes(star, &star.rays[k], family)));
+        shapes(star, &star.rays[k], family, phi.column_mut(k).iter_mut());
     }
     // Shapes of unit mean square over the angle, so that all parameters weigh alike.
     let norms: Vec<f64> = (0..n)
@@ -191,6 +198,9 @@ fn climb(star: &mut Star, family: Family, q: &mut Vec<f64>, allowed: f64) -> Res
     // The circle first, the rest of the family from there.
     let mut alone = q.len() != n;
     for _ in 0..MOST_STEPS {
+        if let Some(spent) = star.tired() {
+            return Err(left(format!("no maximum found in {spent} evaluations of the gap")));
+        }
         let mut gradient = DVector::zeros(n);
         for k in 0..rays {
             let ray = &star.rays[k];

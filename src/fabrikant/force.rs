@@ -1,7 +1,7 @@
 //! P(A) of any boundary, equation (12).
 
 use crate::error::{InputError, Unsolved, Verdict};
-use crate::fabrikant::ray::Stand;
+use crate::fabrikant::radial::Stand;
 use crate::fabrikant::sectors::{SIXTH, Sectors};
 use crate::fabrikant::star::Star;
 use crate::fabrikant::{Error, Problem, Settings, first_rung};

@@ -4,7 +4,7 @@
 //! | equation | file |
 //! |---|---|
 //! | (10), (11) flat punch of any star-shaped plan-form | `flat_punch.rs` |
-//! | (12) P(A) of any boundary, inner integral along a ray | `force.rs`, `ray.rs` |
+//! | (12) P(A) of any boundary, inner integral along a ray | `force.rs`, `sums.rs`; `ray.rs`, `radial.rs` |
 //! | (15) stationary boundary | `stationary.rs`: `sweeps.rs` for D, `outer_root.rs` and `hump.rs` for a(theta) on a ray, `centring.rs`, `crossings.rs` |
 //! | (17)-(19), (25) regular polyhedra in closed form | `polyhedron.rs` |
 //! | families of boundaries | `family.rs`; which of them, `choice.rs` |
@@ -28,10 +28,12 @@ mod outer_root;
 mod plan_form;
 mod polyhedron;
 mod problem;
+mod radial;
 mod ray;
 mod sectors;
 mod star;
 mod stationary;
+mod sums;
 mod sweeps;
 
 pub use choice::{at_force, auto, solve};
@@ -40,7 +42,8 @@ pub use flat_punch::FlatPunch;
 pub use force::{Force, force};
 pub use polyhedron::RegularPolyhedron;
 pub(crate) use problem::{Problem, first_rung};
-pub(crate) use ray::{DIFFERENCE_STEP, Overlap, RadialRule};
+pub(crate) use radial::RadialRule;
+pub(crate) use ray::{DIFFERENCE_STEP, Overlap};
 pub(crate) use sectors::{Sectors, Spoke, THIRD};
 pub use stationary::stationary;
 
@@ -183,4 +186,12 @@ pub struct Approximation {
     pub iterations: usize,
     /// A rigorous lower bound, where there is one (ellipses).
     pub lower_bound: Option<LowerBound>,
+}
+
+impl Approximation {
+    /// Shorter over longer axis of an ellipse, from the extremes of its boundary (exact where its points hold both ends).
+    fn axis_ratio(&self) -> f64 {
+        let radii = self.boundary.outline.iter().map(|p| p[1]);
+        radii.clone().fold(f64::INFINITY, f64::min) / radii.fold(0.0, f64::max)
+    }
 }

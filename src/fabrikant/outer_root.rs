@@ -6,7 +6,7 @@
 //! bracket is therefore kept in places, not in a: first the kinks decide on which piece the root lies, then Newton's method
 //! and halving work in the coordinate of that piece.
 
-use crate::fabrikant::ray::Stand;
+use crate::fabrikant::radial::Stand;
 use crate::fabrikant::star::{Ray, Star};
 use crate::scalar::maximum;
 

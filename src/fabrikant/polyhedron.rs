@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 
 use crate::error::{InputError, Unsolved, Verdict};
 use crate::fabrikant::Error;
-use crate::fabrikant::ray::gauss_legendre;
+use crate::fabrikant::radial::gauss_legendre;
 use crate::gap::Polyhedron;
 
 /// The stationary boundary of an n-faced regular punch, in units of depth = 1 and tan(inclination) = 1.

@@ -11,6 +11,9 @@ pub(crate) struct Problem<'a> {
     pub e_star: f64,
     /// How far from the origin the overlap may reach, in units of length.
     pub reach: f64,
+    /// Centre and half sides of the rectangle that holds the overlap.
+    pub middle: [f64; 2],
+    pub half: [f64; 2],
     /// Whether that had to be searched: the gap may hold surprises.
     pub searched: bool,
 }
@@ -47,6 +50,8 @@ impl<'a> Problem<'a> {
             overlap: Overlap::new(scaled, depth / unit),
             e_star: modulus.e_star(),
             reach: far / length,
+            middle: scaled.inward(rect.centre()),
+            half: rect.size().map(|side| 0.5 * side / length),
             searched: gap.certain_reach(depth) == Reach::Unknown,
         })
     }
@@ -76,7 +81,7 @@ pub(super) fn several_parts(angle: f64) -> Unsolved {
         Verdict::NotStarShaped,
         format!(
             "the bodies overlap again further out in the direction of {:.4} degrees: the contact may have several parts",
-            angle.to_degrees()
+            angle.to_degrees().rem_euclid(360.0)
         ),
     )
 }

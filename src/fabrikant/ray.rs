@@ -14,8 +14,8 @@
 //! rounding from eight nodes.
 
 use std::f64::consts::FRAC_PI_2;
-use std::sync::OnceLock;
 
+use crate::fabrikant::radial::{RadialRule, Stand};
 use crate::gap::{Gap, Scaled};
 
 /// The overlap f = level - gap in the units of the solver.
@@ -25,12 +25,19 @@ pub(crate) struct Overlap<'a> {
     /// The depth, in units of depth: 1 when the gap is zero at its centre.
     pub level: f64,
     has_gradient: bool,
+    has_planes: bool,
 }
 
 impl<'a> Overlap<'a> {
     pub fn new(gap: Scaled<'a>, level: f64) -> Self {
         let [x, y] = gap.centre();
-        Self { has_gradient: gap.gradient(x, y).is_some(), gap, level }
+        let has_gradient = gap.gradient(x, y).is_some();
+        Self { has_gradient, has_planes: has_gradient && gap.ridges().is_some(), gap, level }
+    }
+
+    /// Whether the gap is plane between its kinks.
+    pub fn has_planes(&self) -> bool {
+        self.has_planes
     }
 
     pub fn has_gradient(&self) -> bool {
@@ -76,143 +83,6 @@ pub(crate) const DIFFERENCE_STEP: f64 = 6e-6;
 /// How far from a kink, relative to its distance, the slope on one side of it is read: more than the rounding of points.
 const ASIDE: f64 = 1e-11;
 
-/// One node of the rule in t on [0, pi/2].
-#[derive(Clone, Copy)]
-pub(crate) struct RadialNode {
-    pub sin: f64,
-    pub cos: f64,
-    pub weight: f64,
-}
-
-/// A rule in t. The finer ones crowd towards t = 0, for gaps whose slope is infinite or jumps there.
-pub(crate) struct RadialRule {
-    /// Nodes on the whole of [0, pi/2].
-    pub whole: Vec<RadialNode>,
-    /// The same on [0, 1], crowding at 0: the first piece of a split ray.
-    first: Vec<[f64; 2]>,
-    /// Gauss-Legendre on [0, 1]: the other pieces.
-    plain: Vec<[f64; 2]>,
-}
-
-impl RadialRule {
-    /// The rules from coarse to fine; each serves as the check of the one before.
-    pub fn ladder() -> &'static [RadialRule] {
-        static LADDER: OnceLock<Vec<RadialRule>> = OnceLock::new();
-        LADDER.get_or_init(|| {
-            [(4, 1), (8, 1), (16, 1), (32, 4), (64, 4), (128, 4), (256, 4)].map(|(n, p)| Self::new(n, p)).into()
-        })
-    }
-
-    fn new(nodes: usize, crowding: i32) -> Self {
-        let plain = gauss_legendre(nodes);
-        let first: Vec<[f64; 2]> =
-            plain.iter().map(|&[x, w]| [x.powi(crowding), w * f64::from(crowding) * x.powi(crowding - 1)]).collect();
-        let whole = first
-            .iter()
-            .map(|&[x, w]| {
-                let (sin, cos) = (FRAC_PI_2 * x).sin_cos();
-                RadialNode { sin, cos, weight: FRAC_PI_2 * w }
-            })
-            .collect();
-        Self { whole, first, plain }
-    }
-
-    /// Calls `visit` at every node of [0, pi/2] split where sin t is one of `kinks`/a (ascending).
-    pub fn visit(&self, kinks: &[f64], a: f64, mut visit: impl FnMut(RadialNode)) {
-        let stand = Stand::at(kinks, a);
-        self.visit_pieces(kinks, &stand, |_, node| visit(node));
-    }
-
-    /// Calls `visit` with the piece (the number of kinks below it) and the node. Angles are counted from the end of the
-    /// ray, phi = pi/2 - t, so that a piece however thin keeps its digits.
-    fn visit_pieces(&self, kinks: &[f64], stand: &Stand, mut visit: impl FnMut(usize, RadialNode)) {
-        if stand.inner == 0 {
-            self.whole.iter().for_each(|&node| visit(0, node));
-            return;
-        }
-        let mut from = stand.phi_of(kinks, 0);
-        let to = FRAC_PI_2 - from;
-        for &[x, w] in &self.first {
-            let (sin, cos) = (to * x).sin_cos();
-            visit(0, RadialNode { sin, cos, weight: to * w });
-        }
-        for piece in 1..=stand.inner {
-            let to = if piece < stand.inner { stand.phi_of(kinks, piece) } else { 0.0 };
-            for &[x, w] in &self.plain {
-                let (cos, sin) = (from - (from - to) * x).sin_cos();
-                visit(piece, RadialNode { sin, cos, weight: (from - to) * w });
-            }
-            from = to;
-        }
-    }
-}
-
-/// A place on a ray: r = a, beyond the first `inner` kinks. Just past a kink k, where G_a falls with infinite slope
-/// (G_a(k) - G_a(a) ~ the jump of the slope times sqrt(a - k)), a itself has too few digits: there the place is the angle
-/// phi with a = k/cos(phi), and G_a is smooth in it.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(crate) struct Stand {
-    pub a: f64,
-    /// How many kinks lie below a; a itself may be the next one, and then belongs to the inner side.
-    pub inner: usize,
-    /// acos(k/a) of the last of these; 0 when there is none.
-    pub phi: f64,
-}
-
-impl Stand {
-    pub fn at(kinks: &[f64], a: f64) -> Self {
-        let inner = kinks.partition_point(|&k| k < a);
-        let phi = match inner {
-            0 => 0.0,
-            n => {
-                let k = kinks[n - 1] / a;
-                ((1.0 - k) * (1.0 + k)).sqrt().atan2(k)
-            }
-        };
-        Self { a, inner, phi }
-    }
-
-    /// The place at this angle beyond kink number `kink`.
-    pub fn beyond(kinks: &[f64], kink: usize, phi: f64) -> Self {
-        Self { a: kinks[kink] / phi.cos(), inner: kink + 1, phi }
-    }
-
-    /// acos(k/a) of kink number `kink`, one of the inner ones.
-    fn phi_of(&self, kinks: &[f64], kink: usize) -> f64 {
-        let last = self.inner - 1;
-        if kink == last {
-            return self.phi;
-        }
-        let (sin, cos) = self.phi.sin_cos();
-        let ratio = kinks[kink] / kinks[last];
-        let below = (kinks[last] - kinks[kink]) / kinks[last] * (1.0 + ratio);
-        (sin * sin + cos * cos * below).sqrt().atan2(ratio * cos)
-    }
-}
-
-/// Nodes and weights of the n-point Gauss-Legendre rule on [0, 1], by Newton on the Legendre recurrence.
-pub(crate) fn gauss_legendre(n: usize) -> Vec<[f64; 2]> {
-    let legendre = |x: f64| {
-        let (mut p0, mut p1) = (1.0, x);
-        for k in 2..=n {
-            let k = k as f64;
-            (p0, p1) = (p1, ((2.0 * k - 1.0) * x * p1 - (k - 1.0) * p0) / k);
-        }
-        (p1, n as f64 * (x * p1 - p0) / (x * x - 1.0))
-    };
-    (0..n)
-        .map(|i| {
-            let mut x = -(std::f64::consts::PI * (i as f64 + 0.75) / (n as f64 + 0.5)).cos();
-            for _ in 0..8 {
-                let (p, dp) = legendre(x);
-                x -= p / dp;
-            }
-            let (_, dp) = legendre(x);
-            [0.5 * (1.0 + x), 1.0 / ((1.0 - x * x) * dp * dp)]
-        })
-        .collect()
-}
-
 /// G and its derivatives at one a.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Along {
@@ -227,9 +97,28 @@ pub(crate) struct RayLine<'a> {
     pub centre: [f64; 2],
     pub direction: [f64; 2],
     pub kinks: &'a [f64],
+    /// For a gap made of planes: the slope along the ray on the first piece, and its jumps at the kinks.
+    pub planes: Option<(f64, &'a [f64])>,
 }
 
 impl RayLine<'_> {
+    /// Appends the jumps at the kinks of a gap made of planes, and returns the slope on the first piece.
+    pub fn read_planes(&self, f: &Overlap, jumps: &mut Vec<f64>) -> f64 {
+        let slope = |piece: usize| {
+            let from = if piece > 0 { self.kinks[piece - 1] } else { 0.0 };
+            let to = self.kinks.get(piece).copied().unwrap_or(if from > 0.0 { 3.0 * from } else { 1.0 });
+            f.slope_along(self.centre, self.direction, 0.5 * (from + to), 0.0)
+        };
+        let first = slope(0);
+        let mut last = first;
+        for kink in 0..self.kinks.len() {
+            let next = slope(kink + 1);
+            jumps.push(next - last);
+            last = next;
+        }
+        first
+    }
+
     pub fn at(&self, r: f64) -> [f64; 2] {
         [self.centre[0] + r * self.direction[0], self.centre[1] + r * self.direction[1]]
     }
@@ -249,6 +138,9 @@ impl RayLine<'_> {
     /// cot(phi) + sin(2 phi)/2, and what is left of g_r - g_r(a) goes to zero at the end of the ray.
     pub fn along(&self, f: &Overlap, f0: f64, stand: &Stand, rule: &RadialRule) -> Along {
         let a = stand.a;
+        if let Some(planes) = self.planes {
+            return self.along_planes(planes, f0, stand);
+        }
         let h = DIFFERENCE_STEP * a;
         let back = if f.has_gradient { 1.0 } else { 1.0 - DIFFERENCE_STEP };
         let mut end = self.slope(f, stand.inner, a * back, h);
@@ -292,9 +184,32 @@ impl RayLine<'_> {
         }
     }
 
+    /// G, G_a and G_aa over planes: nothing is left to integrate.
+    ///
+    /// Beyond a kink at t = pi/2 - phi the slope is larger by J: int sin^2 = (phi - sin phi cos phi)/2 over [0, phi], and so on.
+    fn along_planes(&self, (first, jumps): (f64, &[f64]), f0: f64, stand: &Stand) -> Along {
+        let a = stand.a;
+        let (mut cos2, mut one_plus, mut singular) = (first * 0.5 * FRAC_PI_2, first * 1.5 * FRAC_PI_2, 0.0);
+        for (kink, j) in jumps.iter().enumerate().take(stand.inner) {
+            let phi = stand.phi_of(self.kinks, kink);
+            let (sin, cos) = phi.sin_cos();
+            cos2 += j * 0.5 * (phi - sin * cos);
+            one_plus += j * 0.5 * (3.0 * phi - sin * cos);
+            singular += j * (cos / sin + sin * cos);
+        }
+        Along {
+            g: a * a * (f0 - a * cos2),
+            g_a: a * (2.0 * f0 - a * one_plus),
+            g_aa: 2.0 * f0 - 2.0 * a * one_plus - a * singular,
+        }
+    }
+
     /// G alone.
     pub fn g(&self, f: &Overlap, f0: f64, stand: &Stand, rule: &RadialRule) -> f64 {
         let (a, mut sum) = (stand.a, 0.0);
+        if let Some(planes) = self.planes {
+            return self.along_planes(planes, f0, stand).g;
+        }
         if f.has_gradient {
             rule.visit_pieces(self.kinks, stand, |piece, n| {
                 sum += n.weight * n.cos * n.cos * self.slope(f, piece, a * n.sin, 0.0);
@@ -323,7 +238,7 @@ mod tests {
             [(1.0, std::f64::consts::FRAC_PI_4), (2.0, 2.0 / 3.0), (3.0, 3.0 * std::f64::consts::PI / 16.0)];
         for (n, m) in half_beta {
             let gap = Power::new(0.7, n).unwrap();
-            let line = RayLine { centre: [0.0; 2], direction: [0.6, 0.8], kinks: &[] };
+            let line = RayLine { centre: [0.0; 2], direction: [0.6, 0.8], kinks: &[], planes: None };
             let a = 0.9f64;
             let along = line.along(&overlap(&gap), 1.0, &Stand::at(&[], a), &RadialRule::ladder()[2]);
             let c = 0.7 * m;
@@ -344,9 +259,15 @@ mod tests {
         let mut kinks = Vec::new();
         let e = [0.3f64.cos(), 0.3f64.sin()];
         blunt.ray_kinks([0.0; 2], e, &mut kinks);
-        let line = RayLine { centre: [0.0; 2], direction: e, kinks: &kinks };
+        let line = RayLine { centre: [0.0; 2], direction: e, kinks: &kinks, planes: None };
+        let mut jumps = Vec::new();
+        let first = line.read_planes(&f, &mut jumps);
+        let exact = RayLine { planes: Some((first, &jumps)), ..line };
         let rule = &RadialRule::ladder()[2];
         for a in [0.2, 0.35, 0.6] {
+            let (here, closed) = [line, exact].map(|l| l.along(&f, 1.0, &Stand::at(&kinks, a), rule)).into();
+            assert!((here.g - closed.g).abs() < 1e-14 && (here.g_a - closed.g_a).abs() < 1e-14, "{a}");
+            assert!((here.g_aa - closed.g_aa).abs() < 1e-12, "{a}: {} {}", here.g_aa, closed.g_aa);
             let along = |a: f64| line.along(&f, 1.0, &Stand::at(&kinks, a), rule);
             let (h, here) = (1e-5, along(a));
             let (up, down) = (along(a + h), along(a - h));

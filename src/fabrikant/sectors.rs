@@ -25,8 +25,8 @@ const MOST_EQUAL: usize = 128;
 /// Panels whose error is so many times what is allowed are quartered at once.
 const MUCH: f64 = 1e3;
 
-/// Rays on a panel.
-const PER_PANEL: usize = 15;
+/// Sectors beyond which each is so narrow that seven rays do the work of fifteen.
+const MANY: usize = 48;
 
 #[derive(Debug, Clone)]
 enum Layout {
@@ -39,6 +39,8 @@ enum Layout {
 /// The rule over [0, 2 pi).
 #[derive(Debug, Clone)]
 pub(crate) struct Sectors {
+    /// The rule of a panel.
+    rule: &'static [[f64; 3]],
     ends: Vec<f64>,
     widest: f64,
     layout: Layout,
@@ -52,12 +54,12 @@ impl Sectors {
             0 => Layout::Equal(16),
             n => Layout::Panels((0..n).map(|k| (k, 0.0, 1.0)).collect()),
         };
-        Self { ends, widest, layout }
+        Self { rule: if ends.len() > MANY { &SEVEN } else { &FIFTEEN }, ends, widest, layout }
     }
 
     /// Equally spaced rays whatever the gap: cheap, for a first look.
     pub fn equal(rays: usize) -> Self {
-        Self { ends: Vec::new(), widest: SIXTH, layout: Layout::Equal(rays) }
+        Self { rule: &FIFTEEN, ends: Vec::new(), widest: SIXTH, layout: Layout::Equal(rays) }
     }
 
     /// The same panels when the ridges have moved a little; fresh ones when their number has changed.
@@ -82,7 +84,7 @@ impl Sectors {
                 for &(k, from, to) in panels {
                     let width = (self.ends.get(k + 1).copied().unwrap_or(self.ends[0] + TAU)) - self.ends[k];
                     let (middle, half) = (self.ends[k] + 0.5 * (from + to) * width, 0.5 * (to - from) * width);
-                    spokes.extend(kronrod().map(|[x, fine, coarse]| Spoke {
+                    spokes.extend(self.rule.iter().map(|[x, fine, coarse]| Spoke {
                         angle: middle + half * x,
                         fine: half * fine,
                         coarse: half * coarse,
@@ -96,7 +98,7 @@ impl Sectors {
     pub fn error(&self, spokes: &[Spoke], values: &[f64]) -> f64 {
         match &self.layout {
             Layout::Equal(_) => difference(spokes, values).abs(),
-            Layout::Panels(panels) => (0..panels.len()).map(|p| panel_error(p, spokes, values)).sum(),
+            Layout::Panels(panels) => (0..panels.len()).map(|p| panel_error(p, self.rule.len(), spokes, values)).sum(),
         }
     }
 
@@ -110,10 +112,10 @@ impl Sectors {
                 self.layout = Layout::Panels((0..8).map(|k| (k, 0.0, 1.0)).collect());
             }
             Layout::Panels(panels) => {
-                let share = allowed / panels.len() as f64;
+                let (share, per_panel) = (allowed / panels.len() as f64, self.rule.len());
                 let mut split = Vec::with_capacity(2 * panels.len());
                 for (p, &(k, from, to)) in panels.iter().enumerate() {
-                    let error = panel_error(p, spokes, values);
+                    let error = panel_error(p, per_panel, spokes, values);
                     if error > MUCH * share {
                         let at = |m: f64| from + 0.25 * m * (to - from);
                         split.extend([0.0, 1.0, 2.0, 3.0].map(|m| (k, at(m), at(m + 1.0))));
@@ -124,7 +126,7 @@ impl Sectors {
                         split.push((k, from, to));
                     }
                 }
-                if split.len() == panels.len() || split.len() * PER_PANEL > most_rays.max(panels.len() * PER_PANEL) {
+                if split.len() == panels.len() || split.len() * per_panel > most_rays.max(panels.len() * per_panel) {
                     return false;
                 }
                 *panels = split;
@@ -140,8 +142,8 @@ fn difference(spokes: &[Spoke], values: &[f64]) -> f64 {
 }
 
 /// Error of one panel, as in QUADPACK: the difference of the two rules, sharpened where it is already small.
-fn panel_error(panel: usize, spokes: &[Spoke], values: &[f64]) -> f64 {
-    let range = panel * PER_PANEL..(panel + 1) * PER_PANEL;
+fn panel_error(panel: usize, per_panel: usize, spokes: &[Spoke], values: &[f64]) -> f64 {
+    let range = panel * per_panel..(panel + 1) * per_panel;
     let (spokes, values) = (&spokes[range.clone()], &values[range]);
     let width: f64 = spokes.iter().map(|s| s.fine).sum();
     let mean = spokes.iter().zip(values).map(|(s, v)| s.fine * v).sum::<f64>() / width;
@@ -168,18 +170,36 @@ fn sector_ends(directions: &[f64], widest: f64) -> Vec<f64> {
 }
 
 /// The 7-15 point Gauss-Kronrod rule on [-1, 1] as (node, Kronrod weight, Gauss weight), ascending (QUADPACK, dqk15).
-fn kronrod() -> impl Iterator<Item = [f64; 3]> {
-    const HALF: [[f64; 3]; 8] = [
-        [0.991_455_371_120_812_6, 0.022_935_322_010_529_225, 0.0],
-        [0.949_107_912_342_758_5, 0.063_092_092_629_978_55, 0.129_484_966_168_869_7],
-        [0.864_864_423_359_769_1, 0.104_790_010_322_250_18, 0.0],
-        [0.741_531_185_599_394_4, 0.140_653_259_715_525_92, 0.279_705_391_489_276_66],
-        [0.586_087_235_467_691_1, 0.169_004_726_639_267_9, 0.0],
-        [0.405_845_151_377_397_2, 0.190_350_578_064_785_4, 0.381_830_050_505_118_9],
-        [0.207_784_955_007_898_47, 0.204_432_940_075_298_9, 0.0],
-        [0.0, 0.209_482_141_084_727_83, 0.417_959_183_673_469_4],
-    ];
-    HALF.into_iter().map(|[x, k, g]| [-x, k, g]).chain(HALF.into_iter().rev().skip(1))
+static FIFTEEN: [[f64; 3]; 15] = mirrored([
+    [0.991_455_371_120_812_6, 0.022_935_322_010_529_225, 0.0],
+    [0.949_107_912_342_758_5, 0.063_092_092_629_978_55, 0.129_484_966_168_869_7],
+    [0.864_864_423_359_769_1, 0.104_790_010_322_250_18, 0.0],
+    [0.741_531_185_599_394_4, 0.140_653_259_715_525_92, 0.279_705_391_489_276_66],
+    [0.586_087_235_467_691_1, 0.169_004_726_639_267_9, 0.0],
+    [0.405_845_151_377_397_2, 0.190_350_578_064_785_4, 0.381_830_050_505_118_9],
+    [0.207_784_955_007_898_47, 0.204_432_940_075_298_9, 0.0],
+    [0.0, 0.209_482_141_084_727_83, 0.417_959_183_673_469_4],
+]);
+
+/// The 3-7 point rule.
+static SEVEN: [[f64; 3]; 7] = mirrored([
+    [0.960_491_268_708_020_3, 0.104_656_226_026_467_27, 0.0],
+    [0.774_596_669_241_483_4, 0.268_488_089_868_333_44, 0.555_555_555_555_555_6],
+    [0.434_243_749_346_802_56, 0.401_397_414_775_962_2, 0.0],
+    [0.0, 0.450_916_538_658_474_14, 0.888_888_888_888_888_9],
+]);
+
+/// A rule on [-1, 1] from its nodes greater than zero, descending, and zero.
+const fn mirrored<const HALF: usize, const ALL: usize>(half: [[f64; 3]; HALF]) -> [[f64; 3]; ALL] {
+    let mut all = [[0.0; 3]; ALL];
+    let mut k = 0;
+    while k < HALF {
+        let [x, fine, coarse] = half[k];
+        all[k] = [-x, fine, coarse];
+        all[ALL - 1 - k] = half[k];
+        k += 1;
+    }
+    all
 }
 
 #[cfg(test)]
@@ -187,13 +207,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn kronrod_integrates_polynomials() {
-        for power in 0..=22 {
-            let exact = if power % 2 == 0 { 2.0 / f64::from(power + 1) } else { 0.0 };
-            let sum: f64 = kronrod().map(|[x, k, _]| k * x.powi(power)).sum();
-            assert!((sum - exact).abs() < 1e-15, "{power}");
-            let coarse: f64 = kronrod().map(|[x, _, g]| g * x.powi(power)).sum();
-            assert!(power > 13 || (coarse - exact).abs() < 1e-15, "{power}");
+    fn the_rules_integrate_polynomials() {
+        for (rule, fine, coarse) in [(&FIFTEEN[..], 22, 13), (&SEVEN[..], 10, 5)] {
+            for power in 0..=fine {
+                let exact = if power % 2 == 0 { 2.0 / f64::from(power + 1) } else { 0.0 };
+                let sum = |k: usize| rule.iter().map(|node| node[k] * node[0].powi(power)).sum::<f64>();
+                assert!((sum(1) - exact).abs() < 1e-15, "{power}");
+                assert!(power > coarse || (sum(2) - exact).abs() < 1e-15, "{power}");
+            }
         }
     }
 

@@ -1,20 +1,27 @@
 //! A star of rays about one centre: the state that the boundary solvers share.
 
+use std::cell::Cell;
 use std::f64::consts::TAU;
 
 use nalgebra::Matrix2;
 
-use crate::fabrikant::ray::{Along, Overlap, RadialRule, RayLine, Stand};
+use crate::fabrikant::radial::{RadialRule, Stand};
+use crate::fabrikant::ray::{Along, Overlap, RayLine};
 use crate::fabrikant::sectors::{SIXTH, Sectors, Spoke};
 use crate::gap::Gap;
+
+/// Evaluations of the gap after which a solve is given up: many times what a gap takes whose boundary is one smooth curve.
+pub(super) const MOST_EVALUATIONS: usize = 1_500_000;
 
 /// One ray and the boundary on it.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Ray {
     pub spoke: Spoke,
     pub direction: [f64; 2],
-    /// Range in the shared list of kinks.
+    /// Range in the shared lists of kinks and jumps.
     pub kinks: (usize, usize),
+    /// Slope of the gap on the first piece, where it is made of planes.
+    pub slope: f64,
     /// Where the boundary stands.
     pub a: f64,
     /// The same to all digits, once measured.
@@ -45,12 +52,14 @@ pub(crate) struct Star<'a> {
     pub sectors: Sectors,
     pub rays: Vec<Ray>,
     kinks: Vec<f64>,
+    /// Jumps of the slope at the kinks, where the gap is made of planes.
+    jumps: Vec<f64>,
     /// Where the gap says that it is not smooth.
     pub directions: Vec<f64>,
     /// Where the boundary was found to run over a ridge.
     pub crossings: Vec<f64>,
-    spokes: Vec<Spoke>,
-    values: Vec<f64>,
+    pub(super) spokes: Vec<Spoke>,
+    pub(super) values: Vec<f64>,
     /// Place in the ladder of radial rules.
     pub rung: usize,
     /// Inverse of the derivative of the centroid's offset by the centre, negative: what the moves of the centre learn.
@@ -59,6 +68,8 @@ pub(crate) struct Star<'a> {
     pub moved: bool,
     /// Whether every step checks that there is material at the boundary, not only along the rays.
     pub careful: bool,
+    /// Evaluations of the gap so far, nearly.
+    pub(super) spent: Cell<usize>,
 }
 
 impl<'a> Star<'a> {
@@ -73,6 +84,7 @@ impl<'a> Star<'a> {
             sectors: Sectors::between(&directions, SIXTH),
             rays: Vec::new(),
             kinks: Vec::new(),
+            jumps: Vec::new(),
             directions,
             crossings: Vec::new(),
             spokes: Vec::new(),
@@ -81,6 +93,7 @@ impl<'a> Star<'a> {
             recentring: Matrix2::identity() * (8.0 / (3.0 * std::f64::consts::PI)),
             moved: false,
             careful: false,
+            spent: Cell::new(0),
         };
         star.lay(&[[0.0, start]]);
         star
@@ -98,7 +111,9 @@ impl<'a> Star<'a> {
 
     /// The geometry of one ray.
     pub fn line(&self, ray: &Ray) -> RayLine<'_> {
-        RayLine { centre: self.centre, direction: ray.direction, kinks: &self.kinks[ray.kinks.0..ray.kinks.1] }
+        let range = ray.kinks.0..ray.kinks.1;
+        let planes = self.overlap.has_planes().then(|| (ray.slope, &self.jumps[range.clone()]));
+        RayLine { centre: self.centre, direction: ray.direction, kinks: &self.kinks[range], planes }
     }
 
     /// Angles and radii of the present boundary, ascending.
@@ -114,6 +129,7 @@ impl<'a> Star<'a> {
         self.sectors.spokes(&mut spokes);
         self.rays.clear();
         self.kinks.clear();
+        self.jumps.clear();
         for &spoke in &spokes {
             let ray = self.new_ray(spoke, radius_in(outline, spoke.angle));
             self.rays.push(ray);
@@ -131,13 +147,19 @@ impl<'a> Star<'a> {
         let (sin, cos) = spoke.angle.sin_cos();
         let from = self.kinks.len();
         self.overlap.gap.ray_kinks(self.centre, [cos, sin], &mut self.kinks);
-        self.kinks[from..].sort_by(f64::total_cmp);
+        self.kinks[from..].sort_unstable_by(f64::total_cmp);
         let kinks = (from, self.kinks.len());
+        let mut slope = 0.0;
+        if self.overlap.has_planes() {
+            let line = RayLine { centre: self.centre, direction: [cos, sin], kinks: &self.kinks[from..], planes: None };
+            slope = line.read_planes(self.overlap, &mut self.jumps);
+        }
         let (stand, along) = Default::default();
         Ray {
             spoke,
             direction: [cos, sin],
             kinks,
+            slope,
             a,
             stand,
             limit: f64::INFINITY,
@@ -180,6 +202,7 @@ impl<'a> Star<'a> {
     /// Forgets the kinks of the rays made since this mark.
     pub fn release(&mut self, mark: usize) {
         self.kinks.truncate(mark);
+        self.jumps.truncate(mark.min(self.jumps.len()));
     }
 
     /// Evaluates G at the boundary of one ray, which is pulled back to the edge of the material if it lies beyond.
@@ -190,6 +213,7 @@ impl<'a> Star<'a> {
                 ray.stand = Stand::at(self.line(&ray).kinks, ray.a);
             }
             ray.along = self.line(&ray).along(self.overlap, self.f0, &ray.stand, self.rule());
+            self.spent.set(self.spent.get() + self.price(&ray));
             let Along { g, g_a, g_aa } = ray.along;
             if (g + g_a + g_aa).is_finite() && (!self.careful || self.has_material(&ray)) {
                 return ray;
@@ -218,6 +242,22 @@ impl<'a> Star<'a> {
         ray
     }
 
+    /// Evaluations of the gap that one measurement takes.
+    pub(super) fn price(&self, ray: &Ray) -> usize {
+        let pieces = 1 + ray.stand.inner;
+        match (self.overlap.has_planes(), self.overlap.has_gradient()) {
+            (true, _) => pieces,
+            (false, true) => pieces * self.rule().whole.len(),
+            // Two for the slope and one for the value.
+            (false, false) => 3 * pieces * self.rule().whole.len(),
+        }
+    }
+
+    /// The evaluations spent, when they are more than a solve may take.
+    pub fn tired(&self) -> Option<usize> {
+        Some(self.spent.get()).filter(|&spent| spent > MOST_EVALUATIONS)
+    }
+
     fn has_material(&self, ray: &Ray) -> bool {
         self.overlap.at(self.line(ray).at(ray.a)).is_finite()
     }
@@ -238,68 +278,13 @@ impl<'a> Star<'a> {
         }
     }
 
-    /// The sum over the rays with the weights of the fine rule.
-    pub fn sum(&self, value: impl Fn(&Ray) -> f64) -> f64 {
-        self.rays.iter().map(|r| r.spoke.fine * value(r)).sum()
-    }
-
-    /// int G / L, which is P/(2E*) of the present boundary (equation 12).
-    pub fn quotient(&self) -> f64 {
-        self.sum(|r| r.along.g) / self.sum(|r| r.a)
-    }
-
-    /// Centroid of the region, relative to the centre, and its area.
-    pub fn centroid_and_area(&self) -> ([f64; 2], f64) {
-        let (mut moment, mut twice) = ([0.0; 2], 0.0);
-        for r in &self.rays {
-            let aa = r.spoke.fine * r.a * r.a;
-            twice += aa;
-            moment[0] += aa * r.a * r.direction[0] / 3.0;
-            moment[1] += aa * r.a * r.direction[1] / 3.0;
-        }
-        (moment.map(|m| 2.0 * m / twice), 0.5 * twice)
-    }
-
-    /// Relative error of the quotient: that over the angles, that along the rays.
-    ///
-    /// The sum that matters is that of G - D a: at the stationary boundary it is smoother than the boundary.
-    pub fn errors(&mut self, quotient: f64) -> [f64; 2] {
-        let scale = quotient.abs() * self.sum(|r| r.a);
-        for (value, r) in self.values.iter_mut().zip(&self.rays) {
-            *value = r.along.g - quotient * r.a;
-        }
-        let angular = self.sectors.error(&self.spokes, &self.values) / scale;
-        let radial = self.finer_rule().map_or(f64::NAN, |finer| {
-            self.sum(|r| self.line(r).g(self.overlap, self.f0, &r.stand, finer) - r.along.g).abs() / scale
-        });
-        [angular, if radial.is_nan() { f64::EPSILON } else { radial }]
-    }
-
-    /// Makes the rule finer where `errors` (just computed) say so. False when that is not possible.
-    pub fn refine(&mut self, errors: [f64; 2], tolerance: f64, quotient: f64, most_rays: usize) -> bool {
-        let mut finer = false;
-        if errors[1] > 0.5 * tolerance && self.rung + 2 < RadialRule::ladder().len() {
-            self.rung += 1;
-            finer = true;
-        }
-        if errors[0] > 0.5 * tolerance {
-            let allowed = 0.5 * tolerance * quotient.abs() * self.sum(|r| r.a);
-            if self.sectors.refine(&self.spokes, &self.values, allowed, most_rays) {
-                let outline = self.outline();
-                self.lay(&outline);
-                finer = true;
-            }
-        }
-        finer
-    }
-
     /// Whether the overlap comes back, along a ray, after having been lost: a second tip that the star does not hold.
     /// Sampled out to `reach`: 12 points in 16 directions, or 48 in 64 when little is known of the gap.
     pub fn second_part(&self, reach: f64, thorough: bool) -> Option<f64> {
         let (directions, points) = if thorough { (64, 48) } else { (16, 12) };
         (0..directions).map(|k| TAU * f64::from(k) / f64::from(directions)).find(|angle| {
             let (sin, cos) = angle.sin_cos();
-            let line = RayLine { centre: self.centre, direction: [cos, sin], kinks: &[] };
+            let line = RayLine { centre: self.centre, direction: [cos, sin], kinks: &[], planes: None };
             let mut lost = false;
             (1..=points).any(|k| {
                 let f = self.overlap.at(line.at(reach * f64::from(k) / f64::from(points)));

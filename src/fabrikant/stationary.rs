@@ -17,12 +17,16 @@ use crate::error::{Unsolved, Verdict};
 use crate::fabrikant::plan_form::flat;
 use crate::fabrikant::problem::{Problem, first_rung, several_parts};
 use crate::fabrikant::star::{Ray, Star};
+use crate::fabrikant::sweeps::LOW;
 use crate::fabrikant::{Approximation, Error, Family, Settings};
 use crate::gap::Gap;
 use crate::material::EffectiveModulus;
 
 /// How often the rays are laid anew along the crossings of the boundary with the ridges.
 const MOST_LOOKS: usize = 8;
+
+/// Layouts of rays and moves of the centre before giving up.
+const MOST_ITERATIONS: usize = 200;
 
 /// The stationary boundary, equation (15).
 ///
@@ -56,7 +60,7 @@ pub fn stationary(
     // A coarse layout needs no better centre than itself; the last one does.
     let centred = (0.1 * tolerance).max(1e-13);
     let mut off_allowed = centred.max(1e-4);
-    let (found, errors) = loop {
+    let (found, errors, off) = loop {
         let (found, moves, off) =
             star.centre(off_allowed, |star, at_most| star.settle(residual_allowed.min(at_most).max(1e-13)))?;
         iterations += 1 + moves;
@@ -69,17 +73,27 @@ pub fn stationary(
         let errors = star.errors(found.d);
         let error = errors[0] + errors[1];
         let lacking = found.tightest.1 < -10.0 * error.max(1e-12);
-        let enough = error <= tolerance || iterations > 60;
+        let enough = error <= tolerance || iterations > 60 || star.tired().is_some();
         let refined = !lacking && !enough && star.refine(errors, tolerance, found.d, settings.most_rays);
-        if !refined && (lacking || off <= centred) {
-            break (found, errors);
+        let exhausted = star.tired().is_some() || iterations > MOST_ITERATIONS;
+        if exhausted || (!refined && (lacking || off <= centred)) {
+            break (found, errors, off);
         }
         off_allowed = if refined { centred.max(0.01 * error).min(off_allowed) } else { centred };
     };
-    let (angle, margin) = star.tightest(found.d);
-    // A ray on which G_a = D holds has its root: only what exceeds the residual tells.
-    if margin < -(2.0 * found.residual).max(1e-10) {
-        return Err(no_boundary(angle, margin).into());
+    let (mut angle, mut margin) = star.tightest(found.d);
+    if found.tightest.1 < margin {
+        (angle, margin) = found.tightest;
+    }
+    // A ray on which G_a = D holds has its root: only what exceeds the residual tells, or what no search along a ray finds.
+    if found.tightest.1 < -LOW || margin < -(2.0 * found.residual).max(1e-10) {
+        return Err(no_boundary(angle, margin, off).into());
+    }
+    if off > off_allowed {
+        let reason = format!(
+            "the centroid is still {off:.1e} of the size of the region off the centre after {iterations} moves"
+        );
+        return Err(Unsolved::new(Verdict::IterationLimit, reason).into());
     }
     if let Some(angle) = star.second_part(problem.reach, problem.searched) {
         return Err(several_parts(angle).into());
@@ -113,12 +127,13 @@ pub fn stationary(
     })
 }
 
-fn no_boundary(angle: f64, margin: f64) -> Unsolved {
+fn no_boundary(angle: f64, margin: f64, off: f64) -> Unsolved {
+    let wandering = if off > 1e-3 { ", wherever the centre was moved on its way to the centroid" } else { "" };
     Unsolved::new(
         Verdict::NoStationaryBoundary,
         format!(
-            "in the direction of {:.4} degrees G_a (equation 15) never exceeds D: its top is {:.4} % below",
-            angle.to_degrees(),
+            "in the direction of {:.4} degrees G_a (equation 15) never exceeds D: its top is {:.4} % below{wandering}",
+            angle.to_degrees().rem_euclid(360.0),
             -100.0 * margin
         ),
     )

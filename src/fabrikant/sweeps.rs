@@ -9,6 +9,9 @@ const MOST_SWEEPS: usize = 80;
 /// Sweeps after which a ray that has not settled is solved by itself, safely.
 const PATIENT_SWEEPS: usize = 12;
 
+/// Share of D by which the hump of G_a is too low beyond doubt.
+pub(crate) const LOW: f64 = 1e-3;
+
 /// What the sweeps found on the present layout.
 pub(crate) struct Found {
     /// D = N/L.
@@ -27,14 +30,20 @@ impl Star<'_> {
             self.measure_all();
             let quotient = self.quotient();
             let change = ((quotient - d) / quotient).abs();
-            if quotient.is_finite() {
+            if quotient > 0.0 && quotient.is_finite() {
                 d = quotient;
+            } else {
+                // Much too far out: D > 0 brings the boundary back.
+                d *= 0.5;
             }
             // Roots for a D that is still to move need not be closer than that.
             let within = (0.01 * change).clamp(0.01 * residual_allowed, 1e-3);
             let found = self.judge(d);
             if sweep > 0 && found.residual <= residual_allowed && d > 0.0 && self.on_material() {
                 return Ok(found);
+            }
+            if let Some(spent) = self.tired() {
+                return self.given_up(found, &format!("{spent} evaluations of the gap"));
             }
             let aim = self.aim(if sweep == 0 { 0.0 } else { d.max(0.0) });
             let bound = if sweep == 0 { 1e3 } else { 4.0 };
@@ -61,7 +70,24 @@ impl Star<'_> {
                 }
             }
         }
-        Err(Unsolved::new(Verdict::IterationLimit, format!("the boundary did not settle in {MOST_SWEEPS} sweeps")))
+        let found = self.judge(d);
+        self.given_up(found, &format!("{MOST_SWEEPS} sweeps"))
+    }
+
+    /// What there is to say when the boundary has not settled: that the hump is too low on some ray, if it is; else how far
+    /// equation (15) is from holding.
+    fn given_up(&self, found: Found, after: &str) -> Result<Found, Unsolved> {
+        if found.tightest.1 < -LOW {
+            return Ok(found);
+        }
+        let off = |r: &Ray| if r.at_edge() { 0.0 } else { (r.along.g_a - found.d).abs() };
+        let worst = self.rays.iter().max_by(|a, b| off(a).total_cmp(&off(b)));
+        let reason = format!(
+            "the boundary has not settled after {after}: G_a (equation 15) is still {:.2e} of D off in the direction of {:.4} degrees",
+            worst.map_or(f64::NAN, off) / found.d,
+            worst.map_or(f64::NAN, |r| r.spoke.angle.to_degrees().rem_euclid(360.0)),
+        );
+        Err(Unsolved::new(Verdict::IterationLimit, reason))
     }
 
     /// The D that the models of all rays together lead to: Dinkelbach without evaluating the gap.
@@ -91,7 +117,7 @@ impl Star<'_> {
     }
 
     fn endless(&self, ray: &Ray) -> Unsolved {
-        let degrees = ray.spoke.angle.to_degrees();
+        let degrees = ray.spoke.angle.to_degrees().rem_euclid(360.0);
         Unsolved::new(Verdict::Unbounded, format!("the contact does not end in the direction of {degrees:.4} degrees"))
     }
 
@@ -104,8 +130,13 @@ impl Star<'_> {
                 continue;
             }
             if ray.stuck && off < 0.0 {
-                if off / d < found.tightest.1 {
-                    found.tightest = (ray.spoke.angle, off / d);
+                let margin = self.margin(ray, d);
+                if margin < found.tightest.1 {
+                    found.tightest = (ray.spoke.angle, margin);
+                }
+                // Higher elsewhere on the ray: the search has gone astray.
+                if margin > 0.0 {
+                    found.residual = found.residual.max(off.abs() / d);
                 }
                 continue;
             }
@@ -116,6 +147,11 @@ impl Star<'_> {
             }
             // On top of a hump that is too low, G_aa = 0 is all there is to settle.
             let residual = if margin < 0.0 && off < 0.0 { ray.along.g_aa * ray.a } else { off };
+            // Far beyond a kink the place is known to its angle only: what rounding of that leaves is no residual.
+            let rounding = 16.0 * f64::EPSILON * ray.along.g_aa * ray.a * ray.stand.phi.tan();
+            if ray.stand.inner > 0 && residual.abs() <= rounding.abs() {
+                continue;
+            }
             found.residual = found.residual.max(residual.abs() / d);
         }
         found
@@ -124,8 +160,7 @@ impl Star<'_> {
     /// Top of the hump of G_a on this ray, over D, less one.
     fn margin(&self, ray: &Ray, d: f64) -> f64 {
         match Hump::through(ray, self.f0) {
-            _ if ray.stuck => ray.along.g_a / d - 1.0,
-            _ if ray.stand.inner > 0 => self.highest_seen(ray, d) / d - 1.0,
+            _ if ray.stuck || ray.stand.inner > 0 => self.highest_seen(ray, d) / d - 1.0,
             Some(hump) => hump.top[1].max(if ray.along.g_aa <= 0.0 { ray.along.g_a } else { f64::MIN }) / d - 1.0,
             None => f64::INFINITY,
         }

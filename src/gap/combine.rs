@@ -266,15 +266,21 @@ impl Gap for Minimum {
         let distance = |part: &AnyGap| (part.centre()[0] - from[0]).hypot(part.centre()[1] - from[1]);
         let far = self.parts.iter().map(distance).fold(0.0, f64::max);
         let (unit, decades) = if far > 0.0 { (far, 9) } else { (1.0, 24) };
-        let powers = (0..=12 * decades).map(|k| unit * 10f64.powf(f64::from(k) / 12.0 - f64::from(decades) + 3.0));
-        let mut samples: Vec<f64> = powers.chain((1..=96).map(|k| f64::from(k) / 48.0 * far)).collect();
-        samples.sort_by(f64::total_cmp);
-        for pair in samples.windows(2) {
-            let (mut a, mut b) = (pair[0], pair[1]);
-            let before = self.least(at(a));
-            if self.least(at(b)) == before {
-                continue;
+        let (step, last) = (10f64.powf(1.0 / 12.0), unit * 1e3);
+        let (mut power, mut even) = (last * 10f64.powi(-decades), 1.0);
+        // The place before, and the least part there.
+        let mut last_seen: Option<(f64, usize)> = None;
+        while power <= 1.0001 * last {
+            // Both sequences in one, ascending.
+            let next = if even <= 96.0 { (even / 48.0 * far).min(power) } else { power };
+            if next == power {
+                power *= step;
+            } else {
+                even += 1.0;
             }
+            let mut b = next;
+            let least = self.least(at(b));
+            let Some((mut a, before)) = last_seen.replace((b, least)).filter(|seen| seen.1 != least) else { continue };
             for _ in 0..60 {
                 let middle = 0.5 * (a + b);
                 *if self.least(at(middle)) == before { &mut a } else { &mut b } = middle;

@@ -18,6 +18,7 @@ mod placed;
 mod polyhedron;
 mod range;
 mod revolved;
+mod ridges;
 mod search;
 mod tilted;
 
@@ -34,6 +35,7 @@ pub use outline::Outline;
 pub use placed::{Placed, Scaled};
 pub use polyhedron::Polyhedron;
 pub use revolved::Revolved;
+pub use ridges::{Ridge, Ridges};
 pub use search::extent;
 pub use tilted::Tilted;
 
@@ -118,6 +120,12 @@ pub trait Gap: Send + Sync {
     /// for fixed small r: the ridges and valleys that meet there, and the corners further out.
     fn kink_directions(&self, _from: [f64; 2], _angles: &mut Vec<f64>) {}
 
+    /// All ridges of a gap that is the highest of several planes; `None` for any other. With them the integrals over an
+    /// ellipse have a closed form ([`crate::ritz`]).
+    fn ridges(&self) -> Option<Ridges> {
+        None
+    }
+
     /// A point to start looking from; the apex, where there is one.
     fn centre(&self) -> [f64; 2] {
         [0.0, 0.0]
@@ -193,6 +201,10 @@ impl Gap for AnyGap {
 
     fn kink_directions(&self, from: [f64; 2], angles: &mut Vec<f64>) {
         self.0.kink_directions(from, angles);
+    }
+
+    fn ridges(&self) -> Option<Ridges> {
+        self.0.ridges()
     }
 
     fn centre(&self) -> [f64; 2] {

@@ -2,7 +2,7 @@
 
 use nalgebra::{Rotation2, Vector2};
 
-use super::{Gap, Reach};
+use super::{Gap, Reach, Ridges};
 use crate::error::{InputError, finite};
 use crate::geometry::Rect;
 
@@ -108,6 +108,11 @@ impl<G: Gap> Gap for Placed<G> {
         angles[known..].iter_mut().for_each(|a| *a += self.turn.angle());
     }
 
+    fn ridges(&self) -> Option<Ridges> {
+        let turned = |v: [f64; 2]| (self.turn * Vector2::from(v)).into();
+        self.inner.ridges().map(|ridges| ridges.seen(|p| self.outward(p), turned, turned))
+    }
+
     fn centre(&self) -> [f64; 2] {
         self.outward(self.inner.centre())
     }
@@ -194,6 +199,11 @@ impl Gap for Scaled<'_> {
 
     fn kink_directions(&self, from: [f64; 2], angles: &mut Vec<f64>) {
         self.gap.kink_directions(self.outward(from), angles);
+    }
+
+    fn ridges(&self) -> Option<Ridges> {
+        let steeper = |jump: [f64; 2]| jump.map(|s| s / self.depth * self.length);
+        self.gap.ridges().map(|ridges| ridges.seen(|p| self.inward(p), |v| v, steeper))
     }
 
     fn centre(&self) -> [f64; 2] {

@@ -3,7 +3,8 @@
 use std::f64::consts::TAU;
 
 use super::analytic::slope_of;
-use super::{Gap, Reach};
+use super::ridges::{corner_window, face_polygon, unit};
+use super::{Gap, Reach, Ridges};
 use crate::error::{InputError, finite, positive};
 use crate::geometry::{Rect, area, centroid, clip};
 
@@ -14,7 +15,13 @@ use crate::geometry::{Rect, area, centroid, clip};
 pub struct Polyhedron {
     planes: Vec<[f64; 3]>,
     apex: [f64; 2],
-    regular: Option<(usize, f64)>,
+    /// Number of faces and slope of a pyramid, pointed or blunt: the first planes are its faces in order.
+    fan: Option<(usize, f64)>,
+    /// Inradius of the flat tip of a pyramid.
+    flat: f64,
+    /// Holds every corner with room to spare.
+    window: Rect,
+    ridges: Ridges,
 }
 
 impl Polyhedron {
@@ -31,8 +38,10 @@ impl Polyhedron {
                 finite(&format!("planes[{k}][{m}]"), value)?;
             }
         }
-        let apex = lowest_point(&planes);
-        Ok(Self { planes, apex, regular: None })
+        let window = corner_window(&planes);
+        let ridges = Ridges::of(&planes, &window);
+        let apex = lowest_point(&planes, &ridges, &window);
+        Ok(Self { planes, apex, fan: None, flat: 0.0, window, ridges })
     }
 
     /// A regular pyramid of `faces` >= 2 faces, each inclined by `inclination` (radians, in (0, pi/2)); the first face
@@ -52,7 +61,14 @@ impl Polyhedron {
                 [slope * cos, slope * sin, 0.0]
             })
             .collect();
-        Ok(Self { planes, apex: [0.0; 2], regular: Some((faces, slope)) })
+        Ok(Self::of_fan(planes, faces, slope, 0.0))
+    }
+
+    fn of_fan(planes: Vec<[f64; 3]>, faces: usize, slope: f64, flat: f64) -> Self {
+        let ridges = Ridges::of_fan(faces, slope, flat);
+        let room = if flat > 0.0 { 4.0 * flat / (0.5 * TAU / faces as f64).cos() } else { 4.0 };
+        let window = Rect::around([0.0; 2], [room; 2]);
+        Self { planes, apex: [0.0; 2], fan: Some((faces, slope)), flat, window, ridges }
     }
 
     /// A pyramid whose tip is cut off so that a flat polygon of this inradius is left; the gap is zero on the flat.
@@ -63,12 +79,16 @@ impl Polyhedron {
         let pointed = Self::pyramid(faces, inclination)?;
         let flat = positive("flat", flat)?;
         let slope = slope_of(inclination)?;
+        if faces == 2 {
+            let [a, b] = [slope, -slope].map(|s| [s, 0.0, -slope * flat]);
+            return Self::new(vec![a, b, [0.0; 3]]);
+        }
         let mut planes = pointed.planes;
         for plane in &mut planes {
             plane[2] = -slope * flat;
         }
         planes.push([0.0; 3]);
-        Ok(Self { planes, apex: [0.0; 2], regular: None })
+        Ok(Self::of_fan(planes, faces, slope, flat))
     }
 
     /// The planes, `[slope_x, slope_y, offset]`.
@@ -80,114 +100,35 @@ impl Polyhedron {
     /// Number of faces and their slope, when this is a regular pointed pyramid.
     #[must_use]
     pub fn regular(&self) -> Option<(usize, f64)> {
-        self.regular
+        self.fan.filter(|_| self.flat == 0.0)
     }
 
     fn highest(&self, x: f64, y: f64) -> &[f64; 3] {
         let height = |p: &[f64; 3]| p[0] * x + p[1] * y + p[2];
         // With few faces it is quicker to look at them all.
-        if let Some((faces, _)) = self.regular.filter(|&(faces, _)| faces > 12) {
+        if let Some((faces, _)) = self.fan.filter(|&(faces, _)| faces > 12) {
             // The face whose sector holds the point; neighbours guard against rounding.
             let k = (y.atan2(x) / TAU * faces as f64).round() as i64;
             let face = |k: i64| &self.planes[k.rem_euclid(faces as i64) as usize];
             return [face(k - 1), face(k + 1)]
                 .into_iter()
+                .chain(&self.planes[faces..])
                 .fold(face(k), |a, b| if height(b) > height(a) { b } else { a });
         }
         self.planes.iter().reduce(|a, b| if height(b) > height(a) { b } else { a }).expect("at least one plane")
     }
 }
 
-/// sin and cos of 2 pi k/n, exact on the axes and exactly mirrored.
-fn unit(k: usize, n: usize) -> (f64, f64) {
-    // Reduce to the first octant in whole numbers: 8k/n in [0, 8).
-    let octant = 8 * k / n;
-    let angle = |numerator: i64| TAU * numerator as f64 / (8 * n as i64) as f64;
-    let (k8, n8) = (8 * k as i64, n as i64);
-    match octant {
-        0 => angle(k8).sin_cos(),
-        1 => swap(angle(2 * n8 - k8).sin_cos()),
-        2 => {
-            let (s, c) = swap(angle(k8 - 2 * n8).sin_cos());
-            (s, -c)
-        }
-        3 => {
-            let (s, c) = angle(4 * n8 - k8).sin_cos();
-            (s, -c)
-        }
-        4 => {
-            let (s, c) = angle(k8 - 4 * n8).sin_cos();
-            (-s, -c)
-        }
-        5 => {
-            let (s, c) = swap(angle(6 * n8 - k8).sin_cos());
-            (-s, -c)
-        }
-        6 => {
-            let (s, c) = swap(angle(k8 - 6 * n8).sin_cos());
-            (-s, c)
-        }
-        _ => {
-            let (s, c) = angle(8 * n8 - k8).sin_cos();
-            (-s, c)
-        }
-    }
-}
-
-fn swap((a, b): (f64, f64)) -> (f64, f64) {
-    (b, a)
-}
-
-/// Corners of the region where plane `k` is the highest, cut to `window`.
-fn face_polygon(planes: &[[f64; 3]], k: usize, window: &Rect) -> Vec<[f64; 2]> {
-    let own = planes[k];
-    let mut polygon = window.corners().to_vec();
-    for (m, other) in planes.iter().enumerate() {
-        if polygon.is_empty() {
-            break;
-        }
-        if m == k || other == &own {
-            continue;
-        }
-        let [a, b, c] = [other[0] - own[0], other[1] - own[1], other[2] - own[2]];
-        polygon = clip(&polygon, a, b, c);
-    }
-    polygon
-}
-
-/// A window that holds every corner of the surface with room to spare, from the planes alone.
-fn corner_window(planes: &[[f64; 3]]) -> Rect {
-    let steepest = planes.iter().map(|p| p[0].hypot(p[1])).fold(0.0, f64::max);
-    let spread = planes.iter().map(|p| p[2].abs()).fold(0.0, f64::max);
-    let scale = if spread > 0.0 && steepest > 0.0 { spread / steepest } else { 1.0 };
-    let wide = Rect::around([0.0; 2], [1e6 * scale; 2]);
-    // Second pass: the corners found in the wide window set the size of a snug one, where nothing cancels.
-    match Rect::holding(corners_within(planes, &wide)) {
-        Some(found) => {
-            let half = 2.0 * found.size()[0].max(found.size()[1]).max(scale);
-            Rect::around(found.centre(), [half; 2])
-        }
-        None => Rect::around([0.0; 2], [4.0 * scale; 2]),
-    }
-}
-
-/// Corners of the surface strictly inside the window.
-fn corners_within(planes: &[[f64; 3]], window: &Rect) -> Vec<[f64; 2]> {
-    let inner = window.scaled(1.0 - 1e-9);
-    (0..planes.len()).flat_map(|k| face_polygon(planes, k, window)).filter(|&p| inner.contains(p)).collect()
-}
-
 /// Where the surface is lowest; the middle of the flat if it is lowest on one.
-fn lowest_point(planes: &[[f64; 3]]) -> [f64; 2] {
-    let window = corner_window(planes);
+fn lowest_point(planes: &[[f64; 3]], ridges: &Ridges, window: &Rect) -> [f64; 2] {
     if let Some(k) = planes.iter().position(|p| p[0] == 0.0 && p[1] == 0.0) {
-        let flat = face_polygon(planes, k, &window);
+        let flat = face_polygon(planes, k, window);
         if flat.len() >= 3 {
             return centroid(&flat);
         }
     }
     let height = |p: &[f64; 2]| planes.iter().map(|q| q[0] * p[0] + q[1] * p[1] + q[2]).fold(f64::MIN, f64::max);
-    corners_within(planes, &window).into_iter().min_by(|a, b| height(a).total_cmp(&height(b))).unwrap_or([0.0; 2])
+    ridges.corners.iter().copied().min_by(|a, b| height(a).total_cmp(&height(b))).unwrap_or([0.0; 2])
 }
 
 impl Gap for Polyhedron {
@@ -245,22 +186,30 @@ impl Gap for Polyhedron {
     }
 
     fn homogeneous(&self) -> Option<f64> {
-        self.regular.map(|_| 1.0)
+        self.regular().map(|_| 1.0)
     }
 
     fn reach(&self, depth: f64) -> Reach {
-        if let Some((faces, slope)) = self.regular {
+        if let Some((faces, slope)) = self.fan {
             if depth <= 0.0 {
                 return Reach::Nowhere;
             }
             if faces == 2 {
                 return Reach::Unbounded;
             }
-            let ridge = depth / slope / (0.5 * TAU / faces as f64).cos();
+            let ridge = (depth / slope + self.flat) / (0.5 * TAU / faces as f64).cos();
+            if self.flat > 0.0 {
+                let corner = |k: usize| {
+                    let (sin, cos) = unit(2 * k + 1, 2 * faces);
+                    [ridge * cos, ridge * sin]
+                };
+                return Rect::holding((0..faces).map(corner))
+                    .map_or(Reach::Nowhere, |rect| Reach::Within(rect.scaled(1.0 + 1e-9)));
+            }
             return Reach::Within(Rect::around([0.0; 2], [ridge; 2]));
         }
         let steepest = self.planes.iter().map(|p| p[0].hypot(p[1])).fold(0.0, f64::max);
-        let window = corner_window(&self.planes);
+        let window = self.window;
         let margin =
             if steepest > 0.0 { 1e6 * (depth - self.gap(self.apex[0], self.apex[1])).abs() / steepest } else { 0.0 };
         let window = Rect::around(window.centre(), [0.5 * window.size()[0] + margin, 0.5 * window.size()[1] + margin]);
@@ -309,7 +258,7 @@ impl Gap for Polyhedron {
     fn ray_kinks(&self, from: [f64; 2], direction: [f64; 2], kinks: &mut Vec<f64>) {
         // Along the ray each plane is a line h + s r; walk their upper envelope outwards.
         let line = |p: &[f64; 3]| (p[0] * from[0] + p[1] * from[1] + p[2], p[0] * direction[0] + p[1] * direction[1]);
-        if self.regular.is_some() && from == [0.0; 2] {
+        if self.regular().is_some() && from == [0.0; 2] {
             return;
         }
         let highest_first = |a: &(f64, f64), b: &(f64, f64)| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1));
@@ -331,23 +280,34 @@ impl Gap for Polyhedron {
     }
 
     fn kink_directions(&self, from: [f64; 2], angles: &mut Vec<f64>) {
-        if let Some((faces, _)) = self.regular {
-            if from != [0.0; 2] {
-                angles.push((-from[1]).atan2(-from[0]));
-            }
+        if self.regular().is_some() && from != [0.0; 2] {
+            // The apex alone: far ridges are seen in their own directions.
+            angles.push((-from[1]).atan2(-from[0]));
+        }
+        if let Some((faces, _)) = self.regular() {
             angles.extend((0..faces).map(|k| TAU * (k as f64 + 0.5) / faces as f64));
             return;
         }
-        let window = corner_window(&self.planes);
-        let near = 1e-12 * window.size()[0];
-        for k in 0..self.planes.len() {
-            for [x, y] in face_polygon(&self.planes, k, &window) {
-                let (dx, dy) = (x - from[0], y - from[1]);
-                if dx.hypot(dy) > near {
-                    angles.push(dy.atan2(dx));
+        let size = self.window.size()[0];
+        let mut see = |[x, y]: [f64; 2]| {
+            let (dx, dy) = (x - from[0], y - from[1]);
+            if dx.hypot(dy) > 1e-12 * size {
+                angles.push(dy.atan2(dx));
+            }
+        };
+        self.ridges.corners.iter().for_each(|&corner| see(corner));
+        // Far out on those that do not end.
+        for ridge in &self.ridges.all {
+            for (end, sense) in ridge.ends.iter().zip([-size, size]) {
+                if end.is_none() {
+                    see([0, 1].map(|m| ridge.point[m] + sense * ridge.direction[m]));
                 }
             }
         }
+    }
+
+    fn ridges(&self) -> Option<Ridges> {
+        Some(self.ridges.clone())
     }
 
     fn centre(&self) -> [f64; 2] {

@@ -1,6 +1,6 @@
 //! A gap under a tilted body: g - ax x - ay y.
 
-use super::{AnyGap, Gap, Reach};
+use super::{AnyGap, Gap, Reach, Ridges};
 use crate::geometry::Rect;
 
 /// The gap under a body tilted by (ax, ay): with depth d the overlap is f = d + ax x + ay y - g.
@@ -84,6 +84,11 @@ impl Gap for Tilted {
 
     fn kink_directions(&self, from: [f64; 2], angles: &mut Vec<f64>) {
         self.gap.kink_directions(from, angles);
+    }
+
+    fn ridges(&self) -> Option<Ridges> {
+        // A plane taken off all planes moves no ridge.
+        self.gap.ridges()
     }
 
     fn centre(&self) -> [f64; 2] {

@@ -10,6 +10,9 @@ use crate::error::Unsolved;
 /// Steps before giving up.
 const MOST_STEPS: usize = 100;
 
+/// Steps in a row that better neither force nor gradient: rounding, or the quadrature.
+const MOST_IDLE: usize = 3;
+
 /// Hertz's ellipse for the paraboloid that has these means over the present ellipse.
 pub(super) fn hertz(e: &Ellipse, means: &Means, circles: bool) -> Option<Ellipse> {
     let q = (means.moment + means.moment.transpose()) * 1.5;
@@ -63,8 +66,9 @@ pub(super) fn maximise(
     let mut e = start;
     let (mut force, mut gradient, mut means) = shrink_until_loaded(disc, &mut e, circles)?;
     let mut inverse = SMatrix::<f64, 5, 5>::identity() / 1.5;
+    let mut idle = 0;
     for steps in 0..MOST_STEPS {
-        if gradient.norm() <= allowed || disc.tired() {
+        if gradient.norm() <= allowed || disc.tired() || idle == MOST_IDLE {
             return Ok((e, gradient.norm(), steps));
         }
         if steps < 3
@@ -99,6 +103,8 @@ pub(super) fn maximise(
                     let left = SMatrix::<f64, 5, 5>::identity() - step * y.transpose() * rho;
                     inverse = left * inverse * left.transpose() + step * step.transpose() * rho;
                 }
+                let better = f > force * (1.0 + 1e-15) || g.norm() < 0.9 * gradient.norm();
+                idle = if better { 0 } else { idle + 1 };
                 (e, force, gradient, means) = (next, f, g, m);
                 accepted = true;
                 break;

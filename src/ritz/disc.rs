@@ -6,8 +6,11 @@ use super::coordinates::{Ellipse, Step, mean_and_share};
 use crate::fabrikant::{DIFFERENCE_STEP, Overlap, RadialRule, Sectors, Spoke};
 use crate::gap::Gap;
 
-/// Rays after which the search for the top is cut short.
-const MOST_WORK: usize = 150_000;
+/// Evaluations of the gap after which the search for the top is cut short.
+const MOST_EVALUATIONS: usize = 4_000_000;
+
+/// What finding the kinks along a ray counts for.
+const RAY: usize = 40;
 
 /// Means of the overlap and of the gradient of the gap under the flat-punch pressure, in the ellipse's own coordinates.
 pub(super) struct Means {
@@ -25,8 +28,10 @@ pub(super) struct Disc<'a> {
     pub values: Vec<f64>,
     directions: Vec<f64>,
     kinks: Vec<f64>,
-    /// Rays evaluated so far.
+    /// Evaluations of the gap so far.
     pub work: usize,
+    /// Those of the last means.
+    last: usize,
     /// Whether the sectors follow the ridges of the gap.
     pub follow_ridges: bool,
     /// Whether the rays are split at the kinks of the gap.
@@ -45,6 +50,7 @@ impl<'a> Disc<'a> {
             directions,
             kinks,
             work: 0,
+            last: 0,
             follow_ridges: true,
             follow_kinks: true,
         }
@@ -74,8 +80,7 @@ impl<'a> Disc<'a> {
 
     pub fn means(&mut self, e: &Ellipse, rule: &RadialRule) -> Means {
         self.lay(e);
-        self.work += self.spokes.len();
-        let has_gradient = self.overlap.has_gradient();
+        let (has_gradient, before) = (self.overlap.has_gradient(), self.work);
         let f0 = self.overlap.at(e.c.into());
         let mut means = Means { f: 0.0, slope: Vector2::zeros(), moment: Matrix2::zeros() };
         for (spoke, value) in self.spokes.iter().zip(&mut self.values) {
@@ -87,8 +92,10 @@ impl<'a> Disc<'a> {
             if self.follow_kinks {
                 self.overlap.gap.ray_kinks(e.c.into(), (ray / length).into(), &mut self.kinks);
                 self.kinks.iter_mut().for_each(|r| *r /= length);
-                self.kinks.sort_by(f64::total_cmp);
+                self.kinks.sort_unstable_by(f64::total_cmp);
             }
+            let pieces = 1 + self.kinks.partition_point(|&k| k < 1.0);
+            self.work += RAY + pieces * rule.whole.len() * if has_gradient { 1 } else { 5 };
             let (mut f, mut slope, mut moment) = (0.0, Vector2::zeros(), Vector2::zeros());
             rule.visit(&self.kinks, 1.0, |node| {
                 let x = e.c + ray * node.sin;
@@ -116,16 +123,22 @@ impl<'a> Disc<'a> {
             means.slope += slope * share;
             means.moment += moment * direction.transpose() * share;
         }
+        self.last = self.work - before;
         // What symmetry makes zero comes out as rounding; a centre moved by rounding would lose the symmetry of the rays.
         let noise = 1e-14 * (means.f.abs() + means.moment.amax());
         means.slope.apply(|s| *s = if s.abs() < noise { 0.0 } else { *s });
         means
     }
 
-    /// Whether more rays were evaluated than any smooth gap or pyramid takes: the caps beyond a kink of a blunt punch are
-    /// so thin that no rule settles, and what is known by now has to do.
+    /// Whether the gap was evaluated more often than any smooth one takes: the caps beyond a kink that nobody told about are so thin
+    /// that no rule settles.
     pub fn tired(&self) -> bool {
-        self.work > MOST_WORK
+        self.work > MOST_EVALUATIONS
+    }
+
+    /// Whether there is room for another climb with rays twice as many or twice as fine.
+    pub fn may_refine(&self) -> bool {
+        self.work + 20 * self.last <= MOST_EVALUATIONS
     }
 
     pub fn rule(&self) -> &'static RadialRule {
@@ -135,22 +148,28 @@ impl<'a> Disc<'a> {
     /// Force (in units of 2E*), its logarithmic gradient, and the means.
     pub fn climb(&mut self, e: &Ellipse, circles: bool) -> Option<(f64, Step, Means)> {
         let means = self.means(e, self.rule());
-        let ([a, b], _, before) = e.axes();
-        let (agm, share) = mean_and_share(a, b);
-        let force = agm * means.f;
-        if !(force > 0.0 && force.is_finite() && means.moment.iter().all(|m| m.is_finite())) {
-            return None;
-        }
-        // d log agm = share along the long axis, 1 - share along the short one.
-        let stiffer = Matrix2::identity() * (1.0 - share) + before * before.transpose() * (2.0 * share - 1.0);
-        let s = stiffer - (means.moment + means.moment.transpose()) / (2.0 * means.f);
-        let v = -means.slope / means.f;
-        let step = if circles {
-            let scale = 0.5 * s.trace();
-            Step::new(v.x, v.y, scale, scale, 0.0)
-        } else {
-            Step::new(v.x, v.y, s[(0, 0)], s[(1, 1)], std::f64::consts::SQRT_2 * s[(0, 1)])
-        };
+        let (force, step) = logarithmic_slope(e, &means, circles)?;
         Some((force, step, means))
     }
+}
+
+/// P (in units of 2E*) and the gradient of log P in the ellipse's own coordinates; `None` without load.
+pub(super) fn logarithmic_slope(e: &Ellipse, means: &Means, circles: bool) -> Option<(f64, Step)> {
+    let ([a, b], _, before) = e.axes();
+    let (agm, share) = mean_and_share(a, b);
+    let force = agm * means.f;
+    if !(force > 0.0 && force.is_finite() && means.moment.iter().all(|m| m.is_finite())) {
+        return None;
+    }
+    // d log agm = share along the long axis, 1 - share along the short one.
+    let stiffer = Matrix2::identity() * (1.0 - share) + before * before.transpose() * (2.0 * share - 1.0);
+    let s = stiffer - (means.moment + means.moment.transpose()) / (2.0 * means.f);
+    let v = -means.slope / means.f;
+    let step = if circles {
+        let scale = 0.5 * s.trace();
+        Step::new(v.x, v.y, scale, scale, 0.0)
+    } else {
+        Step::new(v.x, v.y, s[(0, 0)], s[(1, 1)], std::f64::consts::SQRT_2 * s[(0, 1)])
+    };
+    Some((force, step))
 }

@@ -10,13 +10,18 @@
 //! bound. It is exact for paraboloids: there one step leads from any ellipse to Hertz's, since the step solves Hertz's
 //! problem for the paraboloid with the same mean, mean gradient and mean gradient moment. Other gaps need a few steps of
 //! the BFGS method, in coordinates that turn the present ellipse into the unit disc, so that slender ones cost no digits.
+//!
+//! A gap made of planes has means in closed form (`ridged.rs`), and log P is then concave: Newton's method finds the one
+//! maximum, however blunt the tip (`concave.rs`).
 
 // Comparisons are written so that NaN takes the branch of failure.
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
 mod climb;
+mod concave;
 mod coordinates;
 mod disc;
+mod ridged;
 mod walls;
 
 use nalgebra::{Matrix2, Vector2};
@@ -28,16 +33,23 @@ use crate::fabrikant::{
 use crate::gap::Gap;
 use crate::material::EffectiveModulus;
 use climb::{curvature, maximise};
+use concave::Concave;
 use coordinates::{Ellipse, mean_and_share};
 use disc::Disc;
+use ridged::Ridged;
 use walls::Walls;
 
 /// Rays of the first look.
 const ROUGH_RAYS: usize = 24;
+/// Share of all that can touch that the second start covers, along each axis.
+const ALMOST: f64 = 0.8;
 /// Ridges that are followed one by one.
 const MOST_RIDGES: usize = 24;
 /// Kinks on a ray at which it is split; where there are more, each is faint.
 const MOST_KINKS: usize = 16;
+
+/// Gradient of log P that may be left when the search is cut short: what it can still gain counts as an error.
+const CUT_SHORT: f64 = 1e-2;
 
 /// Largest force over all ellipses: centre, semi-axes and orientation.
 ///
@@ -85,6 +97,10 @@ fn best(
     let circles = family == Family::Circle;
     let problem = Problem::new(gap, modulus, depth)?;
     let tolerance: f64 = settings.tolerance;
+    if let Some(mut ridged) = Ridged::of(&problem.overlap) {
+        let peak = polyhedral(&mut ridged, circles, tolerance)?;
+        return Ok(report(&problem, modulus, family, &settings, peak));
+    }
     let mut directions = Vec::new();
     problem.overlap.gap.kink_directions([0.0; 2], &mut directions);
     // The ridges of very many faces are too faint to be worth a sector each.
@@ -101,15 +117,25 @@ fn best(
     // A first look with few rays that ignore the ridges.
     let mut rough = Disc::new(&problem.overlap, Sectors::equal(ROUGH_RAYS), 0);
     (rough.follow_ridges, rough.follow_kinks) = (false, false);
-    let mut e = Ellipse { c: Vector2::zeros(), m: Matrix2::identity() * 0.5 };
-    if let Ok((near, ..)) = maximise(&mut rough, e, circles, 1e-2)
-        && disc.climb(&near, circles).is_some()
-    {
-        e = near;
-    }
-    // From the first look; failing that from the circle about the apex, whose symmetry the first look may have spoilt.
     let start = Ellipse { c: Vector2::zeros(), m: Matrix2::identity() * 0.5 };
-    let free = settle(&mut disc, e, circles, &settings).or_else(|_| settle(&mut fresh(), start, circles, &settings));
+    // A gap that is not convex may have several maxima: from the apex, and from an ellipse over all that can touch.
+    let [a, b] = if circles { [problem.half[0].min(problem.half[1]); 2] } else { problem.half };
+    let all = Ellipse { c: problem.middle.into(), m: Matrix2::new(a, 0.0, 0.0, b) * ALMOST };
+    let mut best = (0.0, start);
+    for start in [start, all] {
+        if let Ok((near, ..)) = maximise(&mut rough, start, circles, 1e-2)
+            && let Some((force, ..)) = disc.climb(&near, circles)
+            && force > best.0 * (1.0 + 1e-6)
+        {
+            best = (force, near);
+        }
+    }
+    let e = best.1;
+    // From the first look; failing that from the circle about the apex, whose symmetry the first look may have spoilt.
+    let free = settle(&mut disc, e, circles, &settings).or_else(|refused| match refused.verdict {
+        Verdict::IterationLimit => Err(refused),
+        _ => settle(&mut fresh(), start, circles, &settings),
+    });
     let peak = match free {
         Ok(peak) => peak,
         Err(free) => {
@@ -124,22 +150,59 @@ fn best(
     Ok(report(&problem, modulus, family, &settings, peak))
 }
 
+/// How well the gradient of log P is to be zero: the force needs the square root of its tolerance only; the boundary is
+/// wanted better when there is time for it.
+fn gradient_allowed(tolerance: f64) -> f64 {
+    if tolerance < 1e-6 { (0.01 * tolerance).max(1e-13) } else { 10.0 * tolerance }
+}
+
+/// The only maximum over a convex gap made of planes.
+fn polyhedral(ridged: &mut Ridged, circles: bool, tolerance: f64) -> Result<Peak, Unsolved> {
+    let start = Ellipse { c: Vector2::zeros(), m: Matrix2::identity() * 0.5 };
+    let top = Concave { ridged, circles }.maximise(start, gradient_allowed(tolerance))?;
+    Ok(Peak {
+        e: top.e,
+        errors: [0.0, 4.0 * ridged.rounding / top.mean],
+        residual: top.decrement,
+        largest: Some(top.largest),
+        iterations: top.steps,
+        rays: ridged.ridges.all.len(),
+        f: top.mean,
+    })
+}
+
 /// The maximum inside the punch, with the quadrature made finer until it satisfies.
 fn settle(disc: &mut Disc, start: Ellipse, circles: bool, settings: &Settings) -> Result<Peak, Unsolved> {
     let tolerance: f64 = settings.tolerance;
-    // The force needs the square root of its tolerance only; the boundary is wanted better when there is time for it.
-    let gradient_allowed = if tolerance < 1e-6 { (0.01 * tolerance).max(1e-13) } else { 10.0 * tolerance };
+    let gradient_allowed = gradient_allowed(tolerance);
     let (mut e, mut iterations) = (start, 0);
     loop {
         let (peak, residual, steps) = maximise(disc, e, circles, gradient_allowed)?;
         e = peak;
         iterations += steps;
-        let (errors, f, refined) = look(disc, &e, settings);
+        let (errors, mut f, refined) = look(disc, &e, settings);
         let rays = disc.values.len();
         if refined && errors[0] + errors[1] > tolerance && !disc.tired() {
             continue;
         }
-        if residual > 1e-3 {
+        let mut errors = errors;
+        if disc.tired() {
+            if residual > CUT_SHORT {
+                let reason = format!(
+                    "the search for the best ellipse was cut short after {} evaluations of the gap: the gradient of log P \
+                     left is {residual:.1e}, the error of the quadrature {:.1e}",
+                    disc.work,
+                    errors[0] + errors[1]
+                );
+                return Err(Unsolved::new(Verdict::IterationLimit, reason));
+            }
+            // What the gradient can still gain where the second variation is about -1.
+            errors[0] += residual * residual;
+            // The search may have leant on the errors of a rule that does not follow the kinks: the finest tells.
+            let finest = disc.means(&e, &RadialRule::ladder()[RadialRule::ladder().len() - 1]).f;
+            errors[1] = errors[1].max(((finest - f) / f).abs());
+            f = finest;
+        } else if residual > 1e-3 {
             return Err(runaway("no maximum of the force over ellipses was found"));
         }
         let largest = curvature(disc, &e, circles)
@@ -159,6 +222,9 @@ fn look(disc: &mut Disc, e: &Ellipse, settings: &Settings) -> ([f64; 2], f64, bo
     let finer = disc.means(e, &RadialRule::ladder()[disc.rung + 1]);
     let errors = [angular, ((finer.f - means.f) / means.f).abs()];
     let mut refined = false;
+    if !disc.may_refine() {
+        return (errors, means.f, false);
+    }
     if errors[1] > 0.5 * tolerance && disc.rung + 2 < RadialRule::ladder().len() {
         disc.rung += 1;
         refined = true;
@@ -208,7 +274,8 @@ fn report(
     let ([a, b], along, _) = peak.e.axes();
     let (agm, _) = mean_and_share(a, b);
     let force = problem.force_unit() * agm * peak.f;
-    let points = settings.boundary_points.max(4);
+    // Both ends of both axes among them.
+    let points = settings.boundary_points.max(4).next_multiple_of(4);
     // Points at equal steps of the ellipse's own angle, which follow slender ends; as polar angles about the centre.
     let mut outline: Vec<[f64; 2]> = (0..points)
         .map(|k| {
@@ -236,6 +303,12 @@ fn report(
         iterations: peak.iterations,
         lower_bound: Some(LowerBound(force * (1.0 - peak.errors[0] - peak.errors[1] - 1e-14))),
     }
+}
+
+/// A/B of the paraboloid A x^2 + B y^2 whose contact ellipse has semi-axes 1 along x and `ratio` along y (Hertz).
+pub(crate) fn curvature_ratio(ratio: f64) -> f64 {
+    let (_, share) = mean_and_share(1.0, ratio);
+    ratio * ratio * share / (1.0 - share)
 }
 
 fn runaway(reason: &str) -> Unsolved {

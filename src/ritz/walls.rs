@@ -60,7 +60,7 @@ impl<'a> Walls<'a> {
         let far = (far * length).min(self.reach + e.c.norm());
         self.kinks.clear();
         self.overlap.gap.ray_kinks(e.c.into(), direction, &mut self.kinks);
-        self.kinks.sort_by(f64::total_cmp);
+        self.kinks.sort_unstable_by(f64::total_cmp);
         for &k in self.kinks.iter().take_while(|&&k| k < far) {
             // An edge: overlap up to it, and hardly beyond it none.
             if overlap(k * (1.0 - 1e-9)) > 0.0 && !(overlap(k * BEYOND) > 0.0) {
@@ -116,6 +116,9 @@ impl<'a> Walls<'a> {
         let (mut force, mut gradient, _) = disc.climb(&e, circles).ok_or_else(nothing)?;
         let mut promise = f64::INFINITY;
         for steps in 0..MOST_STEPS {
+            if disc.tired() {
+                break;
+            }
             let step = inner_step(&gradient, &edge, circles);
             promise = gradient.dot(&step);
             if promise <= 0.01 * tolerance.min(1e-6) {

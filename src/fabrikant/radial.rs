@@ -1,0 +1,141 @@
+//! Rules along a ray, and places on it.
+
+use std::f64::consts::FRAC_PI_2;
+use std::sync::OnceLock;
+
+/// One node of the rule in t on [0, pi/2].
+#[derive(Clone, Copy)]
+pub(crate) struct RadialNode {
+    pub sin: f64,
+    pub cos: f64,
+    pub weight: f64,
+}
+
+/// A rule in t. The finer ones crowd towards t = 0, for gaps whose slope is infinite or jumps there.
+pub(crate) struct RadialRule {
+    /// Nodes on the whole of [0, pi/2].
+    pub whole: Vec<RadialNode>,
+    /// The same on [0, 1], crowding at 0: the first piece of a split ray.
+    first: Vec<[f64; 2]>,
+    /// Gauss-Legendre on [0, 1]: the other pieces.
+    plain: Vec<[f64; 2]>,
+}
+
+impl RadialRule {
+    /// The rules from coarse to fine; each serves as the check of the one before.
+    pub fn ladder() -> &'static [RadialRule] {
+        static LADDER: OnceLock<Vec<RadialRule>> = OnceLock::new();
+        LADDER.get_or_init(|| {
+            [(4, 1), (8, 1), (16, 1), (32, 4), (64, 4), (128, 4), (256, 4)].map(|(n, p)| Self::new(n, p)).into()
+        })
+    }
+
+    fn new(nodes: usize, crowding: i32) -> Self {
+        let plain = gauss_legendre(nodes);
+        let first: Vec<[f64; 2]> =
+            plain.iter().map(|&[x, w]| [x.powi(crowding), w * f64::from(crowding) * x.powi(crowding - 1)]).collect();
+        let whole = first
+            .iter()
+            .map(|&[x, w]| {
+                let (sin, cos) = (FRAC_PI_2 * x).sin_cos();
+                RadialNode { sin, cos, weight: FRAC_PI_2 * w }
+            })
+            .collect();
+        Self { whole, first, plain }
+    }
+
+    /// Calls `visit` at every node of [0, pi/2] split where sin t is one of `kinks`/a (ascending).
+    pub fn visit(&self, kinks: &[f64], a: f64, mut visit: impl FnMut(RadialNode)) {
+        let stand = Stand::at(kinks, a);
+        self.visit_pieces(kinks, &stand, |_, node| visit(node));
+    }
+
+    /// Calls `visit` with the piece (the number of kinks below it) and the node. Angles are counted from the end of the
+    /// ray, phi = pi/2 - t, so that a piece however thin keeps its digits.
+    pub fn visit_pieces(&self, kinks: &[f64], stand: &Stand, mut visit: impl FnMut(usize, RadialNode)) {
+        if stand.inner == 0 {
+            self.whole.iter().for_each(|&node| visit(0, node));
+            return;
+        }
+        let mut from = stand.phi_of(kinks, 0);
+        let to = FRAC_PI_2 - from;
+        for &[x, w] in &self.first {
+            let (sin, cos) = (to * x).sin_cos();
+            visit(0, RadialNode { sin, cos, weight: to * w });
+        }
+        for piece in 1..=stand.inner {
+            let to = if piece < stand.inner { stand.phi_of(kinks, piece) } else { 0.0 };
+            for &[x, w] in &self.plain {
+                let (cos, sin) = (from - (from - to) * x).sin_cos();
+                visit(piece, RadialNode { sin, cos, weight: (from - to) * w });
+            }
+            from = to;
+        }
+    }
+}
+
+/// A place on a ray: r = a, beyond the first `inner` kinks. Just past a kink k, where G_a falls with infinite slope
+/// (G_a(k) - G_a(a) ~ the jump of the slope times sqrt(a - k)), a itself has too few digits: there the place is the angle
+/// phi with a = k/cos(phi), and G_a is smooth in it.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct Stand {
+    pub a: f64,
+    /// How many kinks lie below a; a itself may be the next one, and then belongs to the inner side.
+    pub inner: usize,
+    /// acos(k/a) of the last of these; 0 when there is none.
+    pub phi: f64,
+}
+
+impl Stand {
+    pub fn at(kinks: &[f64], a: f64) -> Self {
+        let inner = kinks.partition_point(|&k| k < a);
+        let phi = match inner {
+            0 => 0.0,
+            n => {
+                let k = kinks[n - 1] / a;
+                ((1.0 - k) * (1.0 + k)).sqrt().atan2(k)
+            }
+        };
+        Self { a, inner, phi }
+    }
+
+    /// The place at this angle beyond kink number `kink`.
+    pub fn beyond(kinks: &[f64], kink: usize, phi: f64) -> Self {
+        Self { a: kinks[kink] / phi.cos(), inner: kink + 1, phi }
+    }
+
+    /// acos(k/a) of kink number `kink`, one of the inner ones.
+    pub fn phi_of(&self, kinks: &[f64], kink: usize) -> f64 {
+        let last = self.inner - 1;
+        if kink == last {
+            return self.phi;
+        }
+        let (sin, cos) = self.phi.sin_cos();
+        let ratio = kinks[kink] / kinks[last];
+        let below = (kinks[last] - kinks[kink]) / kinks[last] * (1.0 + ratio);
+        (sin * sin + cos * cos * below).sqrt().atan2(ratio * cos)
+    }
+}
+
+/// Nodes and weights of the n-point Gauss-Legendre rule on [0, 1], by Newton on the Legendre recurrence.
+pub(crate) fn gauss_legendre(n: usize) -> Vec<[f64; 2]> {
+    let legendre = |x: f64| {
+        let (mut p0, mut p1) = (1.0, x);
+        for k in 2..=n {
+            let k = k as f64;
+            (p0, p1) = (p1, ((2.0 * k - 1.0) * x * p1 - (k - 1.0) * p0) / k);
+        }
+        (p1, n as f64 * (x * p1 - p0) / (x * x - 1.0))
+    };
+    (0..n)
+        .map(|i| {
+            let mut x = -(std::f64::consts::PI * (i as f64 + 0.75) / (n as f64 + 0.5)).cos();
+            for _ in 0..8 {
+                let (p, dp) = legendre(x);
+                x -= p / dp;
+            }
+            let (_, dp) = legendre(x);
+            [0.5 * (1.0 + x), 1.0 / ((1.0 - x * x) * dp * dp)]
+        })
+        .collect()
+}
