@@ -13,16 +13,17 @@
 //! What was proved and what was only sampled is part of the answer: [`Evidence`].
 
 mod approximate;
-mod between;
 mod check;
 mod close;
 mod depth;
-mod displacement;
+mod field;
 mod frame;
 mod kernel;
 mod outside;
+mod polynomial;
 mod sharp;
 mod summation;
+mod tables;
 mod violation;
 
 use std::time::Instant;
@@ -31,7 +32,7 @@ use crate::error::Unsolved;
 use crate::gap::Gap;
 use crate::grid::Pressure;
 use crate::material::EffectiveModulus;
-use displacement::Lattice;
+use field::Surroundings;
 
 pub use approximate::approximate;
 pub use check::{Claim, Verification, check, check_claims, check_field};
@@ -155,9 +156,9 @@ impl Side {
 pub struct BracketCost {
     /// Wall-clock seconds.
     pub seconds: f64,
-    /// Products with a shifted kernel.
+    /// Products with the influence coefficients to look at pressures; those of the solves are not counted.
     pub products: usize,
-    /// Solves on the grid.
+    /// Solves on the grid for pressures nearer to admissible.
     pub solves: usize,
 }
 
@@ -271,11 +272,12 @@ pub fn certify(
 ) -> Result<ForceBracket, Unsolved> {
     frame::within(gap, modulus, depth, pressure, |frame, q| {
         let started = Instant::now();
-        let mut lattice = Lattice::new(frame.grid.spacing, frame.grid.shape);
-        let (found, evidence) = frame.look(&mut lattice, &q, settings);
+        let mut around = Surroundings::new(&frame.grid, settings.per_cell.max(1));
+        let mut closely = vec![0; q.len()];
+        let (_, found, evidence) = frame.look(&mut around, &q, violation::Side::Both, &mut closely, settings.prove);
         let outside = outside::look(frame, &q);
         let (upper, lower) = (close::upper(frame, &q, &found, &outside), close::lower(frame, &q, &found));
-        let cost = BracketCost { seconds: started.elapsed().as_secs_f64(), products: found.products, solves: 0 };
+        let cost = BracketCost { seconds: started.elapsed().as_secs_f64(), products: 1, solves: 0 };
         ForceBracket { lower: frame.side(lower, &q, evidence), upper: frame.side(upper, &q, evidence), cost }
     })
 }
