@@ -40,6 +40,13 @@ impl Surroundings {
 /// Sums that are taken side by side.
 const LANES: usize = 8;
 
+impl Surroundings {
+    /// Number of cells along x and y.
+    pub fn shape(&self) -> [usize; 2] {
+        self.shape
+    }
+}
+
 /// A pressure and its displacement.
 pub(super) struct Field {
     shape: [usize; 2],

@@ -14,11 +14,14 @@
 
 mod approximate;
 mod check;
+mod check_field;
 mod close;
+mod comparison;
 mod depth;
 mod field;
 mod frame;
 mod kernel;
+mod measure;
 mod outside;
 mod polynomial;
 mod sharp;
@@ -35,7 +38,8 @@ use crate::material::EffectiveModulus;
 use field::Surroundings;
 
 pub use approximate::approximate;
-pub use check::{Claim, Verification, check, check_claims, check_field};
+pub use check::{Claim, Verification, check, check_claims};
+pub use check_field::check_field;
 pub use depth::DepthBracket;
 pub use sharp::sharp;
 
@@ -62,6 +66,8 @@ pub enum Theorem {
     OtherDepth,
     /// The exact flat-punch pressure of an ellipse (Rayleigh & Ritz).
     Ellipse,
+    /// Fabrikant's pressure over the supremum of its displacement.
+    Fabrikant,
     /// A gap with a closed form that lies below everywhere: it is pressed with more force.
     Comparison,
     /// The bodies do not touch.
@@ -77,6 +83,7 @@ impl Theorem {
             Self::Discs => "discs",
             Self::OtherDepth => "other_depth",
             Self::Ellipse => "ellipse",
+            Self::Fabrikant => "fabrikant",
             Self::Comparison => "comparison",
             Self::NoContact => "no_contact",
         }
