@@ -139,9 +139,14 @@ pub(super) struct Jumps {
 }
 
 impl Cell<'_> {
-    /// Value and slopes per side of the polynomial.
-    pub fn roughly(&self, at: [f64; 2]) -> [f64; 3] {
-        self.polynomial.at(at)
+    /// Value and slopes per side of the polynomial at the middles of the quarters.
+    pub fn quarters(&self) -> [[f64; 3]; 4] {
+        self.polynomial.at_quarters()
+    }
+
+    /// Its values at the corners, the middles of the sides and the centre, row by row.
+    pub fn nine(&self) -> [f64; 9] {
+        self.polynomial.at_nine()
     }
 
     /// Largest distance of the polynomial from its tangent planes over squares of this half side.
@@ -266,7 +271,7 @@ mod tests {
                 let centre = place([0.0; 2]);
                 assert!((field.centre(i, j) - centre).abs() <= field.rounding(centre));
                 for at in [[0.5, 0.5], [-0.5, 0.2], [0.1, -0.33], [0.48, -0.5], [0.25, 0.25]] {
-                    let off = (place(at) - cell.roughly(at)[0]).abs();
+                    let off = (place(at) - cell.polynomial.at(at)[0]).abs();
                     assert!(off <= left_out, "{i} {j} {at:?}: {off} {left_out}");
                     closest[0] = closest[0].min(left_out / off);
                 }

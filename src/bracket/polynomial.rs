@@ -12,6 +12,9 @@ pub(super) struct Polynomial {
     c: [[f64; SIDE]; SIDE],
 }
 
+/// Middles of the quarters of the cell.
+pub(super) const QUARTERS: [[f64; 2]; 4] = [[-0.25, -0.25], [0.25, -0.25], [-0.25, 0.25], [0.25, 0.25]];
+
 /// Coefficients of the polynomial of degree 4 through the values at -2, -1, 0, 1, 2.
 fn through([a, b, c, d, e]: [f64; SIDE]) -> [f64; SIDE] {
     [
@@ -52,6 +55,42 @@ impl Polynomial {
             along = along * t + d;
         }
         [value, along, across]
+    }
+
+    /// As [`Polynomial::at`] at the middles of the four quarters ([`QUARTERS`]), with what they share computed once.
+    pub fn at_quarters(&self) -> [[f64; 3]; 4] {
+        const Q: f64 = 0.25;
+        // Value and slope at -1/4 and 1/4.
+        let both = |[a, b, c, d, e]: [f64; SIDE]| {
+            let (even, odd) = (a + Q * Q * (c + Q * Q * e), Q * (b + Q * Q * d));
+            let (slope, bent) = (b + 3.0 * Q * Q * d, Q * (2.0 * c + 4.0 * Q * Q * e));
+            [[even - odd, slope - bent], [even + odd, slope + bent]]
+        };
+        let rows = self.c.map(both);
+        let column = |side: usize, what: usize| both(rows.map(|row| row[side][what]));
+        let mut quarters = [[0.0; 3]; 4];
+        for side in 0..2 {
+            let (values, slopes) = (column(side, 0), column(side, 1));
+            for up in 0..2 {
+                quarters[2 * up + side] = [values[up][0], slopes[up][0], values[up][1]];
+            }
+        }
+        quarters
+    }
+
+    /// Values at the corners, the middles of the sides and the centre, row by row.
+    pub fn at_nine(&self) -> [f64; 9] {
+        let thrice = |[a, b, c, d, e]: [f64; SIDE]| {
+            let (even, odd) = (a + 0.25 * (c + 0.25 * e), 0.5 * (b + 0.25 * d));
+            [even - odd, a, even + odd]
+        };
+        let rows = self.c.map(thrice);
+        let mut nine = [0.0; 9];
+        for k in 0..3 {
+            let column = thrice(rows.map(|row| row[k]));
+            (0..3).for_each(|l| nine[3 * l + k] = column[l]);
+        }
+        nine
     }
 
     /// Bounds of the second derivatives over the cell: along, mixed, across.
@@ -97,6 +136,15 @@ mod tests {
         let e = 1e-5;
         assert!((along - (f(s + e, t) - f(s - e, t)) / (2.0 * e)).abs() < 1e-8);
         assert!((across - (f(s, t + e) - f(s, t - e)) / (2.0 * e)).abs() < 1e-8);
+        for (at, [value, along, across]) in QUARTERS.into_iter().zip(p.at_quarters()) {
+            let other = p.at(at);
+            assert!((value - other[0]).abs() < 1e-14, "{at:?}");
+            assert!((along - other[1]).abs() < 1e-14 && (across - other[2]).abs() < 1e-14, "{at:?}");
+        }
+        for (k, value) in p.at_nine().into_iter().enumerate() {
+            let at = [0.5 * (k % 3) as f64 - 0.5, 0.5 * (k / 3) as f64 - 0.5];
+            assert!((value - p.at(at)[0]).abs() < 1e-14, "{at:?}");
+        }
         let half = 0.125;
         for (a, b) in [(half, half), (-half, half), (half, -half), (0.0, half)] {
             let off = f(s + a, t + b) - value - a * along - b * across;

@@ -2,6 +2,7 @@
 
 use super::field::Field;
 use super::frame::Frame;
+use super::polynomial::QUARTERS;
 use super::tables::Tables;
 use crate::gap::Gap;
 use crate::geometry::Rect;
@@ -74,8 +75,7 @@ impl Violation {
             let inside = field.cell(i, j);
             left_out[cell] = inside.left_out();
             let rest = left_out[cell] + inside.bend(look.half);
-            for at in [[-0.25, -0.25], [0.25, -0.25], [-0.25, 0.25], [0.25, 0.25]] {
-                let [u, s, t] = inside.roughly(at);
+            for (at, [u, s, t]) in QUARTERS.into_iter().zip(inside.quarters()) {
                 look.square(&mut found, cell, q[cell] > 0.0, at, [u, s, t, rest])?;
             }
         }
@@ -119,8 +119,8 @@ impl Violation {
             }
             let inside = field.cell(cell % nx, cell / nx);
             left_out[cell] = inside.left_out();
-            for (k, f) in f.into_iter().enumerate() {
-                found.point(cell, loaded, f, [inside.roughly(nine(k))[0], left_out[cell]]);
+            for (f, u) in f.into_iter().zip(inside.nine()) {
+                found.point(cell, loaded, f, [u, left_out[cell]]);
             }
         }
         found.add_worst(q, &left_out, side, closely, 1);
