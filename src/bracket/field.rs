@@ -280,7 +280,7 @@ mod tests {
                 for (value, at) in points.iter().zip(&tables.points.at).step_by(3) {
                     let off = (value - place(*at)).abs();
                     assert!(off <= jumps.far + field.rounding(*value), "{i} {j} {at:?}: {off} {}", jumps.far);
-                    assert!(jumps.far < 0.5 * left_out);
+                    assert!(jumps.far <= left_out * (1.0 + 1e-6));
                 }
                 for squares in &tables.squares {
                     let (half, mut room) = (squares.half, Vec::new());
