@@ -32,9 +32,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let mut before: Option<[f64; 4]> = None;
         while cells <= most {
             let grid = Grid::over(&window, [cells; 2]);
-            let problem = Discrete::sample(&gap, 1.0, grid, Kernel::Galerkin);
             let started = Instant::now();
-            let values = matrix_free::solve(&problem, None, &matrix_free::Settings::default())?.pressure;
+            let problem = Discrete::sample(&gap, 1.0, grid, Kernel::Galerkin);
+            let values = matrix_free::solve_nested(&problem, &matrix_free::Settings::default())?.pressure;
             let solve = started.elapsed().as_secs_f64();
             let pressure = Pressure { grid, values };
             let sampled = BracketSettings { prove: false, ..BracketSettings::default() };

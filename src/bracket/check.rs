@@ -6,7 +6,6 @@
 use super::summation::{Receiver, Summation};
 use super::{Evidence, ForceBracket, Repair};
 use crate::gap::{Gap, Reach, extent};
-use crate::geometry::Rect;
 use crate::grid::{Grid, Pressure};
 use crate::material::EffectiveModulus;
 
@@ -21,9 +20,6 @@ const BEYOND: usize = 48;
 
 /// The checker's own error of a displacement, relative to the depth.
 const OWN_ERROR: f64 = 1e-6;
-
-/// Largest residual of a pressure that is said to solve a grid, relative to the largest overlap.
-const RESIDUAL: f64 = 1e-5;
 
 /// Share of the width of a sampled bracket that its sampling may have missed.
 const MISSED: f64 = 0.05;
@@ -156,58 +152,7 @@ pub fn check_claims(
     found
 }
 
-/// Checks a pressure field that is said to be the contact at this depth, and the force that is said to go with it.
-///
-/// `on_grid`: the field is said to solve the discrete problem, by means over cells or by values at centres; otherwise it is a
-/// formula's, by values at centres.
-#[must_use]
-pub fn check_field(
-    gap: &dyn Gap,
-    modulus: EffectiveModulus,
-    depth: f64,
-    pressure: &Pressure,
-    force: f64,
-    on_grid: bool,
-) -> Verification {
-    let mut found = Verification::default();
-    found.require(sound(pressure), "the pressure is finite and nowhere tensile");
-    if !found.accepted() {
-        return found;
-    }
-    if on_grid {
-        let [means, centres] =
-            [Receiver::Mean, Receiver::Point([0.5; 2])].map(|r| residual(gap, modulus, depth, pressure, r));
-        let (least, what) = if means <= centres { (means, "means over cells") } else { (centres, "centres of cells") };
-        found.require(
-            least <= RESIDUAL,
-            format!(
-                "contact conditions in {what}: largest residual {least:.1e} of the overlap, {RESIDUAL:.0e} allowed"
-            ),
-        );
-    } else {
-        let (worst, at) = unexplained(gap, modulus, depth, pressure);
-        found.require(
-            worst <= 0.05,
-            format!("every value away from edges fits the displacement of its neighbours: worst {worst:.1e} at {at:?}, 5e-2 allowed"),
-        );
-    }
-    // P(d - e2) <= P(field) <= P(d + e1), with a flat disc around everything for the difference.
-    let carried = pressure.force();
-    let looks = [true, false].map(|above| violations(gap, modulus, depth, pressure, above));
-    let [over, under] = looks.each_ref().map(|l| l.violations.iter().map(|v| v.0).fold(0.0, f64::max));
-    let reach = looks.iter().flat_map(|l| l.violations.iter().map(|v| v.1)).chain(loaded(pressure));
-    let [w, h] = Rect::holding(reach).map_or([0.0; 2], |r| r.size());
-    let disc = modulus.e_star() * w.hypot(h);
-    let (low, high) = (carried - disc * under, carried + disc * over);
-    let rounding = 1e-6 * carried;
-    found.require(
-        low - rounding <= force && force <= high + rounding,
-        format!("force {force:e}: the field carries {carried:e} and allows for [{low:e}, {high:e}]"),
-    );
-    found
-}
-
-fn sound(pressure: &Pressure) -> bool {
+pub(super) fn sound(pressure: &Pressure) -> bool {
     let grid = &pressure.grid;
     grid.len() == pressure.values.len()
         && !grid.is_empty()
@@ -216,17 +161,24 @@ fn sound(pressure: &Pressure) -> bool {
         && pressure.values.iter().all(|&p| p >= 0.0 && p.is_finite())
 }
 
-fn loaded(pressure: &Pressure) -> impl Iterator<Item = [f64; 2]> + '_ {
+pub(super) fn loaded(pressure: &Pressure) -> impl Iterator<Item = [f64; 2]> + '_ {
     (0..pressure.grid.len()).filter(|&k| pressure.values[k] > 0.0).map(|k| pressure.grid.centre_of(k))
 }
 
-struct Looked {
-    /// Height and place of each violation.
-    violations: Vec<(f64, [f64; 2])>,
+/// Violations of a condition.
+pub(super) struct Looked {
+    /// Height and place of each.
+    pub violations: Vec<(f64, [f64; 2])>,
     points: usize,
 }
 
-fn violations(gap: &dyn Gap, modulus: EffectiveModulus, depth: f64, pressure: &Pressure, above: bool) -> Looked {
+pub(super) fn violations(
+    gap: &dyn Gap,
+    modulus: EffectiveModulus,
+    depth: f64,
+    pressure: &Pressure,
+    above: bool,
+) -> Looked {
     let (grid, nx) = (&pressure.grid, pressure.grid.shape[0]);
     let q: Vec<f64> = pressure.values.iter().map(|p| p / modulus.e_star()).collect();
     let summation = Summation::new(grid, &q);
@@ -286,53 +238,6 @@ fn least_stack(mut violations: Vec<(f64, [f64; 2])>, level: f64) -> f64 {
         force += diameter * (height - violations.get(k + 1).map_or(level, |v| v.0));
     }
     force
-}
-
-/// Largest |f - S p| under pressure and f - S p elsewhere, over the largest overlap.
-fn residual(gap: &dyn Gap, modulus: EffectiveModulus, depth: f64, pressure: &Pressure, receiver: Receiver) -> f64 {
-    let (grid, nx) = (&pressure.grid, pressure.grid.shape[0]);
-    let f: Vec<f64> = (0..grid.len())
-        .map(|k| match receiver {
-            Receiver::Mean => depth - gap.mean(&grid.cell(k % nx, k / nx)),
-            Receiver::Point(_) => depth - gap.gap(grid.centre_of(k)[0], grid.centre_of(k)[1]),
-        })
-        .collect();
-    let q: Vec<f64> = pressure.values.iter().map(|p| p / modulus.e_star()).collect();
-    let wanted: Vec<bool> = f.iter().zip(&q).map(|(&f, &q)| f > 0.0 || q > 0.0).collect();
-    let u = Summation::new(grid, &q).in_cells(receiver, &wanted);
-    let deepest = f.iter().copied().fold(0.0, f64::max);
-    let mut worst = 0.0_f64;
-    for k in (0..grid.len()).filter(|&k| wanted[k]) {
-        worst = worst.max(if q[k] > 0.0 { (f[k] - u[k]).abs() } else { f[k] - u[k] });
-    }
-    if worst > 0.0 { worst / deepest } else { 0.0 }
-}
-
-/// Largest share by which a pressure differs from what its residual and those of its four neighbours say, three cells and
-/// more from the edge of the contact, and where.
-fn unexplained(gap: &dyn Gap, modulus: EffectiveModulus, depth: f64, pressure: &Pressure) -> (f64, [f64; 2]) {
-    let (grid, [nx, ny]) = (&pressure.grid, pressure.grid.shape);
-    let q: Vec<f64> = pressure.values.iter().map(|p| p / modulus.e_star()).collect();
-    let wanted: Vec<bool> = q.iter().map(|&q| q > 0.0).collect();
-    let u = Summation::new(grid, &q).in_cells(Receiver::Point([0.5; 2]), &wanted);
-    let left = |k: usize| depth - gap.gap(grid.centre_of(k)[0], grid.centre_of(k)[1]) - u[k];
-    let unit = |i: f64, j: f64| super::summation::of_cell(grid.spacing, [i * grid.spacing[0], j * grid.spacing[1]]);
-    let response = unit(0.0, 0.0) - 0.5 * (unit(1.0, 0.0) + unit(0.0, 1.0));
-    let (mut worst, mut at) = (0.0, [0.0; 2]);
-    for j in 3..ny.saturating_sub(3) {
-        for i in 3..nx.saturating_sub(3) {
-            if !(j - 3..=j + 3).all(|j| (i - 3..=i + 3).all(|i| q[j * nx + i] > 0.0)) {
-                continue;
-            }
-            let k = j * nx + i;
-            let around = 0.25 * (left(k - 1) + left(k + 1) + left(k - nx) + left(k + nx));
-            let off = ((left(k) - around) / response / q[k]).abs();
-            if !(off <= worst) {
-                (worst, at) = (off, grid.centre(i, j));
-            }
-        }
-    }
-    (worst, at)
 }
 
 /// Whether g(c + s v) = s^k g(c + v) at points spread over the grid; with k infinite, whether g is 0 wherever there is material.

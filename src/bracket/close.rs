@@ -36,27 +36,74 @@ pub(super) struct Closed {
 /// Steps between no scaling and scaling alone.
 const MIXTURES: usize = 8;
 
+/// Levels of a stack of discs: a height counts as the next level above.
+const LEVELS: usize = 400;
+
 /// Calls `with` with every level and the force of the stack of discs over what exceeds it: 2 times the integral of the
-/// radius over the height. `violations`: (height, where), heights positive. The last level is 0.
-fn stacks(violations: &mut [(f64, Rect)], mut with: impl FnMut(f64, f64)) {
-    violations.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let all = violations.iter().map(|v| v.1).reduce(|a, b| a.union(&b));
-    let centre = all.map_or([0.0; 2], |r| r.centre());
-    let (mut force, mut about_centre, mut box_) = (0.0, 0.0_f64, None::<Rect>);
-    with(violations.first().map_or(0.0, |v| v.0), 0.0);
-    for (k, (height, rect)) in violations.iter().enumerate() {
-        let held = box_.map_or(*rect, |b| b.union(rect));
-        box_ = Some(held);
+/// radius over the height. `violations`: (height, cell), heights that are positive count; `rest`: more of them, where they are.
+/// The last level is 0.
+fn stacks(
+    grid: &Grid,
+    violations: impl Iterator<Item = (f64, usize)> + Clone,
+    rest: impl Iterator<Item = (f64, Rect)> + Clone,
+    mut with: impl FnMut(f64, f64),
+) {
+    let highest = violations.clone().map(|v| v.0).chain(rest.clone().map(|v| v.0)).fold(0.0, f64::max);
+    with(highest, 0.0);
+    if !(highest > 0.0 && highest.is_finite()) {
+        if highest > 0.0 {
+            with(0.0, f64::INFINITY);
+        }
+        return;
+    }
+    // What lies above each level, in cells as long as that will do.
+    let nx = grid.shape[0];
+    let level = |height: f64| ((height / highest * LEVELS as f64) as usize).min(LEVELS - 1);
+    let mut boxes: [Option<[[usize; 2]; 2]>; LEVELS] = [None; LEVELS];
+    for (height, k) in violations.clone().filter(|v| v.0 > 0.0) {
+        let (i, j) = (k % nx, k / nx);
+        let [low, high] = boxes[level(height)].get_or_insert([[i, j], [i, j]]);
+        (low[0], high[0]) = (low[0].min(i), high[0].max(i));
+        (low[1], high[1]) = (low[1].min(j), high[1].max(j));
+    }
+    let mut rects =
+        boxes.map(|held| held.map(|[low, high]| grid.cell(low[0], low[1]).union(&grid.cell(high[0], high[1]))));
+    for (height, rect) in rest.filter(|v| v.0 > 0.0) {
+        let held = &mut rects[level(height)];
+        *held = Some(held.map_or(rect, |h| h.union(&rect)));
+    }
+    let Some(centre) = rects.iter().flatten().copied().reduce(|a, b| a.union(&b)).map(|r| r.centre()) else { return };
+    // Distances of the furthest corners from there.
+    let mut about_centre = [0.0_f64; LEVELS];
+    let half = grid.spacing.map(|h| 0.5 * h);
+    for (height, k) in violations.filter(|v| v.0 > 0.0) {
+        let c = grid.centre(k % nx, k / nx);
+        let far = ((c[0] - centre[0]).abs() + half[0]).hypot((c[1] - centre[1]).abs() + half[1]);
+        let held = &mut about_centre[level(height)];
+        *held = held.max(far);
+    }
+    for (rect, far) in rects.iter().zip(&mut about_centre) {
+        // The boxes of what lies beyond the grid are not taken apart.
+        let Some(rect) = rect.filter(|r| !grid.extent().contains(r.min) || !grid.extent().contains(r.max)) else {
+            continue;
+        };
         for c in rect.corners() {
-            about_centre = about_centre.max((c[0] - centre[0]).hypot(c[1] - centre[1]));
+            *far = far.max((c[0] - centre[0]).hypot(c[1] - centre[1]));
         }
-        let [w, h] = held.size();
-        let radius = about_centre.min(0.5 * w.hypot(h));
-        let next = violations.get(k + 1).map_or(0.0, |v| v.0);
-        if *height > next {
-            force += 2.0 * radius * (height - next);
-            with(next, force);
+    }
+    let (mut force, mut radius, mut held) = (0.0, 0.0_f64, None::<Rect>);
+    let mut furthest = 0.0_f64;
+    for k in (0..LEVELS).rev() {
+        if let Some(rect) = rects[k] {
+            let all = held.map_or(rect, |h| h.union(&rect));
+            held = Some(all);
+            furthest = furthest.max(about_centre[k]);
+            let [w, h] = all.size();
+            // A hair more for the rounding of the levels.
+            radius = furthest.min(0.5 * w.hypot(h)) * (1.0 + 1e-12);
         }
+        force += 2.0 * radius * highest / LEVELS as f64;
+        with(highest * k as f64 / LEVELS as f64, force * (1.0 + 1e-12));
     }
 }
 
@@ -122,14 +169,10 @@ pub(super) fn upper(frame: &Frame, q: &[f64], found: &Violation, outside: &Outsi
     for step in 0..MIXTURES {
         let more = furthest * step as f64 / MIXTURES as f64;
         // What is left of f - lambda u after scaling: at most (f - u) - (lambda - 1) u.
-        let mut left: Vec<(f64, Rect)> = (0..grid.len())
-            .map(|k| (k, found.over[k] - more * found.least[k].max(0.0)))
-            .filter(|v| v.1 > 0.0)
-            .map(|(k, v)| (v, cell(k)))
-            .collect();
-        left.extend(spills.iter().map(|s| (s.over - more * s.least, s.rect)).filter(|v| v.0 > 0.0));
-        let highest = left.iter().map(|v| v.0).fold(0.0, f64::max);
-        stacks(&mut left, |level, discs| {
+        let left = (0..grid.len()).map(|k| (found.over[k] - more * found.least[k].max(0.0), k));
+        let beyond = spills.iter().map(|s| (s.over - more * s.least, s.rect));
+        let highest = left.clone().map(|v| v.0).chain(beyond.clone().map(|v| v.0)).fold(0.0, f64::max);
+        stacks(grid, left, beyond, |level, discs| {
             // S (lambda q + discs) >= f - level: enough for the depth less the level.
             let Some(weaker) = stronger(frame, -level) else { return };
             let force = (((1.0 + more) * base + discs) / weaker * up).next_up();
@@ -138,7 +181,9 @@ pub(super) fn upper(frame: &Frame, q: &[f64], found: &Violation, outside: &Outsi
                 best = Closed { force, theorem, factor: 1.0 + more, left: highest, discs, level, kept: None, at };
             }
         });
-        if furthest == 0.0 {
+        // More scaling alone would cost what the discs do.
+        let next = furthest * (step + 1) as f64 / MIXTURES as f64;
+        if furthest == 0.0 || (1.0 + next) * base >= best.force {
             break;
         }
     }
@@ -167,14 +212,12 @@ pub(super) fn lower(frame: &Frame, q: &[f64], found: &Violation) -> Closed {
     let area = grid.cell_area();
 
     // Scaling: for each lambda the cells with u/f <= lambda are kept.
-    loaded.sort_by(|&a, &b| found.long[a].total_cmp(&found.long[b]));
+    let mut by_long: Vec<(f64, f64)> =
+        loaded.iter().map(|&k| (found.long[k], q[k])).filter(|(l, _)| *l > 0.0 && l.is_finite()).collect();
+    by_long.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
     let (mut sum, mut chosen) = (0.0, None);
-    for &k in &loaded {
-        sum += q[k];
-        let lambda = found.long[k];
-        if !(lambda > 0.0 && lambda.is_finite()) {
-            break;
-        }
+    for (lambda, q) in by_long {
+        sum += q;
         let force = sum / lambda * area;
         if force > best.force {
             best.force = force;
@@ -188,13 +231,19 @@ pub(super) fn lower(frame: &Frame, q: &[f64], found: &Violation) -> Closed {
     }
 
     // Discs: the worst cells dropped up to a share of the load, the rest repaired.
-    loaded.sort_by(|&a, &b| found.under[b].total_cmp(&found.under[a]));
+    // Only these need an order.
+    let hopeless = loaded.iter().filter(|&&k| found.under[k] == f64::INFINITY).count();
+    let front = (hopeless + loaded.len() / 10 + 16).min(loaded.len());
+    if front < loaded.len() {
+        loaded.select_nth_unstable_by(front, |&a, &b| found.under[b].total_cmp(&found.under[a]));
+    }
+    loaded[..front].sort_unstable_by(|&a, &b| found.under[b].total_cmp(&found.under[a]));
     let all: f64 = loaded.iter().map(|&k| q[k]).sum();
     let mut dropped = 0;
     let mut gone = 0.0;
     let mut share = 0.0;
     loop {
-        while dropped < loaded.len() && (found.under[loaded[dropped]] == f64::INFINITY || gone < share * all) {
+        while dropped < front && (found.under[loaded[dropped]] == f64::INFINITY || gone < share * all) {
             gone += q[loaded[dropped]];
             dropped += 1;
         }
@@ -202,14 +251,13 @@ pub(super) fn lower(frame: &Frame, q: &[f64], found: &Violation) -> Closed {
         if rest.is_empty() {
             break;
         }
-        let mut left: Vec<(f64, Rect)> =
-            rest.iter().map(|&k| (found.under[k], cell(k))).filter(|v| v.0 > 0.0).collect();
-        let highest = left.iter().map(|v| v.0).fold(0.0, f64::max);
+        let left = rest.iter().map(|&k| (found.under[k], k));
+        let highest = left.clone().map(|v| v.0).fold(0.0, f64::max);
         let mut kept = vec![false; grid.len()];
         rest.iter().for_each(|&k| kept[k] = true);
         let carried = total(grid, |k| if kept[k] { q[k] } else { 0.0 }) * down;
         let mut chosen: Option<(f64, f64, f64)> = None;
-        stacks(&mut left, |level, discs| {
+        stacks(grid, left, std::iter::empty(), |level, discs| {
             // S q <= f + level + what the discs displace: no more than the force at the depth plus the level, and theirs.
             let Some(greater) = stronger(frame, level) else { return };
             let force = ((carried - discs * (1.0 + rounding(grid))) / greater).next_down();
@@ -223,7 +271,7 @@ pub(super) fn lower(frame: &Frame, q: &[f64], found: &Violation) -> Closed {
             best = Closed { force, theorem, factor: 1.0, kept: Some(kept), left: highest, discs, level, at };
         }
         share = if share == 0.0 { 1e-4 } else { share * 2.0 };
-        if share > 0.5 {
+        if dropped == front || share > 0.5 || (1.0 - share) * all * area <= best.force {
             break;
         }
     }

@@ -1,9 +1,9 @@
 //! The problem of a bracket in units of its own, and the way in and out.
 
 use super::close::Closed;
-use super::displacement::Lattice;
-use super::violation::Violation;
-use super::{BracketSettings, Evidence, ForceBracket, Repair, Side, kernel, no_contact};
+use super::field::{Field, Surroundings};
+use super::violation::{self, Subject, Violation};
+use super::{Evidence, ForceBracket, Repair, Side, kernel, no_contact};
 use crate::error::{Unsolved, Verdict};
 use crate::gap::{Gap, Reach, Scaled, extent};
 use crate::geometry::Rect;
@@ -22,6 +22,35 @@ pub(super) fn within(
         Some((frame, q)) => work(&frame, q),
         None => no_contact(Some(Pressure { grid: pressure.grid, values: vec![0.0; pressure.values.len()] })),
     })
+}
+
+/// Cells around the load that are looked at one by one, and one more for so many of its width.
+const MARGIN: [usize; 2] = [4, 32];
+
+/// The pressure on the cells that carry some and a margin of empty ones, which may reach beyond the grid; what lies further out is
+/// looked at as a whole. A pressure of nothing stays as it is.
+fn around_load(pressure: &Pressure) -> Pressure {
+    let Pressure { grid, values } = pressure;
+    let [nx, ny] = grid.shape;
+    let (mut low, mut high) = ([usize::MAX; 2], [0; 2]);
+    for (k, _) in values.iter().enumerate().filter(|(_, p)| **p > 0.0) {
+        let at = [k % nx, k / nx];
+        low = [0, 1].map(|m| low[m].min(at[m]));
+        high = [0, 1].map(|m| high[m].max(at[m] + 1));
+    }
+    if low[0] == usize::MAX {
+        return pressure.clone();
+    }
+    let margin = [0, 1].map(|m| MARGIN[0] + (high[m] - low[m]) / MARGIN[1]);
+    let shape = [0, 1].map(|m| high[m] - low[m] + 2 * margin[m]);
+    let first = [0, 1].map(|m| low[m] as f64 - margin[m] as f64);
+    let origin = [0, 1].map(|m| grid.origin[m] + first[m] * grid.spacing[m]);
+    let mut around = vec![0.0; shape[0] * shape[1]];
+    for j in low[1]..high[1].min(ny) {
+        let to = (j - low[1] + margin[1]) * shape[0] + margin[0];
+        around[to..to + high[0] - low[0]].copy_from_slice(&values[j * nx + low[0]..j * nx + high[0]]);
+    }
+    Pressure { grid: Grid { origin, shape, ..*grid }, values: around }
 }
 
 /// The problem with E* = 1 and lengths of order 1: a pressure is proved in these units.
@@ -71,6 +100,8 @@ impl<'a> Frame<'a> {
                 return Err(Unsolved::new(Verdict::Unbounded, reason));
             }
         };
+        let Pressure { grid: given, values } = &around_load(pressure);
+        let given = *given;
         let [w, h] = given.extent().size();
         let length = 0.5 * w.max(h);
         let origin = given.extent().centre();
@@ -87,7 +118,7 @@ impl<'a> Frame<'a> {
             shape: given.shape,
         };
         let unit_pressure = modulus.e_star() * height / length;
-        let q = pressure.values.iter().map(|p| (p / unit_pressure).max(0.0)).collect();
+        let q = values.iter().map(|p| (p / unit_pressure).max(0.0)).collect();
         // A hair more than the gap says: its own rounding.
         let reach = Rect { min: scaled.inward(reach.min), max: scaled.inward(reach.max) }.scaled(1.0 + 1e-9);
         let unit_force = modulus.e_star() * height * length;
@@ -97,18 +128,27 @@ impl<'a> Frame<'a> {
     }
 
     /// Suprema for the pressure `q` and what they are worth.
-    pub fn look(&self, lattice: &mut Lattice, q: &[f64], settings: &BracketSettings) -> (Violation, Evidence) {
-        let per_cell = settings.per_cell.max(1);
+    pub fn look(
+        &self,
+        around: &mut Surroundings,
+        q: &[f64],
+        side: violation::Side,
+        closely: &mut [u8],
+        prove: bool,
+    ) -> (Field, Violation, Evidence) {
         let [a, b] = self.grid.spacing;
         let slender = a.max(b) > kernel::MOST_SLENDER * a.min(b);
-        if settings.prove
+        let (field, tables) = (Field::new(around, q), &around.tables);
+        let subject = Subject { frame: self, field: &field, tables, q, side };
+        if prove
             && self.reach_known
             && !slender
-            && let Some(found) = Violation::proved(self, lattice, q, per_cell)
+            && let Some(found) = Violation::proved(&subject, closely)
         {
-            return (found, Evidence::Proved);
+            return (field, found, Evidence::Proved);
         }
-        (Violation::sampled(self, lattice, q, per_cell), Evidence::Sampled { per_cell })
+        let found = Violation::sampled(&subject, closely);
+        (field, found, Evidence::Sampled { per_cell: tables.per_cell })
     }
 
     /// Supremum of f over a rectangle; where the gap proves none, its largest at 5 x 5 points.

@@ -7,9 +7,9 @@
 use std::time::Instant;
 
 use super::close::{self, Closed};
-use super::displacement::Lattice;
+use super::field::{Field, Surroundings};
 use super::frame::{self, Frame};
-use super::violation::Violation;
+use super::violation::{self, Violation};
 use super::{BracketCost, BracketSettings, Evidence, ForceBracket, outside};
 use crate::discrete::Discrete;
 use crate::error::Unsolved;
@@ -18,14 +18,14 @@ use crate::grid::{Kernel, Pressure};
 use crate::material::EffectiveModulus;
 use crate::matrix_free;
 
-/// Tolerance of the solves, relative to the depth: below every violation that a grid leaves.
-const TOLERANCE: f64 = 1e-6;
+/// Largest residual of a solve, as a share of the largest violation that it is to make good.
+const SHARE: f64 = 0.01;
 
-/// Points along a side of a cell between the first look and the last: what they miss is taken to stay as it was.
-const FEW: usize = 2;
+/// Another round is worth its price when closing still takes this share of the distance between the bounds.
+const PAYS: f64 = 0.1;
 
-/// A last round is worth its price when closing still takes this share of the distance between the bounds.
-const PAYS: f64 = 0.08;
+/// A round that gained no more than this share is the last.
+const GAINS: f64 = 0.15;
 
 /// As [`super::certify`], and narrower: each side is solved again for, at most `settings.rounds` times.
 ///
@@ -55,18 +55,19 @@ pub fn sharp(
     frame::within(gap, modulus, depth, pressure, |frame, q| {
         let started = Instant::now();
         let mut session = Session {
-            lattice: Lattice::new(frame.grid.spacing, frame.grid.shape),
+            around: Surroundings::new(&frame.grid, settings.per_cell.max(1)),
+            closely: vec![0; q.len()],
             frame,
             settings,
             cost: BracketCost::default(),
             evidence: Evidence::Proved,
         };
-        let first = session.look(&q);
+        let (field, first) = session.look(&q, violation::Side::Both);
         let outside = outside::look(frame, &q);
         let upper = (close::upper(frame, &q, &first, &outside), q.clone());
         let lower = (close::lower(frame, &q, &first), q);
-        let upper = session.raise(upper, &first, lower.0.force);
-        let lower = session.lower(lower, &first, upper.0.force);
+        let upper = session.raise(upper, (&field, &first), lower.0.force);
+        let lower = session.lower(lower, (&field, &first), upper.0.force);
         session.cost.seconds = started.elapsed().as_secs_f64();
         ForceBracket {
             lower: frame.side(lower.0, &lower.1, session.evidence),
@@ -77,7 +78,8 @@ pub fn sharp(
 }
 
 struct Session<'a, 'f> {
-    lattice: Lattice,
+    around: Surroundings,
+    closely: Vec<u8>,
     frame: &'a Frame<'f>,
     settings: &'a BracketSettings,
     cost: BracketCost,
@@ -85,21 +87,22 @@ struct Session<'a, 'f> {
 }
 
 impl Session<'_, '_> {
-    fn look(&mut self, q: &[f64]) -> Violation {
-        let (found, evidence) = self.frame.look(&mut self.lattice, q, self.settings);
+    fn look(&mut self, q: &[f64], side: violation::Side) -> (Field, Violation) {
+        let (field, found, evidence) =
+            self.frame.look(&mut self.around, q, side, &mut self.closely, self.settings.prove);
         self.evidence = evidence;
-        self.cost.products += found.products;
-        found
+        self.cost.products += 1;
+        (field, found)
     }
 
-    /// Pressure and displacement at the centres for these overlaps; `None` when the solver gives up.
-    fn solve(&mut self, overlap: &[f64], start: &[f64]) -> Option<(Vec<f64>, Vec<f64>)> {
-        let problem = Discrete { grid: self.frame.grid, kernel: Kernel::Collocation, overlap: overlap.to_vec() };
-        let settings =
-            matrix_free::Settings { tolerance: TOLERANCE, threads: self.settings.threads, ..Default::default() };
+    /// The pressure for these overlaps, good to a share of the violation that they make good; `None` when the solver gives
+    /// up. From nothing: on nested grids that is quicker than from a pressure near by.
+    fn solve(&mut self, overlap: Vec<f64>, violation: f64) -> Option<Vec<f64>> {
+        let problem = Discrete { grid: self.frame.grid, kernel: Kernel::Collocation, overlap };
+        let tolerance = (SHARE * violation / self.frame.depth.abs()).clamp(1e-9, 1e-3);
+        let settings = matrix_free::Settings { tolerance, threads: self.settings.threads, ..Default::default() };
         self.cost.solves += 1;
-        let solved = matrix_free::solve(&problem, Some(start), &settings).ok()?;
-        Some((solved.pressure, solved.displacement))
+        matrix_free::solve_nested(&problem, &settings).ok().map(|solved| solved.pressure)
     }
 
     /// f at the centre of a cell, or, where there is no material, the most of it in the cell.
@@ -110,90 +113,74 @@ impl Session<'_, '_> {
         if f.is_finite() { f } else { self.frame.most_overlap(&self.frame.grid.cell(k % nx, k / nx)) }
     }
 
-    /// Displacement at the centres.
-    fn displacement(&mut self, q: &[f64]) -> Vec<f64> {
-        let spectrum = self.lattice.pressure(q);
-        let layer = self.lattice.layer(&spectrum, [0.5, 0.5], false);
-        self.cost.products += 1;
+    fn raise(&mut self, first: (Closed, Vec<f64>), look: (&Field, &Violation), other: f64) -> (Closed, Vec<f64>) {
         let nx = self.frame.grid.shape[0];
-        (0..q.len()).map(|k| layer.u[k / nx * (nx + 1) + k % nx]).collect()
-    }
-
-    /// Suprema on few points.
-    fn glance(&mut self, q: &[f64]) -> Violation {
-        let found = Violation::sampled(self.frame, &mut self.lattice, q, FEW.min(self.settings.per_cell.max(1)));
-        self.cost.products += found.products;
-        found
-    }
-
-    fn raise(&mut self, first: (Closed, Vec<f64>), found: &Violation, other: f64) -> (Closed, Vec<f64>) {
-        let mut overlap: Vec<f64> = (0..self.frame.grid.len()).map(|k| self.overlap(k)).collect();
-        let mut q = first.1.clone();
-        let mut u = self.displacement(&q);
-        let mut over = found.over.clone();
-        let missed = missed(&over, &self.glance(&q).over);
         let mut best = first;
-        let rounds = self.settings.rounds;
-        for round in 1..=rounds {
-            for k in 0..overlap.len() {
-                if over[k] > f64::NEG_INFINITY && (q[k] > 0.0 || over[k] > 0.0) {
-                    overlap[k] = u[k] + over[k];
+        let mut q = best.1.clone();
+        let mut aim: Vec<f64> = (0..q.len()).map(|k| self.overlap(k)).collect();
+        let mut again: Option<(Field, Violation)> = None;
+        for _ in 0..self.settings.rounds {
+            let (field, found) = again.as_ref().map_or(look, |(field, found)| (field, found));
+            for k in 0..q.len() {
+                let over = found.over[k];
+                if over > f64::NEG_INFINITY && (q[k] > 0.0 || over > 0.0) {
+                    aim[k] = field.centre(k % nx, k / nx) + over;
                 }
             }
-            let Some(solved) = self.solve(&overlap, &q) else { break };
-            (q, u) = solved;
-            if round + 1 < rounds {
-                over = self.glance(&q).over;
-                over.iter_mut().zip(&missed).for_each(|(over, missed)| *over += missed);
-                continue;
-            }
-            let found = self.look(&q);
+            let worst = found.over.iter().copied().fold(0.0, f64::max);
+            let Some(next) = self.solve(aim.clone(), worst) else { break };
+            q = next;
+            let (field, found) = self.look(&q, violation::Side::Upper);
             let outside = outside::look(self.frame, &q);
             let closed = close::upper(self.frame, &q, &found, &outside);
-            over = found.over;
             let repair = closed.force - self.carried(&q);
-            if closed.force < best.0.force {
+            let gained = best.0.force - closed.force;
+            if gained > 0.0 {
                 best = (closed, q.clone());
             }
-            if repair < PAYS * (best.0.force - other) {
+            let width = best.0.force - other;
+            if repair < PAYS * width || gained < GAINS * width {
                 break;
             }
+            again = Some((field, found));
         }
         best
     }
 
-    fn lower(&mut self, first: (Closed, Vec<f64>), found: &Violation, other: f64) -> (Closed, Vec<f64>) {
-        let mut q = first.1.clone();
-        let mut u = self.displacement(&q);
-        let mut under = found.under.clone();
-        let missed = missed(&under, &self.glance(&q).under);
+    fn lower(&mut self, first: (Closed, Vec<f64>), look: (&Field, &Violation), other: f64) -> (Closed, Vec<f64>) {
+        let nx = self.frame.grid.shape[0];
         let mut best = first;
-        let mut support: Vec<bool> = (0..q.len()).map(|k| q[k] > 0.0 && under[k] < f64::INFINITY).collect();
-        let rounds = self.settings.rounds;
-        for round in 1..=rounds {
-            let overlap: Vec<f64> =
-                (0..q.len()).map(|k| if support[k] { u[k] - under[k] } else { f64::NEG_INFINITY }).collect();
-            let Some(solved) = self.solve(&overlap, &q) else { break };
-            (q, u) = solved;
-            let mut repair = f64::INFINITY;
-            if round + 1 < rounds {
-                under = self.glance(&q).under;
-                under.iter_mut().zip(&missed).for_each(|(under, missed)| *under += missed);
-            } else {
-                let found = self.look(&q);
-                let closed = close::lower(self.frame, &q, &found);
-                under = found.under;
-                repair = self.carried(&q) - closed.force;
-                if closed.force > best.0.force {
-                    best = (closed, q.clone());
-                }
+        let mut q = best.1.clone();
+        let mut again: Option<(Field, Violation)> = None;
+        let mut support = vec![true; q.len()];
+        for _ in 0..self.settings.rounds {
+            let (field, found) = again.as_ref().map_or(look, |(field, found)| (field, found));
+            let mut worst = 0.0_f64;
+            let aim: Vec<f64> = (0..q.len())
+                .map(|k| {
+                    let under = found.under[k];
+                    support[k] = support[k] && q[k] > 0.0 && under < f64::INFINITY;
+                    if !support[k] {
+                        return f64::NEG_INFINITY;
+                    }
+                    worst = worst.max(under);
+                    field.centre(k % nx, k / nx) - under
+                })
+                .collect();
+            let Some(next) = self.solve(aim, worst) else { break };
+            q = next;
+            let (field, found) = self.look(&q, violation::Side::Lower);
+            let closed = close::lower(self.frame, &q, &found);
+            let repair = self.carried(&q) - closed.force;
+            let gained = closed.force - best.0.force;
+            if gained > 0.0 {
+                best = (closed, q.clone());
             }
-            for k in 0..q.len() {
-                support[k] = support[k] && q[k] > 0.0 && under[k] < f64::INFINITY;
-            }
-            if repair < PAYS * (other - best.0.force) {
+            let width = other - best.0.force;
+            if repair < PAYS * width || gained < GAINS * width {
                 break;
             }
+            again = Some((field, found));
         }
         best
     }
@@ -201,9 +188,4 @@ impl Session<'_, '_> {
     fn carried(&self, q: &[f64]) -> f64 {
         q.iter().sum::<f64>() * self.frame.grid.cell_area()
     }
-}
-
-/// What few points missed of each supremum.
-fn missed(full: &[f64], few: &[f64]) -> Vec<f64> {
-    full.iter().zip(few).map(|(a, b)| if a.is_finite() && b.is_finite() { (a - b).max(0.0) } else { 0.0 }).collect()
 }

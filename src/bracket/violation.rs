@@ -1,9 +1,9 @@
 //! How far a pressure is from being admissible, cell by cell, as suprema over the whole cell.
 
-use super::between::Between;
-use super::displacement::Lattice;
+use super::field::Field;
 use super::frame::Frame;
-use super::kernel::RELATIVE_ERROR;
+use super::polynomial::QUARTERS;
+use super::tables::Tables;
 use crate::gap::Gap;
 use crate::geometry::Rect;
 
@@ -19,8 +19,6 @@ pub(super) struct Violation {
     pub long: Vec<f64>,
     /// Least displacement in the cell.
     pub least: Vec<f64>,
-    /// Products with a shifted kernel.
-    pub products: usize,
 }
 
 /// Rounding of f and of the last sums, relative to the depth.
@@ -35,7 +33,6 @@ impl Violation {
             under: none.clone(),
             long: none,
             least: vec![f64::INFINITY; cells],
-            products: 0,
         }
     }
 
@@ -58,92 +55,217 @@ impl Violation {
         }
     }
 
-    /// With the remainder between lattice points: sub-squares with their middle at (k + 1/2)/S of a cell. `None` when the gap
-    /// proves no bounds.
-    pub fn proved(frame: &Frame, lattice: &mut Lattice, q: &[f64], per_cell: usize) -> Option<Self> {
-        let (grid, [nx, _]) = (&frame.grid, frame.grid.shape);
+    /// Over the whole of every cell: each in quarters first, then the worst in sub-squares of the lattice. `None` when the
+    /// gap proves no bounds.
+    pub fn proved(subject: &Subject, closely: &mut [u8]) -> Option<Self> {
+        let &Subject { frame, field, tables, q, side } = subject;
+        let (grid, nx) = (&frame.grid, frame.grid.shape[0]);
         let mut found = Self::empty(grid.len());
-        let lowest: Vec<f64> = (0..grid.len())
-            .map(|k| frame.gap.range(&grid.cell(k % nx, k / nx), [0.0; 2]).map(|r| r[0]))
-            .collect::<Option<_>>()?;
-        let mut wanted: Vec<bool> =
-            (0..grid.len()).map(|k| q[k] > 0.0 || lowest[k] < frame.depth * (1.0 + ROUNDING)).collect();
-        let between = Between::new(lattice, grid.spacing, grid.shape, per_cell, q);
-        let spectrum = lattice.pressure(q);
-        let half = grid.spacing.map(|h| 0.5 * h / per_cell as f64);
+        let mut left_out = vec![f64::NAN; grid.len()];
         let away = away(q, grid.shape);
-        for k in 0..per_cell * per_cell {
-            let sub = [k % per_cell, k / per_cell];
-            let shift = sub.map(|s| (s as f64 + 0.5) / per_cell as f64);
-            let layer = lattice.layer(&spectrum, shift, true);
-            found.products += 3;
-            let rounding = lattice.rounding(q) + ROUNDING * frame.depth.abs().max(1.0);
-            for cell in 0..grid.len() {
-                let (i, j) = (cell % nx, cell / nx);
-                let point = j * (nx + 1) + i;
-                if k == 0 && wanted[cell] && away[cell] > 1 {
-                    // No load is nearer than D, so that u falls by D/(D + the diagonal) at most within the cell.
-                    let [a, b] = grid.spacing;
-                    let (d, diagonal) = (f64::from(away[cell] - 1) * a.min(b), a.hypot(b));
-                    let u = (layer.u[point] * (1.0 - 4.0 * RELATIVE_ERROR) - rounding) * d / (d + diagonal);
-                    let f = frame.depth - lowest[cell] + rounding;
-                    if f < u {
-                        (found.least[cell], found.short[cell]) = (u, f / u);
-                        wanted[cell] = false;
-                    }
-                }
-                if !wanted[cell] {
+        let look = Look { frame, field, half: 0.25 };
+        for cell in 0..grid.len() {
+            let (i, j) = (cell % nx, cell / nx);
+            if q[cell] <= 0.0 {
+                let f = frame.depth * (1.0 + ROUNDING) - frame.gap.range(&grid.cell(i, j), [0.0; 2])?[0];
+                if f <= 0.0 || found.is_clear(&look, cell, away[cell], f) {
                     continue;
                 }
-                let (u, slope) = (layer.u[point], [layer.slopes[0][point], layer.slopes[1][point]]);
-                let rest = between.remainder(q, [i, j], sub) * (1.0 + 1e-6) + rounding + 4.0 * RELATIVE_ERROR * u.abs();
-                let centre = [0, 1].map(|m| grid.origin[m] + ([i, j][m] as f64 + shift[m]) * grid.spacing[m]);
-                // A hair larger, so that the sub-squares cover the cell however the sums are rounded.
-                let square = Rect::around(centre, half.map(|e| e * (1.0 + 1e-9)));
-                let [low, high] = frame.gap.range(&square, slope.map(|s| -s))?;
-                let varies = slope[0].abs() * half[0] + slope[1].abs() * half[1] + rest;
-                let r = [frame.depth - u - high - rest, frame.depth - u - low + rest];
-                found.note(cell, q[cell] > 0.0, r, [u - varies, u + varies]);
+            }
+            let inside = field.cell(i, j);
+            left_out[cell] = inside.left_out();
+            let rest = left_out[cell] + inside.bend(look.half);
+            for (at, [u, s, t]) in QUARTERS.into_iter().zip(inside.quarters()) {
+                look.square(&mut found, cell, q[cell] > 0.0, at, [u, s, t, rest])?;
+            }
+        }
+        for (level, squares) in (1..).zip(&tables.squares) {
+            found.add_worst(q, &left_out, side, closely, level);
+            let look = Look { half: squares.half, ..look };
+            let mut room = Vec::new();
+            for cell in (0..grid.len()).filter(|&k| closely[k] == level && !left_out[k].is_nan()) {
+                let inside = field.cell(cell % nx, cell / nx);
+                let jumps = inside.jumps(left_out[cell]);
+                let before = found.take(cell);
+                for (plane, at) in inside.squares(&jumps, squares, &mut room).iter().zip(&squares.at) {
+                    look.square(&mut found, cell, q[cell] > 0.0, *at, *plane)?;
+                }
+                found.narrow(cell, before);
             }
         }
         Some(found)
     }
 
-    /// At the points k/S of each cell, its border included.
-    pub fn sampled(frame: &Frame, lattice: &mut Lattice, q: &[f64], per_cell: usize) -> Self {
-        let (grid, [nx, ny]) = (&frame.grid, frame.grid.shape);
+    /// At lattice points of the worst cells, borders included, and at the corners, the middles of the sides and the centre of the
+    /// others, with a bound of what that leaves out of the displacement.
+    pub fn sampled(subject: &Subject, closely: &mut [u8]) -> Self {
+        let &Subject { frame, field, tables, q, side } = subject;
+        let (grid, nx) = (&frame.grid, frame.grid.shape[0]);
         let mut found = Self::empty(grid.len());
-        let spectrum = lattice.pressure(q);
-        for k in 0..per_cell * per_cell {
-            let sub = [k % per_cell, k / per_cell];
-            let shift = sub.map(|s| s as f64 / per_cell as f64);
-            let layer = lattice.layer(&spectrum, shift, false);
-            found.products += 1;
-            // A point on a border belongs to the cells on both sides.
-            let owners = |m: usize, i: usize| {
-                let n = grid.shape[m];
-                let first = if sub[m] == 0 { i.saturating_sub(1) } else { i };
-                first..=i.min(n - 1)
-            };
-            for j in 0..=ny {
-                for i in 0..=nx {
-                    let (rows, columns) = (owners(1, j), owners(0, i));
-                    let x = grid.origin[0] + (i as f64 + shift[0]) * grid.spacing[0];
-                    let y = grid.origin[1] + (j as f64 + shift[1]) * grid.spacing[1];
-                    let u = layer.u[j * (nx + 1) + i];
-                    let f = frame.depth - frame.gap.gap(x, y);
-                    for b in rows {
-                        for a in columns.clone() {
-                            let cell = b * nx + a;
-                            if q[cell] > 0.0 || f > 0.0 {
-                                found.note(cell, q[cell] > 0.0, [f - u; 2], [u; 2]);
-                            }
-                        }
-                    }
-                }
+        let mut left_out = vec![f64::NAN; grid.len()];
+        let away = away(q, grid.shape);
+        let look = Look { frame, field, half: 0.0 };
+        let overlap = |cell: usize, at: [f64; 2]| {
+            let [x, y] = look.place(cell, at);
+            frame.depth - frame.gap.gap(x, y)
+        };
+        for cell in 0..grid.len() {
+            let loaded = q[cell] > 0.0;
+            let mut f = [0.0; 9];
+            f.iter_mut().enumerate().for_each(|(k, f)| *f = overlap(cell, nine(k)));
+            let highest = f.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            if !loaded && (highest <= 0.0 || found.is_clear(&look, cell, away[cell], highest)) {
+                continue;
+            }
+            let inside = field.cell(cell % nx, cell / nx);
+            left_out[cell] = inside.left_out();
+            for (f, u) in f.into_iter().zip(inside.nine()) {
+                found.point(cell, loaded, f, [u, left_out[cell]]);
+            }
+        }
+        found.add_worst(q, &left_out, side, closely, 1);
+        let mut room = Vec::new();
+        for cell in (0..grid.len()).filter(|&k| closely[k] > 0 && !left_out[k].is_nan()) {
+            let inside = field.cell(cell % nx, cell / nx);
+            let jumps = inside.jumps(left_out[cell]);
+            found.take(cell);
+            let values = inside.points(&jumps, &tables.points, &mut room);
+            for (u, at) in values.iter().zip(&tables.points.at) {
+                found.point(cell, q[cell] > 0.0, overlap(cell, *at), [*u, jumps.far]);
             }
         }
         found
+    }
+
+    fn point(&mut self, cell: usize, loaded: bool, f: f64, [u, rest]: [f64; 2]) {
+        if loaded || f > 0.0 {
+            self.note(cell, loaded, [f - u - rest, f - u + rest], [u - rest, u + rest]);
+        }
+    }
+
+    /// Whether the cell is certainly covered: no load is nearer than D, so that u falls by D/(D + the diagonal) at most within
+    /// it. Then the least displacement is noted.
+    fn is_clear(&mut self, look: &Look, cell: usize, away: u32, f: f64) -> bool {
+        if away <= 1 {
+            return false;
+        }
+        let nx = look.frame.grid.shape[0];
+        let [a, b] = look.frame.grid.spacing;
+        let (d, diagonal) = (f64::from(away - 1) * a.min(b), a.hypot(b));
+        let u = look.field.centre(cell % nx, cell / nx);
+        let u = (u - look.field.rounding(u)) * d / (d + diagonal);
+        if f < u {
+            (self.least[cell], self.short[cell]) = (u, f / u);
+        }
+        f < u
+    }
+
+    /// Adds the cells with the largest violations to those that are looked at closely: at first about as many as lie along the
+    /// edge of the contact and its ridges, then some more. A cell that was corrected by what was seen closely must be seen
+    /// so again: from further away it would seem to be violated still.
+    fn add_worst(&self, q: &[f64], left_out: &[f64], side: Side, closely: &mut [u8], level: u8) {
+        let height = |k: usize| match side {
+            Side::Both => self.over[k].max(self.under[k]),
+            Side::Upper => self.over[k],
+            Side::Lower => self.under[k],
+        };
+        let first = !closely.contains(&level);
+        let mut cells: Vec<(f64, usize)> = (0..q.len())
+            .filter(|&k| !left_out[k].is_nan() && closely[k] + 1 == level)
+            .map(|k| (height(k), k))
+            .filter(|c| c.0 > 0.0)
+            .collect();
+        let loaded = q.iter().filter(|&&q| q > 0.0).count();
+        let lines = LINES[usize::from(level) - 1] * if first { 1.0 } else { MORE };
+        let most = (lines * (loaded as f64).sqrt()) as usize + 16;
+        if most < cells.len() {
+            cells.select_nth_unstable_by(most, |a, b| b.0.total_cmp(&a.0));
+            cells.truncate(most);
+        }
+        cells.into_iter().for_each(|c| closely[c.1] = level);
+    }
+
+    /// Forgets a cell and says what was known.
+    fn take(&mut self, k: usize) -> [f64; 5] {
+        let known = [self.over[k], self.short[k], self.under[k], self.long[k], self.least[k]];
+        (self.over[k], self.short[k], self.under[k], self.long[k]) =
+            (f64::NEG_INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY);
+        self.least[k] = f64::INFINITY;
+        known
+    }
+
+    /// The narrower of two bounds each.
+    fn narrow(&mut self, k: usize, [over, short, under, long, least]: [f64; 5]) {
+        self.over[k] = self.over[k].min(over);
+        self.short[k] = self.short[k].min(short);
+        self.under[k] = self.under[k].min(under);
+        self.long[k] = self.long[k].min(long);
+        self.least[k] = self.least[k].max(least);
+    }
+}
+
+/// Cells looked at closely, and more closely, in roots of the number of loaded ones; and the share of that by which a
+/// later look may add to them.
+const LINES: [f64; 2] = [15.0, 5.0];
+const MORE: f64 = 0.2;
+
+/// The side of the bracket that a look is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Side {
+    Both,
+    Upper,
+    Lower,
+}
+
+/// What is looked at, and how.
+pub(super) struct Subject<'a> {
+    pub frame: &'a Frame<'a>,
+    pub field: &'a Field,
+    pub tables: &'a Tables,
+    pub q: &'a [f64],
+    pub side: Side,
+}
+
+/// Corners, middles of sides and centre.
+fn nine(k: usize) -> [f64; 2] {
+    [0.5 * (k % 3) as f64 - 0.5, 0.5 * (k / 3) as f64 - 0.5]
+}
+
+/// A way to look at squares within cells.
+struct Look<'a, 'f> {
+    frame: &'a Frame<'f>,
+    field: &'a Field,
+    /// Half the side of a square, in sides of a cell.
+    half: f64,
+}
+
+impl Look<'_, '_> {
+    /// A point of a cell, in sides from its centre.
+    fn place(&self, cell: usize, at: [f64; 2]) -> [f64; 2] {
+        let grid = &self.frame.grid;
+        let corner = [cell % grid.shape[0], cell / grid.shape[0]];
+        [0, 1].map(|m| grid.origin[m] + (corner[m] as f64 + 0.5 + at[m]) * grid.spacing[m])
+    }
+
+    /// Notes a square about `at` over which the displacement leaves a plane by no more than `rest`.
+    fn square(
+        &self,
+        found: &mut Violation,
+        cell: usize,
+        loaded: bool,
+        at: [f64; 2],
+        [u, s, t, rest]: [f64; 4],
+    ) -> Option<()> {
+        let spacing = self.frame.grid.spacing;
+        let depth = self.frame.depth;
+        let rest = rest + self.field.rounding(u) + ROUNDING * depth.abs().max(1.0);
+        // A hair larger, so that the squares cover the cell however the sums are rounded.
+        let square = Rect::around(self.place(cell, at), spacing.map(|h| h * self.half * (1.0 + 1e-9)));
+        let [low, high] = self.frame.gap.range(&square, [-s / spacing[0], -t / spacing[1]])?;
+        let varies = (s.abs() + t.abs()) * self.half + rest;
+        let r = [depth - u - high - rest, depth - u - low + rest];
+        found.note(cell, loaded, r, [u - varies, u + varies]);
+        Some(())
     }
 }
 

@@ -5,6 +5,7 @@
 
 mod batch;
 mod check;
+mod claims;
 mod compare;
 mod completions;
 mod curve;

@@ -1,0 +1,313 @@
+//! What the polynomial of [`super::polynomial`] leaves of the displacement in a cell, by unit pressure on one other cell.
+//!
+//! With K_j the displacement by cell j and P the polynomial through its values at the centres, e_j = K_j - P K_j is large
+//! where cell j is near, and falls with the sixth power of its distance. In the middle cell i of a block B of cells
+//!
+//!   u = P u + sum over j in B of (q_j - q_i) e_j + q_i e_B + sum over j outside B of q_j e_j,
+//!
+//! with e_B that of the block under uniform pressure, which has a closed form. The tables hold values and slopes of e_j at
+//! the points of a lattice, bounds of what e_j does around such a point, and bounds over the whole cell.
+
+use std::f64::consts::FRAC_1_PI;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use super::kernel;
+use super::polynomial::{NODES, Polynomial};
+
+/// Half the side of the block B, in longest sides of a cell, less half a cell.
+const BLOCK: f64 = 10.0;
+
+/// The same for the block of the cells that count by values and slopes.
+const NEAR: f64 = 4.0;
+
+/// Tiles along a cell over which a bound is put together, and for the cells that touch it.
+const TILES: [usize; 2] = [12, 32];
+
+/// Tiles along a sub-square of a cell.
+const SUB_TILES: usize = 10;
+
+/// Largest of |s (s^2 - 1)(s^2 - 4)| for |s| <= 1/2, and sum of the weights of the nodes there.
+const NODAL: f64 = 1.40625;
+const WEIGHTS: f64 = 1.4;
+
+/// Tables that are kept.
+const MOST_KEPT: usize = 4;
+
+/// Tables for cells of one aspect ratio, longer side 1, and lattices of S x S points a cell.
+#[derive(Debug)]
+pub(super) struct Tables {
+    h: [f64; 2],
+    /// Half sides of B, in cells.
+    pub block: [usize; 2],
+    pub near: [usize; 2],
+    pub per_cell: usize,
+    /// Supremum of |e_j| over the cell, j in B, x fastest; 0 in the middle.
+    pub whole: Vec<f64>,
+    /// Supremum of |e_B|.
+    pub uniform: f64,
+    /// Sum of the suprema of |e_j| over all cells outside B.
+    pub beyond: f64,
+    /// Sub-squares with their middle at (k + 1/2)/S of a cell, and with half their sides.
+    pub squares: [Squares; 2],
+    /// Points at k/S of a cell, its border included.
+    pub points: Points,
+}
+
+/// A lattice of sub-squares.
+#[derive(Debug, Default)]
+pub(super) struct Squares {
+    /// Half the side of each, in sides of the cell.
+    pub half: f64,
+    /// Their middles, from the centre of the cell.
+    pub at: Vec<[f64; 2]>,
+    /// For each cell of the near block, x fastest, and each square: e_j, its slopes per side of the cell, and the supremum of
+    /// its distance from that plane.
+    pub values: Vec<[f64; 4]>,
+    /// The same of e_B.
+    pub uniform: Vec<[f64; 4]>,
+}
+
+/// A lattice of points.
+#[derive(Debug, Default)]
+pub(super) struct Points {
+    /// In sides of the cell from its centre.
+    pub at: Vec<[f64; 2]>,
+    /// e_j for each cell of the near block and each point.
+    pub values: Vec<f64>,
+    /// e_B.
+    pub uniform: Vec<f64>,
+}
+
+/// Half sides of a block in cells.
+fn half_sides(h: [f64; 2], longest: f64) -> [usize; 2] {
+    h.map(|side| (longest / side).ceil() as usize)
+}
+
+/// One source: its K and the polynomial through it.
+struct Source {
+    /// Sides of the loaded rectangle, and its centre in the frame of the middle cell.
+    sides: [f64; 2],
+    centre: [f64; 2],
+    h: [f64; 2],
+    polynomial: Polynomial,
+}
+
+impl Source {
+    fn new(h: [f64; 2], sides: [f64; 2], offset: [i64; 2]) -> Self {
+        let centre = [0, 1].map(|m| offset[m] as f64 * h[m]);
+        let node = |i: usize, m: usize| (i as f64 - NODES as f64) * h[m] - centre[m];
+        let polynomial = Polynomial::through(|i, j| kernel::displacement(sides, node(i, 0), node(j, 1))[0]);
+        Self { sides, centre, h, polynomial }
+    }
+
+    /// K and its slopes per side, at (s, t) sides from the centre of the middle cell.
+    fn displacement(&self, [s, t]: [f64; 2]) -> [f64; 3] {
+        let [u, x, y] =
+            kernel::displacement(self.sides, s * self.h[0] - self.centre[0], t * self.h[1] - self.centre[1]);
+        [u, x * self.h[0], y * self.h[1]]
+    }
+
+    /// e and its slopes.
+    fn error(&self, at: [f64; 2]) -> [f64; 3] {
+        let (k, p) = (self.displacement(at), self.polynomial.at(at));
+        [k[0] - p[0], k[1] - p[1], k[2] - p[2]]
+    }
+
+    /// Supremum over a square of |e - plane|, where second derivatives of K are at most `curvature` (along, mixed, across,
+    /// per side squared).
+    fn smooth(&self, middle: [f64; 2], half: f64, tiles: usize, curvature: [f64; 3], plane: [f64; 3]) -> f64 {
+        let tile = half / tiles as f64;
+        let [a, b, c] = curvature;
+        let bend = 0.5 * (a + 2.0 * b + c) * tile * tile + self.polynomial.bend(tile);
+        over_tiles(middle, half, tiles, |at| {
+            let [e, s, t] = self.error(at);
+            let [v, along, across] = plane;
+            let flat = v + along * (at[0] - middle[0]) + across * (at[1] - middle[1]);
+            (e - flat).abs() + ((s - along).abs() + (t - across).abs()) * tile
+        }) + bend
+    }
+
+    /// The same without second derivatives: over each tile K lies between its values at the furthest and the nearest point.
+    fn rough(&self, middle: [f64; 2], half: f64, tiles: usize, plane: [f64; 3]) -> f64 {
+        let tile = half / tiles as f64;
+        let bend = self.polynomial.bend(tile);
+        over_tiles(middle, half, tiles, |at| {
+            let span = [0, 1].map(|m| {
+                let from = (at[m] - tile) * self.h[m] - self.centre[m];
+                let to = (at[m] + tile) * self.h[m] - self.centre[m];
+                let least = if from < 0.0 && to > 0.0 { 0.0 } else { from.abs().min(to.abs()) };
+                [least, from.abs().max(to.abs())]
+            });
+            let high = kernel::displacement(self.sides, span[0][0], span[1][0])[0];
+            let low = kernel::displacement(self.sides, span[0][1], span[1][1])[0];
+            let [p, s, t] = self.polynomial.at(at);
+            let [v, along, across] = plane;
+            let flat = p + v + along * (at[0] - middle[0]) + across * (at[1] - middle[1]);
+            (0.5 * (high + low) - flat).abs() + 0.5 * (high - low) + ((s + along).abs() + (t + across).abs()) * tile
+        }) + bend
+    }
+}
+
+/// The largest of `value` at the middles of the tiles of a square.
+fn over_tiles(middle: [f64; 2], half: f64, tiles: usize, value: impl Fn([f64; 2]) -> f64) -> f64 {
+    let place = |k: usize| half * ((2 * k + 1) as f64 / tiles as f64 - 1.0);
+    (0..tiles * tiles).map(|k| value([middle[0] + place(k % tiles), middle[1] + place(k / tiles)])).fold(0.0, f64::max)
+}
+
+impl Tables {
+    /// For cells of these sides. The last few are kept: they take as long as a solve on a coarse grid.
+    pub fn of(spacing: [f64; 2], per_cell: usize) -> Arc<Self> {
+        static KEPT: Mutex<Vec<Arc<Tables>>> = Mutex::new(Vec::new());
+        let longer = spacing[0].max(spacing[1]);
+        // Grids over a rectangle have sides that differ by rounding: the tables then do by as much.
+        let h = spacing.map(|s| if s > longer * (1.0 - 1e-13) { 1.0 } else { s / longer });
+        let kept = || KEPT.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(known) = kept().iter().find(|t| t.h == h && t.per_cell == per_cell) {
+            return known.clone();
+        }
+        let tables = Arc::new(Self::new(h, per_cell));
+        let mut kept = kept();
+        if kept.len() >= MOST_KEPT {
+            kept.remove(0);
+        }
+        kept.push(tables.clone());
+        tables
+    }
+
+    fn new(h: [f64; 2], per_cell: usize) -> Self {
+        let (block, near) = (half_sides(h, BLOCK), half_sides(h, NEAR));
+        let big = [0, 1].map(|m| (2 * block[m] + 1) as f64 * h[m]);
+        let uniform = Source::new(h, big, [0, 0]);
+        // Of the block, in the middle cell: u_xx is a sum of four terms v/(u r) of one sign, u_xy of four terms 1/r of
+        // alternating sign.
+        let [inner, outer] = [0.0, 1.0].map(|side| [0, 1].map(|m| (block[m] as f64 + side) * h[m]));
+        let along = |m: usize| FRAC_1_PI * 4.0 * outer[1 - m] / (inner[m] * inner[m].hypot(outer[1 - m])) * h[m] * h[m];
+        let mixed = FRAC_1_PI * (2.0 / inner[0].hypot(inner[1]) - 2.0 / outer[0].hypot(outer[1])) * h[0] * h[1];
+        let flat = [along(0), mixed, along(1)];
+
+        let cells = |b: [usize; 2]| (2 * b[0] + 1) * (2 * b[1] + 1);
+        let mut tables = Self {
+            h,
+            block,
+            near,
+            per_cell,
+            whole: vec![0.0; cells(block)],
+            uniform: uniform.smooth([0.0; 2], 0.5, 64, flat, [0.0; 3]),
+            beyond: beyond(h, block),
+            squares: Default::default(),
+            points: Points::default(),
+        };
+        for (level, squares) in tables.squares.iter_mut().enumerate() {
+            let n = per_cell << level;
+            squares.half = 0.5 / n as f64;
+            squares.at = lattice(n, |k| (k as f64 + 0.5) / n as f64 - 0.5);
+            squares.values = vec![[0.0; 4]; cells(near) * n * n];
+            let of = |at: &[f64; 2]| {
+                let plane = uniform.error(*at);
+                let [v, s, t] = plane;
+                [v, s, t, uniform.smooth(*at, squares.half, 8, flat, plane)]
+            };
+            squares.uniform = squares.at.iter().map(of).collect();
+        }
+        let points = &mut tables.points;
+        points.at = lattice(per_cell + 1, |k| k as f64 / per_cell as f64 - 0.5);
+        points.values = vec![0.0; cells(near) * points.at.len()];
+        points.uniform = points.at.iter().map(|at| uniform.error(*at)[0]).collect();
+        // One quadrant of sources; the others are its mirror images.
+        for b in 0..=block[1] {
+            for a in 0..=block[0] {
+                if [a, b] != [0, 0] {
+                    tables.source([a, b]);
+                }
+            }
+        }
+        tables
+    }
+
+    fn source(&mut self, offset: [usize; 2]) {
+        let h = self.h;
+        let source = Source::new(h, h, offset.map(|o| o as i64));
+        let touching = offset[0] <= 1 && offset[1] <= 1;
+        let most = if touching { f64::INFINITY } else { kernel::curvature(h, offset) };
+        let curvature = [most * h[0] * h[0], 0.0, most * h[1] * h[1]];
+        let whole = if touching {
+            source.rough([0.0; 2], 0.5, TILES[1], [0.0; 3])
+        } else {
+            source.smooth([0.0; 2], 0.5, TILES[0], curvature, [0.0; 3])
+        };
+        let mirrors = [[1.0, 1.0], [-1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]];
+        for [x, y] in mirrors {
+            let place = |b: [usize; 2]| {
+                let to = |m: usize, sign: f64| (b[m] as i64 + sign as i64 * offset[m] as i64) as usize;
+                to(1, y) * (2 * b[0] + 1) + to(0, x)
+            };
+            self.whole[place(self.block)] = whole;
+        }
+        if offset[0] > self.near[0] || offset[1] > self.near[1] {
+            return;
+        }
+        let width = 2 * self.near[0] + 1;
+        let near = self.near;
+        let place = |[x, y]: [f64; 2]| {
+            let to = |m: usize, sign: f64| (near[m] as i64 + sign as i64 * offset[m] as i64) as usize;
+            to(1, y) * width + to(0, x)
+        };
+        for (level, squares) in self.squares.iter_mut().enumerate() {
+            let n = self.per_cell << level;
+            for k in 0..n * n {
+                let (at, half) = (squares.at[k], squares.half);
+                let plane = source.error(at);
+                let bend = if touching {
+                    source.rough(at, half, SUB_TILES, plane)
+                } else {
+                    let [a, b] = h;
+                    0.5 * most * (a * a + b * b) * half * half + source.polynomial.bend(half)
+                };
+                for [x, y] in mirrors {
+                    let mirror = |k: usize, sign: f64| if sign < 0.0 { n - 1 - k } else { k };
+                    let square = mirror(k / n, y) * n + mirror(k % n, x);
+                    squares.values[place([x, y]) * n * n + square] = [plane[0], x * plane[1], y * plane[2], bend];
+                }
+            }
+        }
+        let n = self.per_cell;
+        let n = n + 1;
+        for k in 0..n * n {
+            let value = source.error(self.points.at[k])[0];
+            for [x, y] in mirrors {
+                let mirror = |k: usize, sign: f64| if sign < 0.0 { n - 1 - k } else { k };
+                let point = mirror(k / n, y) * n + mirror(k % n, x);
+                self.points.values[place([x, y]) * n * n + point] = value;
+            }
+        }
+    }
+}
+
+fn lattice(n: usize, place: impl Fn(usize) -> f64) -> Vec<[f64; 2]> {
+    (0..n * n).map(|k| [place(k % n), place(k / n)]).collect()
+}
+
+/// Sum of bounds of |e_j| over all cells outside the block: the remainder of interpolation in either direction,
+/// NODAL/5! times the fifth derivative, which is at most 5!/r^6 of a unit of load.
+fn beyond(h: [f64; 2], block: [usize; 2]) -> f64 {
+    let far = half_sides(h, 8.0 * BLOCK);
+    let powers = h[0].powi(5) + WEIGHTS * h[1].powi(5);
+    let unit = FRAC_1_PI * h[0] * h[1] * NODAL * powers.max(h[1].powi(5) + WEIGHTS * h[0].powi(5));
+    // The nodes reach NODES cells from the middle, the load half a cell from its own.
+    let close = NODES as f64 + 0.5;
+    let mut sum = 0.0;
+    for b in 0..=far[1] {
+        let y = (b as f64 - close).max(0.0) * h[1];
+        for a in 0..=far[0] {
+            if a <= block[0] && b <= block[1] {
+                continue;
+            }
+            let x = (a as f64 - close).max(0.0) * h[0];
+            let images = if a == 0 || b == 0 { 2.0 } else { 4.0 };
+            sum += images * unit / (x * x + y * y).powi(3);
+        }
+    }
+    // Further out: an integral of r^-6 over the plane beyond, with room for the width of the cells.
+    let rest = 8.0 * BLOCK - 4.0;
+    sum + 2.0 * std::f64::consts::PI * unit / (h[0] * h[1]) / (4.0 * rest.powi(4)) * 1.2
+}
