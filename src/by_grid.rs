@@ -3,7 +3,7 @@
 use crate::Contact;
 use crate::discrete::Discrete;
 use crate::domain::Door;
-use crate::edges;
+use crate::edges::{self, Edge};
 use crate::error::Unsolved;
 use crate::exact::{self, GridState, Refined};
 use crate::gap::{AnyGap, Gap, Reach, extent};
@@ -109,7 +109,7 @@ pub(crate) fn in_frame(
     };
     let state = exact::at_resolution(&door, &mut window, cells, settings, method)?;
     frame.window = Some(outward(&window));
-    frame.sharp = edges::met(&state);
+    frame.sharp = edges::met(&state) == Some(Edge::End);
     let [spacing, lost] = if frame.sharp { edges::measure(&door, &state) } else { [0.0; 2] };
     frame.measure = [spacing * door.gap.length, lost * door.gap.length * door.gap.length];
     let force = state.force();

@@ -26,26 +26,40 @@ pub(crate) fn cells(k: usize) -> usize {
     (COARSEST * (k as f64 / STEPS).exp2()).round() as usize
 }
 
-/// Share of the depth by which the gap grows over two cells where it counts as an edge.
-const JUMP: f64 = 0.25;
+/// Share of the depth by which the gap grows over two cells where it counts as a step.
+const STEP: f64 = 0.25;
 
-/// Whether the contact runs up to where the material ends or the gap jumps.
-pub(crate) fn met(state: &GridState) -> bool {
+/// What a contact runs up to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Edge {
+    /// The end of the material.
+    End,
+    /// A step of the gap, or a flank so steep that these cells take it for one.
+    Step,
+}
+
+/// The edge that the contact runs up to, if any: the end of the material before steps.
+pub(crate) fn met(state: &GridState) -> Option<Edge> {
     let ([nx, ny], overlap) = (state.problem.grid.shape, &state.problem.overlap);
-    let jump = JUMP * state.problem.deepest();
-    state.solution.pressure.iter().enumerate().filter(|(_, p)| **p > 0.0).any(|(k, _)| {
-        let [i, j] = [k % nx, k / nx];
-        // A cell on the edge itself may hold a mean of both sides: the one behind it tells.
-        let ends = |along: [i64; 2]| {
-            let at = |n: i64| {
-                let [i, j] = [i as i64 + n * along[0], j as i64 + n * along[1]];
-                let inside = (0..nx as i64).contains(&i) && (0..ny as i64).contains(&j);
-                if inside { overlap[j as usize * nx + i as usize] } else { f64::NEG_INFINITY }
-            };
-            at(1) == f64::NEG_INFINITY || (at(2) < 0.0 && overlap[k] - at(2) > jump)
+    let step = STEP * state.problem.deepest();
+    let mut found = None;
+    for k in (0..overlap.len()).filter(|&k| state.solution.pressure[k] > 0.0) {
+        let at = |along: [i64; 2], n: i64| {
+            let [i, j] = [(k % nx) as i64 + n * along[0], (k / nx) as i64 + n * along[1]];
+            let inside = (0..nx as i64).contains(&i) && (0..ny as i64).contains(&j);
+            if inside { overlap[j as usize * nx + i as usize] } else { f64::NEG_INFINITY }
         };
-        [[1, 0], [-1, 0], [0, 1], [0, -1]].into_iter().any(ends)
-    })
+        for along in [[1, 0], [-1, 0], [0, 1], [0, -1]] {
+            if at(along, 1) == f64::NEG_INFINITY {
+                return Some(Edge::End);
+            }
+            // A cell on the step itself may hold a mean of both sides: the one behind it tells.
+            if at(along, 2) < 0.0 && overlap[k] - at(along, 2) > step {
+                found = Some(Edge::Step);
+            }
+        }
+    }
+    found
 }
 
 /// Points a side at which a cell is looked at.

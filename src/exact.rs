@@ -2,7 +2,7 @@
 
 use crate::discrete::{Discrete, DiscreteSolution};
 use crate::domain::{Door, locate, shape};
-use crate::edges::{self, Ladder};
+use crate::edges::{self, Edge, Ladder};
 use crate::error::{Unsolved, Verdict};
 use crate::extrapolate::{self, Estimate};
 use crate::gap::Gap;
@@ -194,11 +194,19 @@ pub(crate) fn as_far_as(
         let clean = matches!(from_energy, Some(Degree::Power(_)));
         let close = error <= settings.tolerance * value && (clean || forces.len() >= 3);
         // Three grids may agree on a limit that is not the punch's while its edges lie between two rows of cells.
-        let sharp_edges = forces.len() >= 3 && !clean && edges::met(&state);
-        let aligned = sharp_edges && edges::left_out(door, &state) == 0.0;
-        let good = close && (aligned || !sharp_edges);
-        if !good && sharp_edges {
+        let edge = if forces.len() >= 3 && !clean { edges::met(&state) } else { None };
+        let ends = edge == Some(Edge::End);
+        let aligned = ends && edges::left_out(door, &state) == 0.0;
+        let good = close && (aligned || !ends);
+        if !good && ends {
             return sharp(door, &mut window, aligned, finest, settings, method, spent);
+        }
+        if !good && edge == Some(Edge::Step) && cells == STEPPED {
+            // A flank may be resolved yet: only if a line does better than that.
+            let tried = sharp(door, &mut window, false, finest, settings, method, spent);
+            if let Some(found) = tried.ok().filter(|found| found.error <= settings.tolerance * found.force) {
+                return Ok(found);
+            }
         }
         best = Some(Refined { state, force: value, error, stopped: None, ladder: None });
         if good {
@@ -243,6 +251,9 @@ pub(crate) fn other_kernel(door: &Door, state: &GridState) -> Result<f64, Unsolv
     let solution = matrix_free::solve_nested(&problem, &settings)?;
     Ok(solution.pressure.iter().sum::<f64>() * problem.grid.cell_area())
 }
+
+/// Cells along the longer side at which a step of the gap is no longer hoped to be a flank.
+const STEPPED: usize = 256;
 
 /// Cells along the longer side of the first grid.
 const COARSEST: usize = 16;
