@@ -109,7 +109,7 @@ pub(crate) fn in_frame(
     };
     let state = exact::at_resolution(&door, &mut window, cells, settings, method)?;
     frame.window = Some(outward(&window));
-    frame.sharp = edges::met(&state) == Some(Edge::End);
+    frame.sharp = edges::met(&door, &state) == Some(Edge::End);
     let [spacing, lost] = if frame.sharp { edges::measure(&door, &state) } else { [0.0; 2] };
     frame.measure = [spacing * door.gap.length, lost * door.gap.length * door.gap.length];
     let force = state.force();

@@ -39,15 +39,20 @@ pub(crate) enum Edge {
 }
 
 /// The edge that the contact runs up to, if any: the end of the material before steps.
-pub(crate) fn met(state: &GridState) -> Option<Edge> {
-    let ([nx, ny], overlap) = (state.problem.grid.shape, &state.problem.overlap);
+pub(crate) fn met(door: &Door, state: &GridState) -> Option<Edge> {
+    let (grid, overlap) = (&state.problem.grid, &state.problem.overlap);
+    let [nx, ny] = grid.shape;
     let step = STEP * state.problem.deepest();
     let mut found = None;
     for k in (0..overlap.len()).filter(|&k| state.solution.pressure[k] > 0.0) {
         let at = |along: [i64; 2], n: i64| {
             let [i, j] = [(k % nx) as i64 + n * along[0], (k / nx) as i64 + n * along[1]];
             let inside = (0..nx as i64).contains(&i) && (0..ny as i64).contains(&j);
-            if inside { overlap[j as usize * nx + i as usize] } else { f64::NEG_INFINITY }
+            if inside {
+                return overlap[j as usize * nx + i as usize];
+            }
+            let centre = |m: usize, n: i64| grid.origin[m] + (n as f64 + 0.5) * grid.spacing[m];
+            door.depth - Gap::gap(&door.gap, centre(0, i), centre(1, j))
         };
         for along in [[1, 0], [-1, 0], [0, 1], [0, -1]] {
             if at(along, 1) == f64::NEG_INFINITY {

@@ -194,7 +194,7 @@ pub(crate) fn as_far_as(
         let clean = matches!(from_energy, Some(Degree::Power(_)));
         let close = error <= settings.tolerance * value && (clean || forces.len() >= 3);
         // Three grids may agree on a limit that is not the punch's while its edges lie between two rows of cells.
-        let edge = if forces.len() >= 3 && !clean { edges::met(&state) } else { None };
+        let edge = if forces.len() >= 3 && !clean { edges::met(door, &state) } else { None };
         let ends = edge == Some(Edge::End);
         let aligned = ends && edges::left_out(door, &state) == 0.0;
         let good = close && (aligned || !ends);
