@@ -2,6 +2,7 @@
 //!
 //! `cargo run --release --example certified_force [largest number of cells, 256]`
 
+use std::fmt::Write;
 use std::time::Instant;
 
 use contact_patch::bracket::{self, BracketSettings, ForceBracket};
@@ -11,6 +12,13 @@ use contact_patch::{Discrete, EffectiveModulus, Grid, Kernel, Pressure, matrix_f
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let most: usize = std::env::args().nth(1).map_or(Ok(256), |n| n.parse())?;
+    print!("{}", text(most)?);
+    Ok(())
+}
+
+/// What is printed, up to this number of cells.
+pub fn text(most: usize) -> Result<String, Box<dyn std::error::Error>> {
+    let mut out = String::new();
     let quarter = std::f64::consts::FRAC_PI_4;
     let modulus = EffectiveModulus::from_e_star(1.0)?;
     // Boxes that hold the contact; E* = depth = slope = curvature = 1.
@@ -22,11 +30,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         ("3 faces", AnyGap::new(Polyhedron::pyramid(3, quarter)?), three, 0.882412),
         ("4 faces", AnyGap::new(Polyhedron::pyramid(4, quarter)?), around(0.95), 0.737616),
     ];
-    println!("{:<17} | {:^46} | {:^46} |", "", "width, % of the force", "time, solves");
-    println!(
+    writeln!(out, "{:<17} | {:^46} | {:^46} |", "", "width, % of the force", "time, solves")?;
+    writeln!(
+        out,
         "{:<11}{:>6} | {:>11}{:>11}{:>12}{:>12} | {:>11}{:>11}{:>12}{:>12} | bracket (sharp, sampled)",
         "gap", "cells", "plain", "sharp", "plain", "sharp", "plain", "sharp", "plain", "sharp"
-    );
+    )?;
     for (name, gap, window, force) in cases {
         let mut cells = 32;
         let mut before: Option<[f64; 4]> = None;
@@ -47,14 +56,15 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             ];
             let [a, b, c, d] = brackets.each_ref().map(|b| 100.0 * b.relative_width());
             let [s, t, u, v] = brackets.each_ref().map(|b| b.cost().seconds / solve);
-            print!(
+            write!(
+                out,
                 "{name:<11}{cells:>6} | {a:>11.3}{b:>11.3}{c:>11.3}p{d:>11.3}p | {s:>11.1}{t:>11.1}{u:>11.1}p{v:>11.1}p"
-            );
-            println!(" | [{:.6}, {:.6}]", brackets[1].lower(), brackets[1].upper());
+            )?;
+            writeln!(out, " | [{:.6}, {:.6}]", brackets[1].lower(), brackets[1].upper())?;
             if let Some(before) = before {
                 let order = |k: usize, width: f64| (before[k] / width).log2();
                 let (a, b, c, d) = (order(0, a), order(1, b), order(2, c), order(3, d));
-                println!("{:<11}{:>6} | {a:>11.1}{b:>11.1}{c:>11.1} {d:>11.1}  |", "", "order");
+                writeln!(out, "{:<11}{:>6} | {a:>11.1}{b:>11.1}{c:>11.1} {d:>11.1}  |", "", "order")?;
             }
             before = Some([a, b, c, d]);
             for bracket in &brackets {
@@ -63,6 +73,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             cells *= 2;
         }
     }
-    println!("p: proved over the whole plane; otherwise sampled at 4 x 4 points a cell.");
-    Ok(())
+    writeln!(out, "p: proved over the whole plane; otherwise sampled at 4 x 4 points a cell.")?;
+    Ok(out)
 }

@@ -1,6 +1,9 @@
 //! What the examples print is short, and true.
 #![cfg(feature = "cli")]
 
+#[path = "../examples/certified_force.rs"]
+#[allow(dead_code)]
+mod certified_force;
 #[path = "../examples/error_vs_run_time.rs"]
 #[allow(dead_code)]
 mod error_vs_run_time;
@@ -136,4 +139,28 @@ fn the_slope_of_the_spring_is_that_of_its_force() {
         table.map(|line| line.split_whitespace().filter_map(|word| word.parse().ok()).collect()).collect();
     let table: Vec<Vec<f64>> = table.into_iter().filter(|row| row.len() == 2).collect();
     assert!(table.len() >= 4 && table.windows(2).all(|w| w[0][0] < w[1][0] && w[0][1] < w[1][1]), "{text}");
+}
+
+#[test]
+fn brackets_narrow_with_the_cells() {
+    // The example itself asserts that each holds the force.
+    let text = certified_force::text(64).unwrap();
+    for gap in ["paraboloid", "cone", "3 faces", "4 faces"] {
+        let rows = lines(&text, gap);
+        let widths: Vec<f64> = rows
+            .iter()
+            .filter(|row| !row.contains(&"order"))
+            .map(|row| number(row[row.iter().position(|w| *w == "|").unwrap() + 1]))
+            .collect();
+        assert!(widths.len() == 2 && widths[1] < 0.7 * widths[0], "{text}");
+    }
+    let (lower, upper) = lines(&text, "cone")
+        .iter()
+        .rev()
+        .find_map(|row| {
+            let ends: Vec<f64> = row.iter().filter_map(|w| w.trim_matches(['[', ']', ',']).parse().ok()).collect();
+            (ends.len() > 4).then(|| (ends[ends.len() - 2], ends[ends.len() - 1]))
+        })
+        .unwrap();
+    assert!(lower < std::f64::consts::FRAC_2_PI && std::f64::consts::FRAC_2_PI < upper, "{lower} {upper}");
 }
