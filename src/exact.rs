@@ -253,7 +253,7 @@ pub(crate) fn other_kernel(door: &Door, state: &GridState) -> Result<f64, Unsolv
 }
 
 /// Cells along the longer side at which a step of the gap is no longer hoped to be a flank.
-const STEPPED: usize = 256;
+const STEPPED: usize = 512;
 
 /// Cells along the longer side of the first grid.
 const COARSEST: usize = 16;
