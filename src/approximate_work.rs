@@ -96,25 +96,12 @@ impl Sought<'_> {
         })
     }
 
-    /// Energy and moments by further solves.
+    /// Energy, and the moments where they can be had, by further solves.
     ///
     /// # Errors
     /// The verdict of a further solve; `ToleranceNotReached` when the stiffnesses do not add up to the force.
     pub fn asked_for(&self) -> Result<Work, Unsolved> {
-        let work = match self.for_nothing() {
-            Some(work) => work,
-            None => {
-                let sum = self.sum(self.gap, self.depth, self.found.force)?;
-                let still = sum.wandering <= 1e-6 * self.found.area.sqrt();
-                let first_moment = (still || self.elliptic()).then(|| sum.centre.map(|c| self.found.force * c));
-                let remark = format!(
-                    "energy and moments: the sum of the flat punches at {} depths, {:.1e} off the force",
-                    sum.states, sum.miss
-                );
-                let (energy, states, remark) = (sum.energy, sum.states, Some(remark));
-                Work { energy, first_moment, stiffness: self.found.stiffness, matrix: None, states, remark }
-            }
-        };
+        let work = self.stored()?;
         if work.first_moment.is_some() {
             return Ok(work);
         }
@@ -130,12 +117,28 @@ impl Sought<'_> {
     /// # Errors
     /// As [`Self::asked_for`], and where no moments can be had.
     pub fn with_matrix(&self, e_star: f64) -> Result<Work, Unsolved> {
-        let mut work = self.asked_for()?;
+        let mut work = self.stored()?;
         if work.first_moment.is_none() {
             work = self.by_turning(&work)?;
         }
         work.matrix = Some(self.matrix(e_star, work.stiffness));
         Ok(work)
+    }
+
+    /// The energy, with the moments of ellipses and of patches that stay about one centre.
+    fn stored(&self) -> Result<Work, Unsolved> {
+        if let Some(work) = self.for_nothing() {
+            return Ok(work);
+        }
+        let sum = self.sum(self.gap, self.depth, self.found.force)?;
+        let still = sum.wandering <= 1e-6 * self.found.area.sqrt();
+        let first_moment = (still || self.elliptic()).then(|| sum.centre.map(|c| self.found.force * c));
+        let remark = format!(
+            "energy and moments: the sum of the flat punches at {} depths, {:.1e} off the force",
+            sum.states, sum.miss
+        );
+        let (energy, states, remark) = (sum.energy, sum.states, Some(remark));
+        Ok(Work { energy, first_moment, stiffness: self.found.stiffness, matrix: None, states, remark })
     }
 
     fn elliptic(&self) -> bool {

@@ -21,8 +21,7 @@ pub(crate) fn solution(
     settings: &Settings,
     with_matrix: bool,
 ) -> Result<Solution, Unsolved> {
-    let first_touch = least(&**gap).1;
-    if depth <= first_touch {
+    if depth <= least(&**gap).1 {
         return Ok(Solution::apart(settings.method, depth, tilt));
     }
     let fine = fabrikant::Settings {
@@ -35,11 +34,12 @@ pub(crate) fn solution(
         let rough = fabrikant::Settings { boundary_points: 0, ..fine };
         let at = |gap: &AnyGap, depth: f64| boundary(contact, gap, depth, settings, &rough).map(|(found, _)| found);
         let sought = approximate_work::Sought { gap, depth, found: &found, tolerance: settings.tolerance, at: &at };
-        match sought.for_nothing() {
-            Some(work) if !with_matrix => Ok(work),
-            _ if with_matrix => Ok(sought.with_matrix(contact.modulus().e_star())?),
-            None if settings.outputs.energy => sought.asked_for().map_err(|e| e.reason),
-            _ => Err("further solves, not asked for".to_owned()),
+        if with_matrix {
+            Ok(sought.with_matrix(contact.modulus().e_star())?)
+        } else if settings.outputs.energy {
+            sought.asked_for().map_err(|e| e.reason)
+        } else {
+            sought.for_nothing().ok_or_else(|| "further solves, not asked for".to_owned())
         }
     };
     let mut solution = dimensional(contact, depth, tilt, settings, found);
