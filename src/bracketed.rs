@@ -7,9 +7,9 @@ use crate::bracket::{self, BracketSettings, DepthBracket, Evidence, ForceBracket
 use crate::contact::Load;
 use crate::domain::{Door, locate};
 use crate::error::Unsolved;
-use crate::exact;
 use crate::gap::{AnyGap, Tilted};
 use crate::grid::{Grid, Pressure};
+use crate::one_grid::at_resolution;
 use crate::settings::{Method, Settings};
 use crate::solution::Solution;
 
@@ -75,7 +75,7 @@ fn on_grids(
     let mut best: Option<ForceBracket> = None;
     loop {
         let started = Instant::now();
-        let state = exact::at_resolution(&door, &mut window, cells, settings, Method::Fft)?;
+        let state = at_resolution(&door, &mut window, cells, settings, Method::Fft)?;
         let grid = state.problem.grid;
         let spacing = grid.spacing.map(|h| h * door.gap.length);
         let grid = Grid { origin: door.gap.outward(grid.origin), spacing, ..grid };

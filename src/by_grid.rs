@@ -2,19 +2,21 @@
 
 use crate::Contact;
 use crate::discrete::Discrete;
-use crate::domain::Door;
+use crate::domain::{self, Door};
 use crate::edges::{self, Edge};
 use crate::error::Unsolved;
-use crate::exact::{self, GridState, Refined};
+use crate::exact::{self, Refined};
 use crate::gap::{AnyGap, Gap, Reach, extent};
 use crate::geometry::Rect;
 use crate::grid::{Grid, Pressure};
 use crate::homogeneity::{self, Degree};
 use crate::matrix_free;
+use crate::one_grid::{self, GridState};
+use crate::outgrown::outgrown;
 use crate::patch;
 use crate::separate;
 use crate::settings::{Method, Settings};
-use crate::solution::{Cost, PressureSummary, Solution};
+use crate::solution::{Cost, Patch, PressureSummary, Solution};
 
 /// The state at a depth and tilt (`gap` is the contact's gap under that tilt); `with_matrix`: the stiffness against tilts too.
 ///
@@ -58,7 +60,7 @@ fn with_stiffness_matrix(
 ) -> Result<Solution, Unsolved> {
     let unit = contact.modulus().e_star() * door.gap.length;
     let entries = |state: &GridState| {
-        let matrix = exact::stiffness_matrix(state, |p| door.gap.outward(p))?;
+        let matrix = one_grid::stiffness_matrix(state, |p| door.gap.outward(p))?;
         Ok(std::array::from_fn::<f64, 9, _>(|n| matrix[n / 3][n % 3] * unit))
     };
     let entries = refined.limits(entries)?;
@@ -105,16 +107,15 @@ pub(crate) fn in_frame(
     let outward = |r: &Rect| Rect { min: door.gap.outward(r.min), max: door.gap.outward(r.max) };
     let mut window = match &frame.window {
         Some(rect) => inward(rect),
-        None => crate::domain::locate(&door)?.scaled(ROOM),
+        None => domain::locate(&door)?.scaled(ROOM),
     };
-    let state = exact::at_resolution(&door, &mut window, cells, settings, method)?;
+    let state = one_grid::at_resolution(&door, &mut window, cells, settings, method)?;
     frame.window = Some(outward(&window));
     frame.sharp = edges::met(&door, &state) == Some(Edge::End);
-    let [spacing, lost] = if frame.sharp { edges::measure(&door, &state) } else { [0.0; 2] };
+    let [spacing, lost] = edges::measure(&door, &state);
     frame.measure = [spacing * door.gap.length, lost * door.gap.length * door.gap.length];
-    let force = state.force();
-    let error = if frame.alone { exact::other_kernel(&door, &state)? - force } else { 0.0 };
-    let refined = Refined { force, error: error.abs(), state, stopped: None, ladder: None };
+    let error = if frame.alone { one_grid::other_kernel(&door, &state)? - state.force() } else { 0.0 };
+    let refined = Refined::of(state, error.abs());
     let solution = dimensional(contact, &door, &refined, None, depth, tilt, settings)?;
     with_stiffness_matrix(contact, &door, &refined, solution)
 }
@@ -126,7 +127,7 @@ pub(crate) struct Frame {
     pub window: Option<Rect>,
     /// Whether the last contact on it ended at sharp edges.
     pub sharp: bool,
-    /// The longer side of its cells and the area they leave out, at sharp edges.
+    /// The longer side of its cells, and the area of material that they leave out.
     pub measure: [f64; 2],
     /// Whether a grid has to tell its own error, by the other kernel.
     pub alone: bool,
@@ -162,33 +163,36 @@ impl<'a> Held<'a> {
     /// A state good to a few percent: one coarse grid.
     pub fn roughly(contact: &'a Contact, depth: f64, settings: &Settings) -> Result<Option<Self>, Unsolved> {
         let Some(door) = Door::enter(contact.gap(), depth)? else { return Ok(None) };
-        let window = crate::domain::locate(&door)?;
-        let grid = Grid::over(&window, crate::domain::shape(&window, ROUGH_CELLS));
+        let window = domain::locate(&door)?;
+        let grid = Grid::over(&window, domain::shape(&window, ROUGH_CELLS));
         let problem = Discrete::sample(&door.gap, door.depth, grid, settings.kernel);
-        let solution = exact::coarse(&problem)?;
+        let solution = domain::coarse(&problem)?;
         let state = GridState::of(Method::Fft, problem, solution);
-        let refined = Refined { force: state.force(), error: f64::INFINITY, state, stopped: None, ladder: None };
-        Ok(Some(Self::grown(door, refined)?))
+        Ok(Some(Self::grown(door, Refined::of(state, f64::INFINITY))?))
     }
 
-    /// The state at another depth on the same cells, from here; `None` when they do not hold its contact.
+    /// The state at another depth on the same cells, from here; `None` when they do not hold its contact, or when it takes
+    /// the limit of many grids.
     ///
     /// # Errors
     /// `IterationLimit`.
     pub fn moved(&self, contact: &'a Contact, depth: f64, settings: &Settings) -> Result<Option<Self>, Unsolved> {
+        let Refined { state: before, force, error, ladder: None, .. } = &self.refined else { return Ok(None) };
         let Reach::Within(reach) = extent(contact.gap(), depth) else { return Ok(None) };
         let scaled = self.door.gap;
         let reach = Rect { min: scaled.inward(reach.min), max: scaled.inward(reach.max) };
         // A smaller reach takes no cell away.
         let door = Door { gap: scaled, depth: depth / scaled.depth, reach: reach.union(&self.door.reach) };
         let deeper = door.depth - self.door.depth;
-        let Refined { state: before, force, error, .. } = &self.refined;
         let problem =
             Discrete { overlap: before.problem.overlap.iter().map(|f| f + deeper).collect(), ..before.problem.clone() };
         // To first order in the change, exactly.
         let start: Vec<f64> = before.solution.pressure.iter().zip(&self.growing).map(|(p, m)| p + deeper * m).collect();
         let settings = matrix_free::Settings { threads: settings.threads, ..matrix_free::Settings::default() };
         let solution = matrix_free::solve(&problem, Some(&start), &settings)?;
+        if outgrown(&door, &problem.grid.extent(), &problem.grid, &solution.pressure).is_some() {
+            return Ok(None);
+        }
         let state = GridState {
             iterations: solution.iterations,
             operator_products: solution.operator_products,
@@ -196,26 +200,27 @@ impl<'a> Held<'a> {
             solution,
             ..before.clone()
         };
-        if exact::outgrown(&door, &state.problem.grid.extent(), &state).is_some() {
-            return Ok(None);
-        }
-        // Sharp edges: the limit over the force of the finest grid, as it was before.
-        let scale = if self.refined.ladder.is_some() { force / before.force() } else { 1.0 };
-        let (error, force) = (error / force * scale * state.force(), scale * state.force());
-        Ok(Some(Self::grown(door, Refined { force, error, state, stopped: None, ladder: None })?))
+        let error = error / force * state.force();
+        Ok(Some(Self::grown(door, Refined::of(state, error))?))
     }
 
     fn grown(door: Door<'a>, refined: Refined) -> Result<Self, Unsolved> {
-        let growing = exact::growth(&refined.state, &vec![1.0; refined.state.problem.grid.len()])?;
+        let growing = one_grid::growth(&refined.state, &vec![1.0; refined.state.problem.grid.len()])?;
         Ok(Self { door, refined, growing })
     }
 
     /// In the user's units.
-    pub fn solution(&self, contact: &Contact, settings: &Settings) -> Solution {
-        let scale = if self.refined.ladder.is_some() { self.refined.force / self.refined.state.force() } else { 1.0 };
-        let stiffness = scale * self.growing.iter().sum::<f64>() * self.refined.state.problem.grid.cell_area();
+    ///
+    /// # Errors
+    /// Those of the stiffness, where it is the limit of many grids.
+    pub fn solution(&self, contact: &Contact, settings: &Settings) -> Result<Solution, Unsolved> {
+        let stiffness = if self.refined.ladder.is_some() {
+            self.refined.limits(|state| Ok([one_grid::stiffness(state)?]))?[0]
+        } else {
+            self.growing.iter().sum::<f64>() * self.refined.state.problem.grid.cell_area()
+        };
         let depth = self.door.depth * self.door.gap.depth;
-        in_users_units(contact, &self.door, &self.refined, stiffness, depth, [0.0; 2], settings)
+        Ok(in_users_units(contact, &self.door, &self.refined, stiffness, depth, [0.0; 2], settings))
     }
 }
 
@@ -238,7 +243,7 @@ pub(crate) fn dimensional(
     let stiffness = match degree {
         // P ~ d^(1 + 1/k).
         Some(degree) => (1.0 + degree.inverse()) * refined.force / door.depth,
-        None => refined.limits(|state| Ok([exact::stiffness(state)?]))?[0],
+        None => refined.limits(|state| Ok([one_grid::stiffness(state)?]))?[0],
     };
     Ok(in_users_units(contact, door, refined, stiffness, depth, tilt, settings))
 }
@@ -260,18 +265,15 @@ fn in_users_units(
     let reference = door.gap.inward(contact.gap().reference());
     let patch_of = |state: &GridState| patch::of(&state.problem, &state.solution, reference);
     let mut patch = patch_of(state);
-    let mut sums = [state.energy(), 0.0, 0.0, patch.area, patch.max_radius];
-    [sums[1], sums[2]] = moments(state, door);
-    if let Some(ladder) = &refined.ladder {
-        sums = ladder.found(|state| {
-            let ([mx, my], patch) = (moments(state, door), patch_of(state));
-            [state.energy(), mx, my, patch.area, patch.max_radius]
-        });
-    }
-    let [energy, mx, my, ..] = sums;
-    (patch.area, patch.max_radius) = (sums[3], sums[4]);
-    patch.area *= length * length;
-    patch.max_radius *= length;
+    let sums = |state: &GridState, patch: &Patch| {
+        let [mx, my] = moments(state, door);
+        [state.energy(), mx, my, patch.area, patch.max_radius]
+    };
+    let [energy, mx, my, area, max_radius] = match &refined.ladder {
+        Some(ladder) => ladder.found(|state| sums(state, &patch_of(state))),
+        None => sums(state, &patch),
+    };
+    (patch.area, patch.max_radius) = (area * length * length, max_radius * length);
     patch.centroid = patch.centroid.map(|c| door.gap.outward(c));
     patch.boundary = if settings.outputs.patch {
         patch
@@ -295,7 +297,7 @@ fn in_users_units(
         gap: settings
             .outputs
             .gap
-            .then(|| (outward_grid, exact::gap_left(state).into_iter().map(|g| g * height).collect())),
+            .then(|| (outward_grid, one_grid::gap_left(state).into_iter().map(|g| g * height).collect())),
     };
     Solution {
         method: state.method,

@@ -2,13 +2,14 @@
 //! user's help.
 //!
 //! The box starts as that of {f > 0}, outside of which no cell is ever loaded. A coarse solve on overlaps that are never
-//! too small shrinks it to the contact and a margin; the solver then verifies it ([`crate::exact`]).
+//! too small shrinks it to the contact and a margin; the solver then verifies it ([`crate::outgrown`]).
 
-use crate::discrete::Discrete;
+use crate::discrete::{Discrete, DiscreteSolution};
 use crate::error::{Unsolved, Verdict};
 use crate::gap::{Gap, Reach, Scaled, extent};
 use crate::geometry::Rect;
 use crate::grid::{Grid, Kernel};
+use crate::matrix_free;
 use crate::symmetry::Symmetry;
 
 /// Cells along the longer side of the coarse grids.
@@ -78,7 +79,7 @@ pub(crate) fn locate(door: &Door) -> Result<Rect, Unsolved> {
         let (problem, pressure) = loop {
             let problem = optimistic(door, Grid::over(&window, shape(&window, longest)));
             if problem.deepest() > 0.25 || longest >= 8 * COARSE {
-                let solved = crate::exact::coarse(&problem)?;
+                let solved = coarse(&problem)?;
                 break (problem, solved.pressure);
             }
             // The contact is thinner than the lattice sees.
@@ -102,6 +103,11 @@ pub(crate) fn locate(door: &Door) -> Result<Rect, Unsolved> {
         }
     }
     Ok(window)
+}
+
+/// A loose solve: it only has to show where the contact is.
+pub(crate) fn coarse(problem: &Discrete) -> Result<DiscreteSolution, Unsolved> {
+    matrix_free::solve_nested(problem, &matrix_free::Settings { tolerance: 1e-3, ..matrix_free::Settings::default() })
 }
 
 /// The overlap of each cell as its largest at nine points: no cell that touches is missed where the gap is smooth.

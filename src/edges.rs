@@ -1,15 +1,16 @@
 //! Punches with sharp edges: the limit of many grids.
 //!
-//! Where the pressure grows without bound towards an edge (the end of the material, or a step of the gap), forces converge with the first power of the cells, and jump with
-//! where the edge falls between them. No three grids show an order. A line through the forces of ten or more, four to a
-//! doubling, does: the area that each grid leaves out explains most of the jumps, the rest average out, and their size tells how well.
+//! Where the pressure grows without bound towards an edge (the end of the material, or a step of the gap), forces converge with
+//! the first power of the cells, and jump with where the edge falls between them. No three grids show an order. A line through
+//! the forces of seven or more, four to a doubling, does: the area by which each grid misses the material explains most of the
+//! jumps, the rest average out, and their size tells how well.
 
 use crate::domain::Door;
 use crate::error::{Unsolved, Verdict};
-use crate::exact::{GridState, at_resolution};
 use crate::extrapolate::{Estimate, Intercept};
 use crate::gap::Gap;
 use crate::geometry::Rect;
+use crate::one_grid::{GridState, at_resolution};
 use crate::settings::{Method, Settings};
 
 /// Cells along the longer side of the first grid.
@@ -20,6 +21,24 @@ const STEPS: f64 = 4.0;
 
 /// Cells along the longer side of the last grid that is tried.
 pub(crate) const FINEST: usize = 1024;
+
+/// The same where no more than `allowed` are wanted: enough for a line in any case.
+pub(crate) fn finest(allowed: usize) -> usize {
+    allowed.clamp(128, FINEST)
+}
+
+/// Why no finer grid than one of `cells` is tried.
+pub(crate) fn most(cells: usize) -> String {
+    format!("{cells} cells along the longer side are the most that are tried here")
+}
+
+/// What a result says that comes from a line.
+pub(crate) fn remark(grids: usize) -> String {
+    format!("{REMARK} the limit of {grids} grids, by a line")
+}
+
+/// How that begins.
+pub(crate) const REMARK: &str = "sharp edges:";
 
 /// Cells along the longer side of the k-th grid.
 pub(crate) fn cells(k: usize) -> usize {
@@ -45,21 +64,23 @@ pub(crate) fn met(door: &Door, state: &GridState) -> Option<Edge> {
     let step = STEP * state.problem.deepest();
     let mut found = None;
     for k in (0..overlap.len()).filter(|&k| state.solution.pressure[k] > 0.0) {
-        let at = |along: [i64; 2], n: i64| {
-            let [i, j] = [(k % nx) as i64 + n * along[0], (k / nx) as i64 + n * along[1]];
+        let cell = |along: [i64; 2], n: i64| [(k % nx) as i64 + n * along[0], (k / nx) as i64 + n * along[1]];
+        let on_grid = |[i, j]: [i64; 2]| {
             let inside = (0..nx as i64).contains(&i) && (0..ny as i64).contains(&j);
-            if inside {
-                return overlap[j as usize * nx + i as usize];
-            }
-            let centre = |m: usize, n: i64| grid.origin[m] + (n as f64 + 0.5) * grid.spacing[m];
-            door.depth - Gap::gap(&door.gap, centre(0, i), centre(1, j))
+            inside.then(|| j as usize * nx + i as usize)
         };
+        let at = |cell: [i64; 2]| {
+            let centre = |m: usize| grid.origin[m] + (cell[m] as f64 + 0.5) * grid.spacing[m];
+            on_grid(cell).map_or_else(|| door.depth - Gap::gap(&door.gap, centre(0), centre(1)), |k| overlap[k])
+        };
+        let pressed = |cell: [i64; 2]| on_grid(cell).is_some_and(|k| state.solution.pressure[k] > 0.0);
         for along in [[1, 0], [-1, 0], [0, 1], [0, -1]] {
-            if at(along, 1) == f64::NEG_INFINITY {
+            if at(cell(along, 1)) == f64::NEG_INFINITY {
                 return Some(Edge::End);
             }
             // A cell on the step itself may hold a mean of both sides: the one behind it tells.
-            if at(along, 2) < 0.0 && overlap[k] - at(along, 2) > step {
+            let behind = cell(along, 2);
+            if !pressed(behind) && overlap[k] - at(behind) > step {
                 found = Some(Edge::Step);
             }
         }
@@ -70,35 +91,70 @@ pub(crate) fn met(door: &Door, state: &GridState) -> Option<Edge> {
 /// Points a side at which a cell is looked at.
 const POINTS: usize = 8;
 
-/// Area of the material beside the contact that lies in cells which are not all material, and so are left out. Zero when the
-/// edges lie along the cells.
-pub(crate) fn left_out(door: &Door, state: &GridState) -> f64 {
-    let (grid, overlap) = (&state.problem.grid, &state.problem.overlap);
-    let [nx, ny] = grid.shape;
-    let pressed = |i: usize, j: usize| state.solution.pressure[j * nx + i] > 0.0;
-    let beside = |n: usize, end: usize| n.saturating_sub(1)..(n + 2).min(end);
-    let share = |i: usize, j: usize| {
-        let cell = grid.cell(i, j);
-        let (size, at) = (cell.size(), |n: usize| (n as f64 + 0.5) / POINTS as f64);
-        let holds = |k: usize| {
-            let [x, y] = [cell.min[0] + at(k % POINTS) * size[0], cell.min[1] + at(k / POINTS) * size[1]];
-            Gap::gap(&door.gap, x, y) < door.depth
-        };
-        (0..POINTS * POINTS).filter(|&k| holds(k)).count() as f64 / (POINTS * POINTS) as f64
-    };
-    let void = (0..grid.len()).filter(|&k| overlap[k] == f64::NEG_INFINITY).map(|k| (k % nx, k / nx));
-    let near = void.filter(|&(i, j)| beside(j, ny).any(|j| beside(i, nx).any(|i| pressed(i, j))));
-    near.map(|(i, j)| share(i, j)).sum::<f64>() * grid.cell_area()
+/// How far from its corners the first and last of them lie, in cells: an edge along the cells passes by, but for rounding.
+const INSET: f64 = 1e-7;
+
+/// How the cells meet the end of the material.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Border {
+    /// Whether every cell there is all material or none.
+    pub aligned: bool,
+    /// Area of the material in cells that count as none, less that of what is not material in cells that count as such.
+    pub left_out: f64,
 }
 
-/// The longer side of the cells, and what they leave out: what an [`Intercept`] asks of a grid.
+impl Border {
+    pub fn of(door: &Door, state: &GridState) -> Self {
+        let (grid, overlap) = (&state.problem.grid, &state.problem.overlap);
+        let [nx, ny] = grid.shape;
+        let near = |k: usize, holds: &dyn Fn(usize) -> bool| {
+            let beside = |n: usize, end: usize| n.saturating_sub(1)..(n + 2).min(end);
+            beside(k / nx, ny).any(|j| beside(k % nx, nx).any(|i| holds(j * nx + i)))
+        };
+        let outermost = |k: usize| [k % nx, nx - 1 - k % nx, k / nx, ny - 1 - k / nx].contains(&0);
+        let void = |k: usize| overlap[k] == f64::NEG_INFINITY;
+        let pressed = |k: usize| state.solution.pressure[k] > 0.0;
+        let mut border = Self { aligned: true, left_out: 0.0 };
+        for k in 0..grid.len() {
+            let whole = if void(k) && near(k, &pressed) {
+                0.0
+            } else if pressed(k) && (outermost(k) || near(k, &void)) {
+                1.0
+            } else {
+                continue;
+            };
+            let share = share_of_material(door, &grid.cell(k % nx, k / nx));
+            border.aligned &= share == whole;
+            border.left_out += (share - whole) * grid.cell_area();
+        }
+        border
+    }
+}
+
+/// Share of a cell in which there is material that the depth reaches.
+fn share_of_material(door: &Door, cell: &Rect) -> f64 {
+    let size = cell.size();
+    let at = |n: usize| INSET + (1.0 - 2.0 * INSET) * n as f64 / (POINTS - 1) as f64;
+    // The trapezium rule: points on the rim stand for half a cell of the lattice each way.
+    let weight = |n: usize| if n == 0 || n == POINTS - 1 { 0.5 } else { 1.0 };
+    let (mut inside, mut all) = (0.0, 0.0);
+    for (i, j) in (0..POINTS * POINTS).map(|k| (k % POINTS, k / POINTS)) {
+        all += weight(i) * weight(j);
+        if Gap::gap(&door.gap, cell.min[0] + at(i) * size[0], cell.min[1] + at(j) * size[1]) < door.depth {
+            inside += weight(i) * weight(j);
+        }
+    }
+    inside / all
+}
+
+/// The longer side of the cells, and the area they leave out: what an [`Intercept`] asks of a grid.
 pub(crate) fn measure(door: &Door, state: &GridState) -> [f64; 2] {
     let [hx, hy] = state.problem.grid.spacing;
-    [hx.max(hy), left_out(door, state)]
+    [hx.max(hy), Border::of(door, state).left_out]
 }
 
-/// The box with shares of a cell put to each side, others for each grid: edges along the cells would otherwise fall upon them, or
-/// just beside, on every grid alike, and what is left out would tell nothing.
+/// The box with shares of a cell put to each side, others for each grid: edges along the cells would otherwise fall upon
+/// them, or just beside, on every grid alike, and what is left out would tell nothing.
 fn moved(window: &Rect, cells: usize, k: usize) -> Rect {
     // A sequence of the generalised golden ratio in four dimensions (Roberts 2018).
     let share = |n: i32| (0.5 + GOLDEN.powi(n) * k as f64).fract();
@@ -157,7 +213,8 @@ impl Ladder {
     }
 }
 
-/// Grids up to `finest` cells along the longer side, moved against the edges unless those lie along the cells (`aligned`), until the force is known to the tolerance, or as well as they tell.
+/// Grids up to [`finest`] cells along the longer side, moved against the edges unless those lie along the cells
+/// (`aligned`), until the force is known to the tolerance, or as well as they tell.
 ///
 /// # Errors
 /// As the solvers; `ToleranceNotReached` when no grid is fine enough to see the contact.
@@ -165,13 +222,13 @@ pub(crate) fn ladder(
     door: &Door,
     window: &mut Rect,
     aligned: bool,
-    finest: usize,
+    allowed: usize,
     settings: &Settings,
     method: Method,
 ) -> Result<(Ladder, Estimate), Unsolved> {
     let (mut states, mut grids): (Vec<GridState>, Vec<[f64; 2]>) = Default::default();
     let mut best = None;
-    for (k, cells) in (0..).map(cells).take_while(|&n| n <= finest.clamp(128, FINEST)).enumerate() {
+    for (k, cells) in (0..).map(cells).take_while(|&n| n <= finest(allowed)).enumerate() {
         let (mut laid, cells) = if aligned { (*window, cells) } else { (moved(window, cells, k), cells + 1) };
         let first = laid;
         // Room for the shares of a cell.

@@ -58,7 +58,7 @@ impl<'a> Engine<'a> {
         }
         if quick {
             let found = Held::roughly(self.contact, depth, &rough)?;
-            return found.map_or_else(apart, |held| Ok(held.solution(self.contact, &rough)));
+            return found.map_or_else(apart, |held| held.solution(self.contact, &rough));
         }
         let moved = match &self.held {
             Some(held) if self.settings.method != Method::Qp => held.moved(self.contact, depth, self.settings)?,
@@ -68,7 +68,7 @@ impl<'a> Engine<'a> {
             Some(moved) => Some(moved),
             None => Held::at_depth(self.contact, depth, self.settings)?,
         };
-        self.held.as_ref().map_or_else(apart, |held| Ok(held.solution(self.contact, self.settings)))
+        self.held.as_ref().map_or_else(apart, |held| held.solution(self.contact, self.settings))
     }
 }
 

@@ -61,6 +61,12 @@ impl Unsolved {
     pub fn new(verdict: Verdict, reason: impl Into<String>) -> Self {
         Self { verdict, reason: reason.into() }
     }
+
+    /// The error that was reached is not the one asked for, and why no less was tried.
+    pub(crate) fn short_of(tolerance: f64, reached: f64, why: &str) -> Self {
+        let reason = format!("relative error {reached:.1e} reached, the tolerance is {tolerance:.1e}: {why}");
+        Self::new(Verdict::ToleranceNotReached, reason)
+    }
 }
 
 /// What is wrong, in one word.

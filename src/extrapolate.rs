@@ -87,7 +87,7 @@ const SINGULAR: f64 = 1e-7;
 impl Fit {
     fn new(grids: &[[f64; 2]]) -> Option<Self> {
         // In units of their means, so that the columns are of one size.
-        let unit = [0, 1].map(|m| grids.iter().map(|g| g[m]).sum::<f64>() / grids.len() as f64);
+        let unit = [0, 1].map(|m| grids.iter().map(|g| g[m].abs()).sum::<f64>() / grids.len() as f64);
         let unit = unit.map(|u| if u > 0.0 { u } else { 1.0 });
         let column = |g: &[f64; 2], n: usize| if n == 0 { 1.0 } else { g[n - 1] / unit[n - 1] };
         let matrix = DMatrix::from_fn(grids.len(), 3, |k, n| column(&grids[k], n) * unit[0] / grids[k][0]);
@@ -128,8 +128,9 @@ impl Intercept {
         (grids / 2).min(grids - 4)
     }
 
-    /// The limit of the values. Its error: one and a half times what Student's distribution allows in 99.5 % of cases, or what the
-    /// finer half alone would change, whichever is more.
+    /// The limit of the values. Its error: one and a half times what Student's distribution allows in 99.5 % of cases, or what
+    /// the finer half alone would change, whichever is more. Where nothing is left out there are no jumps, only a bend: it
+    /// falls with the spacing, and the finer half shows as much of it as its spacings are finer.
     #[must_use]
     pub fn of(&self, values: &[f64]) -> Estimate {
         let [v0, c, l] = self.all.of(&self.grids, values);
@@ -142,7 +143,9 @@ impl Intercept {
         let deviation = (variance * self.all.solver.row(0).norm_squared()).sqrt();
         // Student's quantile is 5.6 with 4 degrees of freedom, 3.6 with 10; half as much again, for jumps are not normal.
         let times = 4.2 + 16.0 / freedoms;
-        Estimate { value: v0, error: (times * deviation).max((finer - v0).abs()) }
+        let mean = |grids: &[[f64; 2]]| grids.iter().map(|g| g[0]).sum::<f64>() / grids.len() as f64;
+        let shown = if self.all.rank < 3 { 1.0 - mean(&self.grids[coarser..]) / mean(&self.grids) } else { 1.0 };
+        Estimate { value: v0, error: (times * deviation).max((finer - v0).abs() / shown) }
     }
 }
 

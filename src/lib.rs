@@ -62,6 +62,8 @@ mod homogeneity;
 pub mod influence;
 mod material;
 pub mod matrix_free;
+mod one_grid;
+mod outgrown;
 pub mod patch;
 mod plan;
 #[cfg(feature = "plot")]

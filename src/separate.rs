@@ -13,6 +13,7 @@ use crate::exact::{self, Refined};
 use crate::gap::{AnyGap, Beside, islands};
 use crate::geometry::Rect;
 use crate::grid::{Grid, Pressure};
+use crate::one_grid;
 use crate::settings::{Method, Settings};
 use crate::solution::{Patch, PressureSummary, Solution};
 
@@ -177,7 +178,7 @@ fn growth(
                     .map(|i| door.gap.outward(grid.centre_of(i)))
                     .map(|p| (rate(p) - raised.displacement(p)) / door.gap.depth)
                     .collect();
-                let growing = exact::growth(&refined.state, &wanted)?;
+                let growing = one_grid::growth(&refined.state, &wanted)?;
                 current[k] = loads(&door, refined, |i| growing[i]);
                 size += current[k].iter().map(|load| load.1.abs()).sum::<f64>();
             }

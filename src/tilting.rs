@@ -58,21 +58,16 @@ pub(crate) fn under_moment(
         _ => 0.01 * settings.tolerance,
     };
     let mut state = equilibrium::under_moment(&mut engine, force, moment, upright, size, close)?;
-    let enough = |state: &Solution| state.force_error.is_none_or(|error| error <= settings.tolerance);
-    if settings.cells.is_none() && engine.frame.sharp && !enough(&state) {
+    let short =
+        |state: &Solution| state.force_error.filter(|&error| settings.cells.is_none() && error > settings.tolerance);
+    if short(&state).is_some() && engine.frame.sharp {
         let balance =
             |engine: &mut Engine, start: Solution| equilibrium::under_moment(engine, force, moment, start, size, close);
         return at_sharp_edges(&mut engine, state, settings, &balance);
     }
-    while settings.cells.is_none() && state.force_error.is_some_and(|error| error > settings.tolerance) {
+    while let Some(error) = short(&state) {
         if engine.cells >= FINEST {
-            let reason = format!(
-                "relative error {:.1e} reached with {} cells along the longer side; the tolerance is {:.1e}",
-                state.force_error.unwrap_or(f64::NAN),
-                engine.cells,
-                settings.tolerance
-            );
-            return Err(Unsolved::new(Verdict::ToleranceNotReached, reason));
+            return Err(Unsolved::short_of(settings.tolerance, error, &edges::most(engine.cells)));
         }
         engine.cells *= 2;
         state = equilibrium::under_moment(&mut engine, force, moment, state, size, close)?;
@@ -113,14 +108,10 @@ fn at_sharp_edges(
         let matrix = [0, 1, 2].map(|i| [0, 1, 2].map(|j| at(5 + 3 * i + j)));
         (state.stiffness, state.stiffness_matrix) = (matrix[0][0], Some(matrix));
         state.force_error = Some(reached);
-        state.remarks.push(format!("sharp edges: the limit of {} grids, by a line", grids.len()));
+        state.remarks.push(edges::remark(grids.len()));
         return Ok(state);
     }
-    let reason = format!(
-        "relative error {reached:.1e} reached with {} cells along the longer side; the tolerance is {:.1e}",
-        engine.cells, settings.tolerance
-    );
-    Err(Unsolved::new(Verdict::ToleranceNotReached, reason))
+    Err(Unsolved::short_of(settings.tolerance, reached, &edges::most(engine.cells)))
 }
 
 /// Cells along the longer side of the last grid that is tried for a tilting punch.

@@ -2,7 +2,7 @@
 #![cfg(feature = "scene")]
 
 use contact_patch::gap::{AnyGap, Flat, Gap, Minimum, Outline, Paraboloid, Placed, Tilted};
-use contact_patch::{Contact, EffectiveModulus, Load, Loading, Method, Settings, Solution, Unsolved, solve};
+use contact_patch::{Contact, EffectiveModulus, Kernel, Load, Loading, Method, Settings, Solution, Unsolved, solve};
 
 /// Force of a flat square of half side 1 at depth 1, E* = 1 (data/reference: flat polygons).
 const SQUARE: f64 = 2.304_596;
@@ -13,7 +13,10 @@ fn square(turn: f64) -> impl Gap + 'static {
 }
 
 fn by_fft(gap: impl Gap + 'static, load: Load) -> Result<Solution, Unsolved> {
-    let settings = Settings { method: Method::Fft, ..Settings::default() };
+    solved(gap, load, Settings { method: Method::Fft, ..Settings::default() })
+}
+
+fn solved(gap: impl Gap + 'static, load: Load, settings: Settings) -> Result<Solution, Unsolved> {
     let contact = Contact::new(EffectiveModulus::from_e_star(1.0).unwrap(), gap, Loading::Single(load)).unwrap();
     solve(&contact, &settings).remove(0)
 }
@@ -31,6 +34,38 @@ fn a_square_turned_against_the_grid_has_the_force_of_one_that_is_not() {
         // So few cells that no single grid of theirs comes near.
         assert!(state.cost.unknowns < 200_000, "{}", state.cost.unknowns);
         assert!((state.patch.area / 4.0 - 1.0).abs() < 3e-3, "area {}", state.patch.area);
+    }
+}
+
+#[test]
+fn a_square_that_is_nearly_along_the_cells_is_not_taken_for_one_that_is() {
+    // Values at centres: every cell of the border counts as whole while up to half of it lies outside.
+    for turn in [0.0, 2e-5, 3e-4, 2e-3, 0.01] {
+        for kernel in [Kernel::Collocation, Kernel::Galerkin] {
+            let settings = Settings { method: Method::Fft, kernel, ..Settings::default() };
+            within_its_error(&solved(square(turn), Load::Depth(1.0), settings).unwrap(), SQUARE);
+        }
+    }
+}
+
+#[test]
+fn a_force_on_edges_gives_the_depth_that_has_it() {
+    // A paraboloid of radius R = 4 that ends at a = 0.6: from d0 = a^2/R on P = 2 (a d - a^3/(3 R)), below as Hertz.
+    let gap = || {
+        let disc = Placed::new(Flat::new(Outline::disc(0.6).unwrap()), [0.05, -0.3], 0.0).unwrap();
+        let round = Placed::new(Paraboloid::new([4.0, 4.0]).unwrap(), [0.05, -0.3], 0.0).unwrap();
+        contact_patch::gap::Sum::new(vec![AnyGap::new(disc), AnyGap::new(round)]).unwrap()
+    };
+    let pressed = by_fft(gap(), Load::Depth(1.0)).unwrap();
+    within_its_error(&pressed, 1.164);
+    let state = by_fft(gap(), Load::Force(1.164)).unwrap();
+    assert!((state.depth - 1.0).abs() < 1e-3, "{}", state.depth);
+    let close = |a: f64, b: f64| assert!((a / b - 1.0).abs() < 3e-3, "{a} and {b}");
+    for state in [&pressed, &state] {
+        assert!(state.remarks.iter().any(|r| r.contains("the limit of")), "{:?}", state.remarks);
+        close(state.stiffness, 1.2);
+        close(state.energy.unwrap(), 0.002_592 + 0.562_38);
+        close(state.patch.area, 0.36 * std::f64::consts::PI);
     }
 }
 
