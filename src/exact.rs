@@ -128,6 +128,12 @@ impl Ascent<'_> {
         if self.law().is_none() {
             error = error.max(self.doubt(&state)?);
         }
+        if edges::met(self.door, &state) == Some(Edge::End) {
+            // P grows with the size of a patch: half as much as the area, and as much again for the edges themselves.
+            let area =
+                state.solution.pressure.iter().filter(|&&p| p > 0.0).count() as f64 * state.problem.grid.cell_area();
+            error = error.max(force * (Border::of(self.door, &state).left_out / area).abs());
+        }
         // Who prescribes the grid wants the force of that grid.
         Ok(Some(Refined::of(state, error + (force - value).abs())))
     }

@@ -1,7 +1,7 @@
 //! Homogeneous gaps: g(c + s v) = s^k g(c + v). Then P ~ d^(1 + 1/k), area ~ d^(2/k), all contacts similar: one solve
 //! serves every depth and every force.
 
-use crate::gap::Gap;
+use crate::gap::{Gap, around_tips, enough};
 use crate::geometry::Rect;
 
 /// Share by which a gap may miss the law and still be taken as homogeneous.
@@ -24,13 +24,22 @@ pub fn degree(gap: &dyn Gap, within: &Rect) -> Option<Degree> {
     let size = within.size();
     let at = |v: [f64; 2], s: f64| gap.gap(cx + s * v[0], cy + s * v[1]);
     let (mut k, mut material, mut zeros) = (None, 0, 0);
-    for n in 1..=POINTS {
+    // A depth that the box around it belongs to does not matter here, only whether the gap knows its reach at all.
+    let even = (1..=enough(gap, 0.0, POINTS)).map(|n| {
         // A plastic-number sequence (Roberts 2018): spread evenly, on no axis and no ridge.
-        let v = [
-            ((0.5 + 0.754_877_666_246_692_7 * n as f64).fract() - 0.5) * size[0],
-            ((0.5 + 0.569_840_290_998_053_2 * n as f64).fract() - 0.5) * size[1],
-        ];
-        let v = [v[0] + within.centre()[0] - cx, v[1] + within.centre()[1] - cy];
+        [
+            ((0.5 + 0.754_877_666_246_692_7 * n as f64).fract() - 0.5) * size[0] + within.centre()[0],
+            ((0.5 + 0.569_840_290_998_053_2 * n as f64).fract() - 0.5) * size[1] + within.centre()[1],
+        ]
+    });
+    // Close to the centre rounding of its place would count.
+    let tips = around_tips(gap, within);
+    let near = 1e-3 * size[0].max(size[1]);
+    let tips = tips.into_iter().filter(|p| (p[0] - cx).hypot(p[1] - cy) > near);
+    let mut points = 0;
+    for p in even.chain(tips) {
+        points += 1;
+        let v = [p[0] - cx, p[1] - cy];
         let whole = at(v, 1.0);
         if whole == f64::INFINITY {
             continue;
@@ -50,7 +59,7 @@ pub fn degree(gap: &dyn Gap, within: &Rect) -> Option<Degree> {
         }
     }
     match k {
-        Some(k) if zeros == 0 && material == POINTS => {
+        Some(k) if zeros == 0 && material == points => {
             Some(Degree::Power(if (k - k.round()).abs() < 1e-9 { k.round() } else { k }))
         }
         None if material > 0 && ends_at_once(gap, within) => Some(Degree::Flat),

@@ -6,13 +6,13 @@
 
 use nalgebra::{Matrix2, Matrix3, SymmetricEigen, Vector2, Vector3};
 
-use crate::gap::{Gap, islands};
+use crate::gap::{Gap, around_tips, enough, islands};
 use crate::geometry::Rect;
 
 /// Distance from the model, relative to the largest overlap, at which a gap is still taken for it.
 const CLOSE: f64 = 1e-10;
 
-/// Points at which a model is tested.
+/// Points at which a model of a gap is tested that knows its own shape; more where its values are all that is known.
 const TESTS: usize = 512;
 
 /// What a gap was recognised as.
@@ -67,10 +67,8 @@ pub fn recognise(gap: &dyn Gap, depth: f64, reach: &Rect) -> Recognised {
     if islands(gap, depth, reach).len() > 1 {
         return Recognised::General;
     }
-    quadratic(gap, depth, reach)
-        .or_else(|| flat_ellipse(gap, depth, reach))
-        .or_else(|| revolution(gap, depth, reach))
-        .unwrap_or(Recognised::General)
+    let look = Look { gap, depth, reach, tests: enough(gap, depth, TESTS), tips: around_tips(gap, reach) };
+    look.quadratic().or_else(|| look.flat_ellipse()).or_else(|| look.revolution()).unwrap_or(Recognised::General)
 }
 
 /// The n-th point of a sequence that fills the unit square evenly and lies on none of its lines (Roberts 2018).
@@ -79,164 +77,190 @@ fn spread(n: usize) -> [f64; 2] {
     [(0.754_877_666_246_692_7 * n).fract(), (0.569_840_290_998_053_2 * n).fract()]
 }
 
-fn quadratic(gap: &dyn Gap, depth: f64, reach: &Rect) -> Option<Recognised> {
-    let ([x, y], [w, h]) = (reach.centre(), reach.size());
-    let (s, t) = (0.4 * w, 0.4 * h);
-    let value = |i: f64, j: f64| gap.gap(x + i * s, y + j * t);
-    let middle = value(0.0, 0.0);
-    let (east, west, north, south) = (value(1.0, 0.0), value(-1.0, 0.0), value(0.0, 1.0), value(0.0, -1.0));
-    // In units of s and t: g = middle + b.v + v'Q v/2.
-    let qxx = east + west - 2.0 * middle;
-    let qyy = north + south - 2.0 * middle;
-    let qxy = 0.25 * (value(1.0, 1.0) - value(-1.0, 1.0) - value(1.0, -1.0) + value(-1.0, -1.0));
-    let b = Vector2::new(0.5 * (east - west), 0.5 * (north - south));
-    let q = Matrix2::new(qxx, qxy, qxy, qyy);
-    if !q.iter().chain(b.iter()).all(|v| v.is_finite()) {
-        return None;
-    }
-    let lowest_at = -q.cholesky()?.solve(&b);
-    let lowest = middle + 0.5 * b.dot(&lowest_at);
-    let centre = [x + s * lowest_at[0], y + t * lowest_at[1]];
-    let overlap = depth - lowest;
-    if overlap <= 0.0 {
-        return None;
-    }
-    // Principal axes of the curvature in true lengths.
-    let hessian = Matrix2::new(qxx / s / s, qxy / s / t, qxy / s / t, qyy / t / t);
-    let eigen = SymmetricEigen::new(hessian);
-    let (small, large) = if eigen.eigenvalues[0] <= eigen.eigenvalues[1] { (0, 1) } else { (1, 0) };
-    // The determinant is shared by both curvatures: nothing is lost of the smaller one.
-    let large_curvature = eigen.eigenvalues[large];
-    let small_curvature = (qxx * qyy - qxy * qxy) / (s * t).powi(2) / large_curvature;
-    if !(small_curvature > 0.0 && large_curvature.is_finite()) {
-        return None;
-    }
-    let axis = eigen.eigenvectors.column(small);
-    let model = |p: [f64; 2]| {
-        let v = Vector2::new((p[0] - centre[0]) / s, (p[1] - centre[1]) / t);
-        lowest + 0.5 * v.dot(&(q * v))
-    };
-    // Inside twice the ellipse of overlap, in its own axes; and all over the box, where nothing else may come near.
-    let (u, v) = (axis.into_owned(), Vector2::new(-axis[1], axis[0]));
-    let (a, c) = ((4.0 * overlap / small_curvature).sqrt(), (4.0 * overlap / large_curvature).sqrt());
-    for n in 0..TESTS {
-        let [r, turn] = spread(n);
-        let (sin, cos) = (std::f64::consts::TAU * turn).sin_cos();
-        let p = Vector2::from(centre) + u * (a * r.sqrt() * cos) + v * (c * r.sqrt() * sin);
+/// A gap that is looked at.
+struct Look<'a> {
+    gap: &'a dyn Gap,
+    depth: f64,
+    reach: &'a Rect,
+    /// Points at which a model is tested, spread evenly.
+    tests: usize,
+    /// Points around tips, where it is tested besides.
+    tips: Vec<[f64; 2]>,
+}
+
+impl Look<'_> {
+    fn quadratic(&self) -> Option<Recognised> {
+        let Self { gap, depth, reach, .. } = *self;
+        let ([x, y], [w, h]) = (reach.centre(), reach.size());
+        let (s, t) = (0.4 * w, 0.4 * h);
+        let value = |i: f64, j: f64| gap.gap(x + i * s, y + j * t);
+        let middle = value(0.0, 0.0);
+        let (east, west, north, south) = (value(1.0, 0.0), value(-1.0, 0.0), value(0.0, 1.0), value(0.0, -1.0));
+        // In units of s and t: g = middle + b.v + v'Q v/2.
+        let qxx = east + west - 2.0 * middle;
+        let qyy = north + south - 2.0 * middle;
+        let qxy = 0.25 * (value(1.0, 1.0) - value(-1.0, 1.0) - value(1.0, -1.0) + value(-1.0, -1.0));
+        let b = Vector2::new(0.5 * (east - west), 0.5 * (north - south));
+        let q = Matrix2::new(qxx, qxy, qxy, qyy);
+        if !q.iter().chain(b.iter()).all(|v| v.is_finite()) {
+            return None;
+        }
+        let lowest_at = -q.cholesky()?.solve(&b);
+        let lowest = middle + 0.5 * b.dot(&lowest_at);
+        let centre = [x + s * lowest_at[0], y + t * lowest_at[1]];
+        let overlap = depth - lowest;
+        if overlap <= 0.0 {
+            return None;
+        }
+        // Principal axes of the curvature in true lengths.
+        let hessian = Matrix2::new(qxx / s / s, qxy / s / t, qxy / s / t, qyy / t / t);
+        let eigen = SymmetricEigen::new(hessian);
+        let (small, large) = if eigen.eigenvalues[0] <= eigen.eigenvalues[1] { (0, 1) } else { (1, 0) };
+        // The determinant is shared by both curvatures: nothing is lost of the smaller one.
+        let large_curvature = eigen.eigenvalues[large];
+        let small_curvature = (qxx * qyy - qxy * qxy) / (s * t).powi(2) / large_curvature;
+        if !(small_curvature > 0.0 && large_curvature.is_finite()) {
+            return None;
+        }
+        let axis = eigen.eigenvectors.column(small);
+        let model = |p: [f64; 2]| {
+            let v = Vector2::new((p[0] - centre[0]) / s, (p[1] - centre[1]) / t);
+            lowest + 0.5 * v.dot(&(q * v))
+        };
+        // Inside twice the ellipse of overlap, in its own axes; and all over the box, where nothing else may come near.
+        let (u, v) = (axis.into_owned(), Vector2::new(-axis[1], axis[0]));
+        let (a, c) = ((4.0 * overlap / small_curvature).sqrt(), (4.0 * overlap / large_curvature).sqrt());
         let allowed = CLOSE * overlap + 16.0 * f64::EPSILON * (qxx + qyy).abs();
-        if !((gap.gap(p[0], p[1]) - model(p.into())).abs() <= allowed) {
-            return None;
-        }
-        let p = [reach.min[0] + w * r, reach.min[1] + h * turn];
-        if model(p) > lowest + 2.0 * overlap && gap.gap(p[0], p[1]) < depth {
-            return None;
-        }
-    }
-    let curvatures = [small_curvature.min(large_curvature), large_curvature];
-    Some(Recognised::Quadratic { centre, lowest, curvatures, rotation: axis[1].atan2(axis[0]) })
-}
-
-fn revolution(gap: &dyn Gap, depth: f64, reach: &Rect) -> Option<Recognised> {
-    let [w, h] = reach.size();
-    if (w - h).abs() > 1e-6 * w {
-        // The box of a disc is square, unless it was searched for: the gap's own centre is then the only hope.
-        return revolution_about(gap, depth, reach, gap.centre());
-    }
-    revolution_about(gap, depth, reach, gap.centre()).or_else(|| revolution_about(gap, depth, reach, reach.centre()))
-}
-
-fn revolution_about(gap: &dyn Gap, depth: f64, reach: &Rect, centre: [f64; 2]) -> Option<Recognised> {
-    let farthest = reach.corners().map(|[x, y]| (x - centre[0]).hypot(y - centre[1])).into_iter().fold(0.0, f64::max);
-    let profile = |r: f64, angle: f64| gap.gap(centre[0] + r * angle.cos(), centre[1] + r * angle.sin());
-    let lowest = (0..TESTS).map(|n| profile(farthest * spread(n)[0], 0.0)).fold(profile(0.0, 0.0), f64::min);
-    let overlap = depth - lowest;
-    if overlap <= 0.0 {
-        return None;
-    }
-    for n in 0..TESTS {
-        let [s, turn] = spread(n);
-        // Half of the points near the axis, where a small contact would be.
-        let r = farthest * if n % 2 == 0 { s } else { s * s * s };
-        let (here, reference) = (profile(r, std::f64::consts::TAU * turn), profile(r, 0.0));
-        let both_out = here > depth + overlap && reference > depth + overlap;
-        if here != reference && !both_out && !((here - reference).abs() <= CLOSE * overlap) {
-            return None;
-        }
-    }
-    Some(Recognised::Revolution { centre })
-}
-
-fn flat_ellipse(gap: &dyn Gap, depth: f64, reach: &Rect) -> Option<Recognised> {
-    let centre = reach.centre();
-    let [w, h] = reach.size();
-    let lowest = gap.gap(centre[0], centre[1]);
-    if !(lowest < depth) {
-        return None;
-    }
-    let allowed = CLOSE * (depth - lowest);
-    // Where the material ends along a direction given in units of the half box.
-    let rim = |angle: f64| -> Option<Vector2<f64>> {
-        let direction = Vector2::new(0.5 * w * angle.cos(), 0.5 * h * angle.sin());
-        let solid = |s: f64| gap.gap(centre[0] + s * direction[0], centre[1] + s * direction[1]) < f64::INFINITY;
-        let (mut inside, mut outside) = (0.0, 2.0);
-        if solid(outside) || !solid(1e-3) {
-            return None;
-        }
-        while outside - inside > 4.0 * f64::EPSILON {
-            let middle = 0.5 * (inside + outside);
-            if middle <= inside || middle >= outside {
-                break;
+        let same = |p: [f64; 2]| (gap.gap(p[0], p[1]) - model(p)).abs() <= allowed;
+        let apart = |p: [f64; 2]| model(p) > lowest + 2.0 * overlap && gap.gap(p[0], p[1]) >= depth;
+        for n in 0..self.tests {
+            let [r, turn] = spread(n);
+            let (sin, cos) = (std::f64::consts::TAU * turn).sin_cos();
+            let p = Vector2::from(centre) + u * (a * r.sqrt() * cos) + v * (c * r.sqrt() * sin);
+            let q = [reach.min[0] + w * r, reach.min[1] + h * turn];
+            if !same(p.into()) || !(model(q) <= lowest + 2.0 * overlap || apart(q)) {
+                return None;
             }
-            if solid(middle) { inside = middle } else { outside = middle }
         }
-        Some(direction * outside)
-    };
-    // The slope from two points half way to the rim.
-    let slope_along = |angle: f64, axis: usize| -> Option<f64> {
-        let v = rim(angle)? * 0.5;
-        let (ahead, behind) =
-            (gap.gap(centre[0] + v[0], centre[1] + v[1]), gap.gap(centre[0] - v[0], centre[1] - v[1]));
-        Some(0.5 * (ahead - behind) / v[axis]).filter(|s| s.is_finite())
-    };
-    let slope = [slope_along(0.0, 0)?, slope_along(0.5 * std::f64::consts::PI, 1)?];
-    // x'M x = 1 through three rims, tested on the others.
-    let rims: Vec<Vector2<f64>> = (0..24).map(|k| rim(0.1 + 0.77 * f64::from(k))).collect::<Option<_>>()?;
-    let scaled = |p: &Vector2<f64>| Vector2::new(p[0] / w, p[1] / h);
-    let row = |p: &Vector2<f64>| {
-        let p = scaled(p);
-        [p[0] * p[0], 2.0 * p[0] * p[1], p[1] * p[1]]
-    };
-    let rows: Vec<[f64; 3]> = [0, 2, 4].iter().map(|&k| row(&rims[k])).collect();
-    let m = Matrix3::from_fn(|i, j| rows[i][j]).lu().solve(&Vector3::new(1.0, 1.0, 1.0))?;
-    let off = |p: &Vector2<f64>| (Vector3::from(row(p)).dot(&m) - 1.0).abs();
-    if rims.iter().any(|p| !(off(p) < 1e-9)) {
-        return None;
-    }
-    for n in 0..TESTS {
-        let [s, t] = spread(n);
-        let p = Vector2::new((s - 0.5) * w, (t - 0.5) * h);
-        let inside = Vector3::from(row(&p)).dot(&m);
-        let g = gap.gap(centre[0] + p[0], centre[1] + p[1]);
-        let plane = lowest + slope[0] * p[0] + slope[1] * p[1];
-        let off_plane = !((g - plane).abs() <= allowed);
-        if (inside < 1.0 - 1e-9 && off_plane) || (inside > 1.0 + 1e-9 && g != f64::INFINITY) {
+        if !self.tips.iter().all(|&p| same(p) || apart(p)) {
             return None;
         }
+        let curvatures = [small_curvature.min(large_curvature), large_curvature];
+        Some(Recognised::Quadratic { centre, lowest, curvatures, rotation: axis[1].atan2(axis[0]) })
     }
-    let form = Matrix2::new(m[0] / w / w, m[1] / w / h, m[1] / w / h, m[2] / h / h);
-    let eigen = SymmetricEigen::new(form);
-    let (long, short) = if eigen.eigenvalues[0] <= eigen.eigenvalues[1] { (0, 1) } else { (1, 0) };
-    if !(eigen.eigenvalues[long] > 0.0) {
-        return None;
+
+    fn revolution(&self) -> Option<Recognised> {
+        let [w, h] = self.reach.size();
+        if (w - h).abs() > 1e-6 * w {
+            // The box of a disc is square, unless it was searched for: the gap's own centre is then the only hope.
+            return self.revolution_about(self.gap.centre());
+        }
+        self.revolution_about(self.gap.centre()).or_else(|| self.revolution_about(self.reach.centre()))
     }
-    let axis = eigen.eigenvectors.column(long);
-    Some(Recognised::FlatEllipse {
-        centre,
-        lowest,
-        slope,
-        semi_axes: [eigen.eigenvalues[long].sqrt().recip(), eigen.eigenvalues[short].sqrt().recip()],
-        rotation: axis[1].atan2(axis[0]),
-    })
+
+    fn revolution_about(&self, centre: [f64; 2]) -> Option<Recognised> {
+        let Self { gap, depth, reach, .. } = *self;
+        let farthest =
+            reach.corners().map(|[x, y]| (x - centre[0]).hypot(y - centre[1])).into_iter().fold(0.0, f64::max);
+        let profile = |r: f64, angle: f64| gap.gap(centre[0] + r * angle.cos(), centre[1] + r * angle.sin());
+        let lowest = (0..TESTS).map(|n| profile(farthest * spread(n)[0], 0.0)).fold(profile(0.0, 0.0), f64::min);
+        let overlap = depth - lowest;
+        if overlap <= 0.0 {
+            return None;
+        }
+        let same = |r: f64, here: f64| {
+            let reference = profile(r, 0.0);
+            let both_out = here > depth + overlap && reference > depth + overlap;
+            here == reference || both_out || (here - reference).abs() <= CLOSE * overlap
+        };
+        for n in 0..self.tests {
+            let [s, turn] = spread(n);
+            // Half of the points near the axis, where a small contact would be.
+            let r = farthest * if n % 2 == 0 { s } else { s * s * s };
+            if !same(r, profile(r, std::f64::consts::TAU * turn)) {
+                return None;
+            }
+        }
+        let round = self.tips.iter().all(|&[x, y]| same((x - centre[0]).hypot(y - centre[1]), gap.gap(x, y)));
+        round.then_some(Recognised::Revolution { centre })
+    }
+
+    fn flat_ellipse(&self) -> Option<Recognised> {
+        let Self { gap, depth, reach, .. } = *self;
+        let centre = reach.centre();
+        let [w, h] = reach.size();
+        let lowest = gap.gap(centre[0], centre[1]);
+        if !(lowest < depth) {
+            return None;
+        }
+        let allowed = CLOSE * (depth - lowest);
+        // Where the material ends along a direction given in units of the half box.
+        let rim = |angle: f64| -> Option<Vector2<f64>> {
+            let direction = Vector2::new(0.5 * w * angle.cos(), 0.5 * h * angle.sin());
+            let solid = |s: f64| gap.gap(centre[0] + s * direction[0], centre[1] + s * direction[1]) < f64::INFINITY;
+            let (mut inside, mut outside) = (0.0, 2.0);
+            if solid(outside) || !solid(1e-3) {
+                return None;
+            }
+            while outside - inside > 4.0 * f64::EPSILON {
+                let middle = 0.5 * (inside + outside);
+                if middle <= inside || middle >= outside {
+                    break;
+                }
+                if solid(middle) { inside = middle } else { outside = middle }
+            }
+            Some(direction * outside)
+        };
+        // The slope from two points half way to the rim.
+        let slope_along = |angle: f64, axis: usize| -> Option<f64> {
+            let v = rim(angle)? * 0.5;
+            let (ahead, behind) =
+                (gap.gap(centre[0] + v[0], centre[1] + v[1]), gap.gap(centre[0] - v[0], centre[1] - v[1]));
+            Some(0.5 * (ahead - behind) / v[axis]).filter(|s| s.is_finite())
+        };
+        let slope = [slope_along(0.0, 0)?, slope_along(0.5 * std::f64::consts::PI, 1)?];
+        // x'M x = 1 through three rims, tested on the others.
+        let rims: Vec<Vector2<f64>> = (0..24).map(|k| rim(0.1 + 0.77 * f64::from(k))).collect::<Option<_>>()?;
+        let scaled = |p: &Vector2<f64>| Vector2::new(p[0] / w, p[1] / h);
+        let row = |p: &Vector2<f64>| {
+            let p = scaled(p);
+            [p[0] * p[0], 2.0 * p[0] * p[1], p[1] * p[1]]
+        };
+        let rows: Vec<[f64; 3]> = [0, 2, 4].iter().map(|&k| row(&rims[k])).collect();
+        let m = Matrix3::from_fn(|i, j| rows[i][j]).lu().solve(&Vector3::new(1.0, 1.0, 1.0))?;
+        let off = |p: &Vector2<f64>| (Vector3::from(row(p)).dot(&m) - 1.0).abs();
+        if rims.iter().any(|p| !(off(p) < 1e-9)) {
+            return None;
+        }
+        let even = (0..self.tests).map(|n| {
+            let [s, t] = spread(n);
+            Vector2::new((s - 0.5) * w, (t - 0.5) * h)
+        });
+        let at_tips = self.tips.iter().map(|p| Vector2::new(p[0] - centre[0], p[1] - centre[1]));
+        for p in even.chain(at_tips) {
+            let inside = Vector3::from(row(&p)).dot(&m);
+            let g = gap.gap(centre[0] + p[0], centre[1] + p[1]);
+            let plane = lowest + slope[0] * p[0] + slope[1] * p[1];
+            let off_plane = !((g - plane).abs() <= allowed);
+            if (inside < 1.0 - 1e-9 && off_plane) || (inside > 1.0 + 1e-9 && g != f64::INFINITY) {
+                return None;
+            }
+        }
+        let form = Matrix2::new(m[0] / w / w, m[1] / w / h, m[1] / w / h, m[2] / h / h);
+        let eigen = SymmetricEigen::new(form);
+        let (long, short) = if eigen.eigenvalues[0] <= eigen.eigenvalues[1] { (0, 1) } else { (1, 0) };
+        if !(eigen.eigenvalues[long] > 0.0) {
+            return None;
+        }
+        let axis = eigen.eigenvectors.column(long);
+        Some(Recognised::FlatEllipse {
+            centre,
+            lowest,
+            slope,
+            semi_axes: [eigen.eigenvalues[long].sqrt().recip(), eigen.eigenvalues[short].sqrt().recip()],
+            rotation: axis[1].atan2(axis[0]),
+        })
+    }
 }
 
 #[cfg(test)]
@@ -247,6 +271,22 @@ mod tests {
     fn of(gap: &dyn Gap, depth: f64) -> Recognised {
         let Reach::Within(reach) = gap.reach(depth) else { panic!("bounded") };
         recognise(gap, depth, &reach)
+    }
+
+    #[test]
+    fn a_narrow_part_of_a_wide_gap_is_seen() {
+        use crate::gap::{AnyGap, Minimum};
+        let tip =
+            |steep: f64, at: [f64; 2]| AnyGap::new(Placed::new(Cone::with_slope(steep).unwrap(), at, 0.0).unwrap());
+        let wide: [AnyGap; 2] =
+            [AnyGap::new(Sphere::new(6.6).unwrap()), AnyGap::new(Paraboloid::new([6.6, 6.6]).unwrap())];
+        for wide in wide {
+            for (steep, at) in [(1.4, [-1.52, 0.24]), (40.0, [-1.5, 0.3]), (300.0, [0.2, 0.7])] {
+                let gap = Minimum::new(vec![tip(steep, at), wide.clone()]).unwrap();
+                assert_eq!(of(&gap, 0.2356), Recognised::General);
+                assert!(crate::homogeneity::degree(&gap, &Rect { min: [-1.8; 2], max: [1.8; 2] }).is_none());
+            }
+        }
     }
 
     #[test]

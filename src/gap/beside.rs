@@ -94,6 +94,10 @@ impl Gap for Beside {
         if self.within.contains(c) { c } else { self.within.centre() }
     }
 
+    fn tips(&self) -> Vec<[f64; 2]> {
+        self.gap.tips()
+    }
+
     fn reference(&self) -> [f64; 2] {
         self.gap.reference()
     }

@@ -157,6 +157,10 @@ impl Gap for Sum {
     fn centre(&self) -> [f64; 2] {
         self.centre
     }
+
+    fn tips(&self) -> Vec<[f64; 2]> {
+        self.parts.iter().flat_map(|part| part.tips()).collect()
+    }
 }
 
 /// The least of several gaps: a punch with several tips.
@@ -311,6 +315,10 @@ impl Gap for Minimum {
         let value = |part: &AnyGap| part.gap(part.centre()[0], part.centre()[1]);
         let lowest = self.parts.iter().min_by(|a, b| value(a).total_cmp(&value(b)));
         lowest.map_or([0.0; 2], |part| part.centre())
+    }
+
+    fn tips(&self) -> Vec<[f64; 2]> {
+        self.parts.iter().flat_map(|part| part.tips()).collect()
     }
 }
 

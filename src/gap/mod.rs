@@ -21,6 +21,7 @@ mod revolved;
 mod ridges;
 mod search;
 mod tilted;
+mod tips;
 
 pub use analytic::{Cone, Paraboloid, Power, Sphere};
 pub(crate) use beside::Beside;
@@ -38,6 +39,7 @@ pub use revolved::Revolved;
 pub use ridges::{Ridge, Ridges};
 pub use search::extent;
 pub use tilted::Tilted;
+pub(crate) use tips::{around_tips, enough};
 
 use std::sync::Arc;
 
@@ -131,6 +133,11 @@ pub trait Gap: Send + Sync {
         [0.0, 0.0]
     }
 
+    /// Points about which the gap, or a part of it, is drawn: where a narrow part would stand out that no even sampling meets.
+    fn tips(&self) -> Vec<[f64; 2]> {
+        vec![self.centre()]
+    }
+
     /// The point that the gap was drawn about: where its own origin lies.
     fn reference(&self) -> [f64; 2] {
         [0.0, 0.0]
@@ -209,6 +216,10 @@ impl Gap for AnyGap {
 
     fn centre(&self) -> [f64; 2] {
         self.0.centre()
+    }
+
+    fn tips(&self) -> Vec<[f64; 2]> {
+        self.0.tips()
     }
 
     fn reference(&self) -> [f64; 2] {

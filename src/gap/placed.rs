@@ -117,6 +117,10 @@ impl<G: Gap> Gap for Placed<G> {
         self.outward(self.inner.centre())
     }
 
+    fn tips(&self) -> Vec<[f64; 2]> {
+        self.inner.tips().into_iter().map(|tip| self.outward(tip)).collect()
+    }
+
     fn reference(&self) -> [f64; 2] {
         self.outward(self.inner.reference())
     }
@@ -208,5 +212,9 @@ impl Gap for Scaled<'_> {
 
     fn centre(&self) -> [f64; 2] {
         self.inward(self.gap.centre())
+    }
+
+    fn tips(&self) -> Vec<[f64; 2]> {
+        self.gap.tips().into_iter().map(|tip| self.inward(tip)).collect()
     }
 }

@@ -95,6 +95,10 @@ impl Gap for Tilted {
         self.gap.centre()
     }
 
+    fn tips(&self) -> Vec<[f64; 2]> {
+        self.gap.tips()
+    }
+
     fn reference(&self) -> [f64; 2] {
         self.gap.reference()
     }
