@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use super::kernel::RELATIVE_ERROR;
 use super::polynomial::{NODES, Polynomial};
-use super::tables::{Points, Squares, Tables};
+use super::spread::spread;
+use super::tables::{Points, Squares, Tables, Weights};
 use crate::grid::{Grid, Kernel};
 use crate::influence::InfluenceTable;
 use crate::matrix_free::{Operator, Scratch};
@@ -38,7 +39,7 @@ impl Surroundings {
 }
 
 /// Sums that are taken side by side.
-const LANES: usize = 8;
+const LANES: usize = 4;
 
 impl Surroundings {
     /// Number of cells along x and y.
@@ -55,6 +56,8 @@ pub(super) struct Field {
     /// Pressure with a frame of B's half sides around it.
     padded: Vec<f64>,
     most: f64,
+    /// Largest difference from the pressure of a cell within B.
+    spread: Vec<f64>,
     /// Displacement at the centres, with a frame of NODES cells around it.
     wide: Vec<f64>,
     /// Rounding of a displacement, absolute; its share beside it is [`SHARE`].
@@ -83,11 +86,13 @@ impl Field {
         // and three of them make a product.
         let size = around.operator.length().iter().map(|&m| m as f64).product::<f64>();
         let norm = q.iter().map(|q| q * q).sum::<f64>().sqrt();
+        let padded = frame(around.tables.block);
         Self {
             shape: around.shape,
             scale: around.scale,
             tables: around.tables.clone(),
-            padded: frame(around.tables.block),
+            spread: spread(&padded, around.shape, around.tables.block),
+            padded,
             most: q.iter().copied().fold(0.0, f64::max),
             wide,
             rounding: Polynomial::GROWTH * 24.0 * f64::EPSILON * size.log2() * around.norm * norm,
@@ -95,7 +100,7 @@ impl Field {
     }
 
     /// At the centre of a cell.
-    pub fn centre(&self, i: usize, j: usize) -> f64 {
+    pub fn at_centre(&self, i: usize, j: usize) -> f64 {
         self.wide[(j + NODES) * (self.shape[0] + 2 * NODES) + i + NODES]
     }
 
@@ -116,9 +121,12 @@ impl Field {
     pub fn cell(&self, i: usize, j: usize) -> Cell<'_> {
         let width = self.shape[0] + 2 * NODES;
         let polynomial = Polynomial::through(|a, b| self.wide[(j + b) * width + i + a]);
-        let middle = self.padded
-            [(j + self.tables.block[1]) * (self.shape[0] + 2 * self.tables.block[0]) + i + self.tables.block[0]];
-        Cell { field: self, place: [i, j], middle, polynomial }
+        let [bx, by] = self.tables.block;
+        let row = self.shape[0] + 2 * bx;
+        let k = (j + by) * row + i + bx;
+        let p = &self.padded;
+        let trend = [0.5 * (p[k + 1] - p[k - 1]), 0.5 * (p[k + row] - p[k - row])];
+        Cell { field: self, place: [i, j], middle: p[k], trend, polynomial }
     }
 }
 
@@ -128,6 +136,8 @@ pub(super) struct Cell<'a> {
     place: [usize; 2],
     /// Its pressure.
     middle: f64,
+    /// Rise of the pressure from cell to cell, along x and y.
+    trend: [f64; 2],
     polynomial: Polynomial,
 }
 
@@ -139,14 +149,19 @@ pub(super) struct Jumps {
 }
 
 impl Cell<'_> {
-    /// Value and slopes per side of the polynomial at the middles of the quarters.
+    /// Value and slopes per side of the polynomial at the centre.
+    pub fn centre(&self) -> [f64; 3] {
+        self.polynomial.at_centre()
+    }
+
+    /// The same at the middles of the quarters.
     pub fn quarters(&self) -> [[f64; 3]; 4] {
         self.polynomial.at_quarters()
     }
 
-    /// Its values at the corners, the middles of the sides and the centre, row by row.
-    pub fn nine(&self) -> [f64; 9] {
-        self.polynomial.at_nine()
+    /// Its values at the points of a lattice.
+    pub fn lattice(&self) -> [f64; 16] {
+        self.polynomial.at_lattice()
     }
 
     /// Largest distance of the polynomial from its tangent planes over squares of this half side.
@@ -154,49 +169,82 @@ impl Cell<'_> {
         self.polynomial.bend(half)
     }
 
-    /// Bound of the distance of the displacement from the polynomial, anywhere in the cell.
+    /// Bound of the distance of the displacement from the polynomial, anywhere in the cell, with few sums.
+    pub fn left_out_roughly(&self) -> f64 {
+        self.bound(&self.field.tables.rough, [0.0; 2])
+    }
+
+    /// The same with more of them.
     pub fn left_out(&self) -> f64 {
+        self.bound(&self.field.tables.close, [0.0; 2])
+    }
+
+    /// The same for what the trend does not explain.
+    pub fn left_out_beside_trend(&self) -> f64 {
+        self.bound(&self.field.tables.close, self.trend)
+    }
+
+    /// Bounds of what the trend does over each quarter.
+    pub fn trend_in_quarters(&self) -> [[f64; 2]; 4] {
+        let [along, across] = &self.field.tables.trend.quarters;
+        let times =
+            |by: f64, [low, high]: [f64; 2]| if by < 0.0 { [by * high, by * low] } else { [by * low, by * high] };
+        let [a, b] = self.trend.map(|t| t * self.field.scale);
+        std::array::from_fn(|k| {
+            let (x, y) = (times(a, along[k]), times(b, across[k]));
+            [x[0] + y[0], x[1] + y[1]]
+        })
+    }
+
+    /// What the trend does at the points of the lattice.
+    pub fn trend_on_lattice(&self) -> [f64; 16] {
+        let [along, across] = &self.field.tables.trend.lattice;
+        let [a, b] = self.trend.map(|t| t * self.field.scale);
+        std::array::from_fn(|k| a * along[k] + b * across[k])
+    }
+
+    /// Bound of what the jumps do, less a trend: those in the block of the weights one by one.
+    fn bound(&self, weights: &Weights, [a, b]: [f64; 2]) -> f64 {
         let tables = &self.field.tables;
-        let [i, j] = self.place;
-        let weights = tables.whole.chunks_exact(2 * tables.block[0] + 1);
+        let ([i, j], half) = (self.place, weights.half);
+        let width = 2 * half[0] + 1;
         // Side by side: sums that do not wait for one another.
         let mut sums = [0.0; LANES];
-        for (row, weights) in self.field.rows(i, j, tables.block).zip(weights) {
+        let lanes: [f64; LANES] = std::array::from_fn(|k| a * k as f64);
+        let mut rise = self.middle - b * half[1] as f64 - a * half[0] as f64;
+        for (row, weights) in self.field.rows(i, j, half).zip(weights.each.chunks_exact(width)) {
+            let mut start = rise;
             let (chunks, weights_of) = (row.chunks_exact(LANES), weights.chunks_exact(LANES));
-            for ((q, w), sum) in chunks.remainder().iter().zip(weights_of.remainder()).zip(&mut sums) {
-                *sum += w * (q - self.middle).abs();
-            }
+            let rest = (chunks.remainder(), weights_of.remainder());
             for (q, w) in chunks.zip(weights_of) {
-                (0..LANES).for_each(|k| sums[k] += w[k] * (q[k] - self.middle).abs());
+                (0..LANES).for_each(|k| sums[k] += w[k] * (q[k] - start - lanes[k]).abs());
+                start += a * LANES as f64;
             }
+            for (k, (q, w)) in rest.0.iter().zip(rest.1).enumerate() {
+                sums[k] += w * (q - start - lanes[k]).abs();
+            }
+            rise += b;
         }
-        let sum = sums.iter().sum::<f64>() + self.middle * tables.uniform + self.field.most * tables.beyond;
+        let jump = self.field.spread[j * self.field.shape[0] + i];
+        let rest = weights.rest[0] * jump + weights.rest[1] * a.abs() + weights.rest[2] * b.abs();
+        let sum = sums.iter().sum::<f64>() + rest + self.middle * tables.uniform + self.field.most * tables.beyond;
         self.field.scale * sum * (1.0 + 1e-9)
     }
 
-    /// Jumps to the near cells; `left_out` as above.
-    pub fn jumps(&self, left_out: f64) -> Jumps {
+    /// Jumps to the near cells, and what the others do.
+    pub fn jumps(&self) -> Jumps {
         let tables = &self.field.tables;
         let [i, j] = self.place;
         let mut near = Vec::with_capacity((2 * tables.near[0] + 1) * (2 * tables.near[1] + 1));
         for row in self.field.rows(i, j, tables.near) {
             near.extend(row.iter().map(|q| q - self.middle));
         }
-        let skip = [0, 1].map(|m| tables.block[m] - tables.near[m]);
-        let width = 2 * tables.block[0] + 1;
-        let weights = tables.whole.chunks_exact(width).skip(skip[1]).map(|row| &row[skip[0]..]);
-        let mut counted = self.middle * tables.uniform;
-        for (row, weights) in near.chunks_exact(2 * tables.near[0] + 1).zip(weights) {
-            counted += row.iter().zip(weights).map(|(q, w)| w * q.abs()).sum::<f64>();
-        }
-        // A difference: its rounding is far below what it stands for.
-        let far = (left_out - self.field.scale * counted).max(0.0) + 1e-9 * left_out;
-        Jumps { near, far }
+        // The uniform part counts by values, and by a bound beside them.
+        Jumps { near, far: self.bound(&tables.far, [0.0; 2]) }
     }
 
     /// For each sub-square: value, slopes per side, and the largest distance from that plane over it.
     pub fn squares<'r>(&self, jumps: &Jumps, squares: &Squares, room: &'r mut Vec<[f64; 4]>) -> &'r [[f64; 4]] {
-        let scale = self.field.scale;
         room.clear();
         room.extend(squares.uniform.iter().map(|of| of.map(|v| self.middle * v)));
         for (jump, values) in jumps.near.iter().zip(squares.values.chunks_exact(squares.at.len())) {
@@ -207,11 +255,27 @@ impl Cell<'_> {
         }
         let beyond = jumps.far + self.polynomial.bend(squares.half);
         for (sum, at) in room.iter_mut().zip(&squares.at) {
-            let [p, x, y] = self.polynomial.at(*at);
-            let rest = scale * sum[3] * (1.0 + 1e-9) + beyond;
-            *sum = [p + scale * sum[0], x + scale * sum[1], y + scale * sum[2], rest];
+            *sum = self.plane(*sum, *at, beyond);
         }
         room
+    }
+
+    /// The same for one of them.
+    pub fn square(&self, jumps: &Jumps, squares: &Squares, k: usize) -> [f64; 4] {
+        let mut sum = squares.uniform[k].map(|v| self.middle * v);
+        for (jump, values) in jumps.near.iter().zip(squares.values.chunks_exact(squares.at.len())) {
+            let by = [*jump, *jump, *jump, jump.abs()];
+            (0..4).for_each(|m| sum[m] += by[m] * values[k][m]);
+        }
+        self.plane(sum, squares.at[k], jumps.far + self.polynomial.bend(squares.half))
+    }
+
+    /// Value, slopes and rest from what the near cells do.
+    fn plane(&self, sum: [f64; 4], at: [f64; 2], beyond: f64) -> [f64; 4] {
+        let scale = self.field.scale;
+        let [p, x, y] = self.polynomial.at(at);
+        let rest = scale * sum[3] * (1.0 + 1e-9) + beyond;
+        [p + scale * sum[0], x + scale * sum[1], y + scale * sum[2], rest]
     }
 
     /// Values at points; they leave out no more than [`Jumps::far`].
@@ -231,6 +295,7 @@ impl Cell<'_> {
 #[cfg(test)]
 mod tests {
     use super::super::kernel;
+    use super::super::polynomial::LATTICE;
     use super::*;
 
     #[test]
@@ -263,17 +328,27 @@ mod tests {
                 let [i, j] = if k < 20 { [11 + k % 3, 11 + k / 10] } else { [i, j] };
                 let cell = field.cell(i, j);
                 let left_out = cell.left_out();
-                let jumps = cell.jumps(left_out);
+                let jumps = cell.jumps();
                 let place = |at: [f64; 2]| {
                     let c = grid.centre(i, j);
                     u(c[0] + at[0] * spacing[0], c[1] + at[1] * spacing[1])
                 };
                 let centre = place([0.0; 2]);
-                assert!((field.centre(i, j) - centre).abs() <= field.rounding(centre));
+                assert!((field.at_centre(i, j) - centre).abs() <= field.rounding(centre));
                 for at in [[0.5, 0.5], [-0.5, 0.2], [0.1, -0.33], [0.48, -0.5], [0.25, 0.25]] {
                     let off = (place(at) - cell.polynomial.at(at)[0]).abs();
                     assert!(off <= left_out, "{i} {j} {at:?}: {off} {left_out}");
                     closest[0] = closest[0].min(left_out / off);
+                    assert!(off <= cell.left_out_roughly() && left_out <= cell.left_out_roughly() * (1.0 + 1e-9));
+                    let rest = cell.left_out_beside_trend();
+                    let quarter = usize::from(at[0] > 0.0) + 2 * usize::from(at[1] > 0.0);
+                    let [low, high] = cell.trend_in_quarters()[quarter];
+                    let off = place(at) - cell.polynomial.at(at)[0];
+                    assert!(low - rest <= off && off <= high + rest, "{i} {j} {at:?}: {off} [{low}, {high}] {rest}");
+                }
+                for (k, value) in cell.lattice().into_iter().enumerate() {
+                    let off = place([LATTICE[k % 4], LATTICE[k / 4]]) - value - cell.trend_on_lattice()[k];
+                    assert!(off.abs() <= cell.left_out_beside_trend(), "{i} {j} {k}: {off}");
                 }
                 let mut room = Vec::new();
                 let points = cell.points(&jumps, &tables.points, &mut room);
@@ -285,6 +360,7 @@ mod tests {
                 for squares in &tables.squares {
                     let (half, mut room) = (squares.half, Vec::new());
                     let planes = cell.squares(&jumps, squares, &mut room);
+                    assert_eq!(planes[3], cell.square(&jumps, squares, 3));
                     for ([value, s, t, rest], middle) in planes.iter().zip(&squares.at).skip(k % 3).step_by(3) {
                         for (a, b) in [(1.0, 1.0), (-1.0, 0.3), (0.0, 0.0), (0.5, -1.0), (-1.0, 1.0)] {
                             let at = [middle[0] + a * half, middle[1] + b * half];

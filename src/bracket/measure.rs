@@ -52,7 +52,7 @@ pub(super) fn fabrikant(gap: &dyn Gap, modulus: EffectiveModulus, depth: f64, bo
     for round in 0..ROUNDS[0] + ROUNDS[1] {
         let field = Field::new(&mut around, &q);
         let highest: Vec<f64> = if round < ROUNDS[0] {
-            (0..q.len()).map(|k| field.centre(k % shape[0], k / shape[0])).collect()
+            (0..q.len()).map(|k| field.at_centre(k % shape[0], k / shape[0])).collect()
         } else {
             let highest = suprema(&around, &field, &q);
             let most = highest.iter().copied().fold(0.0, f64::max);
@@ -103,7 +103,7 @@ fn suprema(around: &Surroundings, field: &Field, q: &[f64]) -> Vec<f64> {
             break;
         }
         let cell = field.cell(k % nx, k / nx);
-        let jumps = cell.jumps(cell.left_out());
+        let jumps = cell.jumps();
         let planes = cell.squares(&jumps, squares, &mut room);
         let closely = planes.iter().map(|&[u, s, t, rest]| high([u, s, t], squares.half, rest)).fold(0.0, f64::max);
         highest[k] = highest[k].min(closely);

@@ -13,6 +13,7 @@
 //! What was proved and what was only sampled is part of the answer: [`Evidence`].
 
 mod approximate;
+mod away;
 mod check;
 mod check_field;
 mod close;
@@ -21,12 +22,18 @@ mod depth;
 mod field;
 mod frame;
 mod kernel;
+mod known;
+mod look;
 mod measure;
+mod mirrors;
 mod outside;
 mod polynomial;
 mod sharp;
+mod source;
+mod spread;
 mod summation;
 mod tables;
+mod trend;
 mod violation;
 
 use std::time::Instant;
@@ -36,6 +43,9 @@ use crate::gap::Gap;
 use crate::grid::Pressure;
 use crate::material::EffectiveModulus;
 use field::Surroundings;
+use frame::Attention;
+use known::Known;
+use mirrors::Mirrors;
 
 pub use approximate::approximate;
 pub use check::{Claim, Verification, check, check_claims};
@@ -277,11 +287,14 @@ pub fn certify(
     pressure: &Pressure,
     settings: &BracketSettings,
 ) -> Result<ForceBracket, Unsolved> {
-    frame::within(gap, modulus, depth, pressure, |frame, q| {
+    frame::within(gap, modulus, depth, pressure, |frame, mut q| {
         let started = Instant::now();
+        let mirrors = Mirrors::found(&mut q, frame.grid.shape);
         let mut around = Surroundings::new(&frame.grid, settings.per_cell.max(1));
-        let mut closely = vec![0; q.len()];
-        let (_, found, evidence) = frame.look(&mut around, &q, violation::Side::Both, &mut closely, settings.prove);
+        let known = Known::new(q.len(), false);
+        let closely = vec![look::WHOLE; q.len()];
+        let mut attention = Attention { known, closely, mirrors, prove: settings.prove };
+        let (_, found, evidence) = frame.look(&mut around, &q, violation::Side::Both, &mut attention);
         let outside = outside::look(frame, &q);
         let (upper, lower) = (close::upper(frame, &q, &found, &outside), close::lower(frame, &q, &found));
         let cost = BracketCost { seconds: started.elapsed().as_secs_f64(), products: 1, solves: 0 };
