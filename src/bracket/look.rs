@@ -1,7 +1,7 @@
 //! A look at every cell where a pressure can fail: roughly at first, then closely where it fails most.
 
 use super::away::away;
-use super::field::{Cell, Jumps};
+use super::cell::{Cell, Jumps};
 use super::known::{Known, ROUNDING, range};
 use super::mirrors::Image;
 use super::tables::{Squares, Tables};

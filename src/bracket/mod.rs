@@ -14,6 +14,7 @@
 
 mod approximate;
 mod away;
+mod cell;
 mod check;
 mod check_field;
 mod close;
@@ -26,6 +27,7 @@ mod known;
 mod look;
 mod measure;
 mod mirrors;
+mod one_cell;
 mod outside;
 mod polynomial;
 mod sharp;
@@ -76,8 +78,9 @@ pub enum Theorem {
     OtherDepth,
     /// The exact flat-punch pressure of an ellipse (Rayleigh & Ritz).
     Ellipse,
-    /// Fabrikant's pressure over the supremum of its displacement.
-    Fabrikant,
+    /// Fabrikant's pressure, made less where it displaces much until it displaces nearly evenly, over the supremum of what it
+    /// then displaces: his pressure alone proves less.
+    CorrectedFabrikant,
     /// A gap with a closed form that lies below everywhere: it is pressed with more force.
     Comparison,
     /// The bodies do not touch.
@@ -93,7 +96,7 @@ impl Theorem {
             Self::Discs => "discs",
             Self::OtherDepth => "other_depth",
             Self::Ellipse => "ellipse",
-            Self::Fabrikant => "fabrikant",
+            Self::CorrectedFabrikant => "fabrikant",
             Self::Comparison => "comparison",
             Self::NoContact => "no_contact",
         }

@@ -27,7 +27,7 @@ const SHARE: f64 = 0.03;
 const PAYS: f64 = 0.2;
 
 /// A round that gained no more than this share is the last.
-const GAINS: f64 = 0.15;
+const GAINS: f64 = 0.3;
 
 /// As [`super::certify`], and narrower: each side is solved again for, at most `settings.rounds` times.
 ///
