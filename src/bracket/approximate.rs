@@ -1,4 +1,4 @@
-//! Brackets without a solve: the best ellipse or Fabrikant's pressure from below, a simpler gap from above.
+//! Brackets without a solve: the best ellipse or a corrected Fabrikant pressure from below, a simpler gap from above.
 //!
 //! Below: the exact pressure m of a flat elliptical punch has S m <= 1, so that the integral of f m is at most P (Rayleigh &
 //! Ritz; [`crate::ritz`]); so has any pressure over the supremum of its displacement ([`super::measure`]). Above:
@@ -53,10 +53,10 @@ pub fn approximate(gap: &dyn Gap, modulus: EffectiveModulus, depth: f64) -> Resu
     let fabrikant = [fabrikant::Family::Stationary, fabrikant::Family::PlanForm]
         .into_iter()
         .find_map(|family| fabrikant::solve(gap, modulus, depth, family, &settings).ok())
-        .map_or(0.0, |found| measure::fabrikant(gap, modulus, depth, &found.boundary));
+        .map_or(0.0, |found| measure::corrected_fabrikant(gap, modulus, depth, &found.boundary));
     let below = Side {
         force: ellipse.max(fabrikant),
-        theorem: if fabrikant > ellipse { Theorem::Fabrikant } else { Theorem::Ellipse },
+        theorem: if fabrikant > ellipse { Theorem::CorrectedFabrikant } else { Theorem::Ellipse },
         evidence: Evidence::Sampled { per_cell: 0 },
         violation: 0.0,
         at: middle,

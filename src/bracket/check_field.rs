@@ -1,7 +1,8 @@
 //! An independent check of a pressure field and the force that goes with it, as that of a bracket.
 
 use super::check::{Verification, loaded, sound, violations};
-use super::summation::{Receiver, Summation, of_cell};
+use super::one_cell::of_cell;
+use super::summation::{Receiver, Summation};
 use crate::gap::Gap;
 use crate::geometry::Rect;
 use crate::grid::Pressure;

@@ -78,10 +78,11 @@ fn stacks(
     let half = grid.spacing.map(|h| 0.5 * h);
     for (height, k) in violations.filter(|v| v.0 > 0.0) {
         let c = grid.centre(k % nx, k / nx);
-        let far = ((c[0] - centre[0]).abs() + half[0]).hypot((c[1] - centre[1]).abs() + half[1]);
+        let [x, y] = [(c[0] - centre[0]).abs() + half[0], (c[1] - centre[1]).abs() + half[1]];
         let held = &mut about_centre[level(height)];
-        *held = held.max(far);
+        *held = held.max(x * x + y * y);
     }
+    about_centre.iter_mut().for_each(|far| *far = far.sqrt());
     for (rect, far) in rects.iter().zip(&mut about_centre) {
         // The boxes of what lies beyond the grid are not taken apart.
         let Some(rect) = rect.filter(|r| !grid.extent().contains(r.min) || !grid.extent().contains(r.max)) else {

@@ -1,10 +1,11 @@
-//! Displacement within the cells of a grid, from that at their centres: one product, and sums over the cells around.
+//! A pressure and the displacement by it at the centres of the cells, by one product.
 
 use std::sync::Arc;
 
 use super::kernel::RELATIVE_ERROR;
 use super::polynomial::{NODES, Polynomial};
-use super::tables::{Points, Squares, Tables};
+use super::spread::spread;
+use super::tables::Tables;
 use crate::grid::{Grid, Kernel};
 use crate::influence::InfluenceTable;
 use crate::matrix_free::{Operator, Scratch};
@@ -37,9 +38,6 @@ impl Surroundings {
     }
 }
 
-/// Sums that are taken side by side.
-const LANES: usize = 8;
-
 impl Surroundings {
     /// Number of cells along x and y.
     pub fn shape(&self) -> [usize; 2] {
@@ -49,16 +47,18 @@ impl Surroundings {
 
 /// A pressure and its displacement.
 pub(super) struct Field {
-    shape: [usize; 2],
-    scale: f64,
-    tables: Arc<Tables>,
+    pub shape: [usize; 2],
+    pub scale: f64,
+    pub tables: Arc<Tables>,
     /// Pressure with a frame of B's half sides around it.
-    padded: Vec<f64>,
-    most: f64,
+    pub padded: Vec<f64>,
+    pub most: f64,
+    /// Largest difference from the pressure of a cell within B.
+    pub spread: Vec<f64>,
     /// Displacement at the centres, with a frame of NODES cells around it.
-    wide: Vec<f64>,
+    pub wide: Vec<f64>,
     /// Rounding of a displacement, absolute; its share beside it is [`SHARE`].
-    rounding: f64,
+    pub rounding: f64,
 }
 
 /// Relative error of coefficients, of tables and of the sums with them.
@@ -83,11 +83,13 @@ impl Field {
         // and three of them make a product.
         let size = around.operator.length().iter().map(|&m| m as f64).product::<f64>();
         let norm = q.iter().map(|q| q * q).sum::<f64>().sqrt();
+        let padded = frame(around.tables.block);
         Self {
             shape: around.shape,
             scale: around.scale,
             tables: around.tables.clone(),
-            padded: frame(around.tables.block),
+            spread: spread(&padded, around.shape, around.tables.block),
+            padded,
             most: q.iter().copied().fold(0.0, f64::max),
             wide,
             rounding: Polynomial::GROWTH * 24.0 * f64::EPSILON * size.log2() * around.norm * norm,
@@ -95,7 +97,7 @@ impl Field {
     }
 
     /// At the centre of a cell.
-    pub fn centre(&self, i: usize, j: usize) -> f64 {
+    pub fn at_centre(&self, i: usize, j: usize) -> f64 {
         self.wide[(j + NODES) * (self.shape[0] + 2 * NODES) + i + NODES]
     }
 
@@ -105,197 +107,10 @@ impl Field {
     }
 
     /// The block of half sides `half` about cell (i, j), row by row.
-    fn rows(&self, i: usize, j: usize, half: [usize; 2]) -> impl Iterator<Item = &[f64]> {
+    pub fn rows(&self, i: usize, j: usize, half: [usize; 2]) -> impl Iterator<Item = &[f64]> {
         let block = self.tables.block;
         let width = self.shape[0] + 2 * block[0];
         let first = (j + block[1] - half[1]) * width + i + block[0] - half[0];
         (0..=2 * half[1]).map(move |b| &self.padded[first + b * width..][..=2 * half[0]])
-    }
-
-    /// What is known of the displacement in cell (i, j) without its details.
-    pub fn cell(&self, i: usize, j: usize) -> Cell<'_> {
-        let width = self.shape[0] + 2 * NODES;
-        let polynomial = Polynomial::through(|a, b| self.wide[(j + b) * width + i + a]);
-        let middle = self.padded
-            [(j + self.tables.block[1]) * (self.shape[0] + 2 * self.tables.block[0]) + i + self.tables.block[0]];
-        Cell { field: self, place: [i, j], middle, polynomial }
-    }
-}
-
-/// The displacement in one cell.
-pub(super) struct Cell<'a> {
-    field: &'a Field,
-    place: [usize; 2],
-    /// Its pressure.
-    middle: f64,
-    polynomial: Polynomial,
-}
-
-/// The jumps of the pressure around a cell.
-pub(super) struct Jumps {
-    near: Vec<f64>,
-    /// Bound of what the cells beyond the near block do.
-    pub far: f64,
-}
-
-impl Cell<'_> {
-    /// Value and slopes per side of the polynomial at the middles of the quarters.
-    pub fn quarters(&self) -> [[f64; 3]; 4] {
-        self.polynomial.at_quarters()
-    }
-
-    /// Its values at the corners, the middles of the sides and the centre, row by row.
-    pub fn nine(&self) -> [f64; 9] {
-        self.polynomial.at_nine()
-    }
-
-    /// Largest distance of the polynomial from its tangent planes over squares of this half side.
-    pub fn bend(&self, half: f64) -> f64 {
-        self.polynomial.bend(half)
-    }
-
-    /// Bound of the distance of the displacement from the polynomial, anywhere in the cell.
-    pub fn left_out(&self) -> f64 {
-        let tables = &self.field.tables;
-        let [i, j] = self.place;
-        let weights = tables.whole.chunks_exact(2 * tables.block[0] + 1);
-        // Side by side: sums that do not wait for one another.
-        let mut sums = [0.0; LANES];
-        for (row, weights) in self.field.rows(i, j, tables.block).zip(weights) {
-            let (chunks, weights_of) = (row.chunks_exact(LANES), weights.chunks_exact(LANES));
-            for ((q, w), sum) in chunks.remainder().iter().zip(weights_of.remainder()).zip(&mut sums) {
-                *sum += w * (q - self.middle).abs();
-            }
-            for (q, w) in chunks.zip(weights_of) {
-                (0..LANES).for_each(|k| sums[k] += w[k] * (q[k] - self.middle).abs());
-            }
-        }
-        let sum = sums.iter().sum::<f64>() + self.middle * tables.uniform + self.field.most * tables.beyond;
-        self.field.scale * sum * (1.0 + 1e-9)
-    }
-
-    /// Jumps to the near cells; `left_out` as above.
-    pub fn jumps(&self, left_out: f64) -> Jumps {
-        let tables = &self.field.tables;
-        let [i, j] = self.place;
-        let mut near = Vec::with_capacity((2 * tables.near[0] + 1) * (2 * tables.near[1] + 1));
-        for row in self.field.rows(i, j, tables.near) {
-            near.extend(row.iter().map(|q| q - self.middle));
-        }
-        let skip = [0, 1].map(|m| tables.block[m] - tables.near[m]);
-        let width = 2 * tables.block[0] + 1;
-        let weights = tables.whole.chunks_exact(width).skip(skip[1]).map(|row| &row[skip[0]..]);
-        let mut counted = self.middle * tables.uniform;
-        for (row, weights) in near.chunks_exact(2 * tables.near[0] + 1).zip(weights) {
-            counted += row.iter().zip(weights).map(|(q, w)| w * q.abs()).sum::<f64>();
-        }
-        // A difference: its rounding is far below what it stands for.
-        let far = (left_out - self.field.scale * counted).max(0.0) + 1e-9 * left_out;
-        Jumps { near, far }
-    }
-
-    /// For each sub-square: value, slopes per side, and the largest distance from that plane over it.
-    pub fn squares<'r>(&self, jumps: &Jumps, squares: &Squares, room: &'r mut Vec<[f64; 4]>) -> &'r [[f64; 4]] {
-        let scale = self.field.scale;
-        room.clear();
-        room.extend(squares.uniform.iter().map(|of| of.map(|v| self.middle * v)));
-        for (jump, values) in jumps.near.iter().zip(squares.values.chunks_exact(squares.at.len())) {
-            let by = [*jump, *jump, *jump, jump.abs()];
-            for (sum, values) in room.iter_mut().zip(values) {
-                (0..4).for_each(|m| sum[m] += by[m] * values[m]);
-            }
-        }
-        let beyond = jumps.far + self.polynomial.bend(squares.half);
-        for (sum, at) in room.iter_mut().zip(&squares.at) {
-            let [p, x, y] = self.polynomial.at(*at);
-            let rest = scale * sum[3] * (1.0 + 1e-9) + beyond;
-            *sum = [p + scale * sum[0], x + scale * sum[1], y + scale * sum[2], rest];
-        }
-        room
-    }
-
-    /// Values at points; they leave out no more than [`Jumps::far`].
-    pub fn points<'r>(&self, jumps: &Jumps, points: &Points, room: &'r mut Vec<f64>) -> &'r [f64] {
-        room.clear();
-        room.extend(points.uniform.iter().map(|v| self.middle * v));
-        for (jump, values) in jumps.near.iter().zip(points.values.chunks_exact(points.at.len())) {
-            room.iter_mut().zip(values).for_each(|(sum, value)| *sum += jump * value);
-        }
-        for (sum, at) in room.iter_mut().zip(&points.at) {
-            *sum = self.polynomial.at(*at)[0] + self.field.scale * *sum;
-        }
-        room
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::kernel;
-    use super::*;
-
-    #[test]
-    fn no_point_of_a_cell_leaves_its_bounds() {
-        for (spacing, per_cell) in [([0.05, 0.05], 4), ([0.05, 0.03], 4), ([0.02, 0.03], 3)] {
-            let grid = Grid { origin: [0.0; 2], spacing, shape: [24, 22] };
-            let [nx, _] = grid.shape;
-            let q: Vec<f64> = (0..grid.len())
-                .map(|k| {
-                    let (x, y) = ((k % nx) as f64 / 12.0 - 1.0, (k / nx) as f64 / 11.0 - 1.0);
-                    let smooth = (0.8 - x * x - y * y).max(0.0).sqrt();
-                    smooth + if k == 300 { 0.7 } else { 0.0 }
-                })
-                .collect();
-            let u = |x: f64, y: f64| {
-                let loaded = q.iter().enumerate().filter(|(_, q)| **q > 0.0);
-                loaded
-                    .map(|(k, q)| {
-                        let c = grid.centre_of(k);
-                        q * kernel::displacement(spacing, x - c[0], y - c[1])[0]
-                    })
-                    .sum::<f64>()
-            };
-            let mut around = Surroundings::new(&grid, per_cell);
-            let field = Field::new(&mut around, &q);
-            let tables = around.tables.clone();
-            let mut closest = [f64::INFINITY; 2];
-            for k in 0..40 {
-                let [i, j] = [(k * 7) % 24, (k * 5) % 22];
-                let [i, j] = if k < 20 { [11 + k % 3, 11 + k / 10] } else { [i, j] };
-                let cell = field.cell(i, j);
-                let left_out = cell.left_out();
-                let jumps = cell.jumps(left_out);
-                let place = |at: [f64; 2]| {
-                    let c = grid.centre(i, j);
-                    u(c[0] + at[0] * spacing[0], c[1] + at[1] * spacing[1])
-                };
-                let centre = place([0.0; 2]);
-                assert!((field.centre(i, j) - centre).abs() <= field.rounding(centre));
-                for at in [[0.5, 0.5], [-0.5, 0.2], [0.1, -0.33], [0.48, -0.5], [0.25, 0.25]] {
-                    let off = (place(at) - cell.polynomial.at(at)[0]).abs();
-                    assert!(off <= left_out, "{i} {j} {at:?}: {off} {left_out}");
-                    closest[0] = closest[0].min(left_out / off);
-                }
-                let mut room = Vec::new();
-                let points = cell.points(&jumps, &tables.points, &mut room);
-                for (value, at) in points.iter().zip(&tables.points.at).step_by(3) {
-                    let off = (value - place(*at)).abs();
-                    assert!(off <= jumps.far + field.rounding(*value), "{i} {j} {at:?}: {off} {}", jumps.far);
-                    assert!(jumps.far <= left_out * (1.0 + 1e-6));
-                }
-                for squares in &tables.squares {
-                    let (half, mut room) = (squares.half, Vec::new());
-                    let planes = cell.squares(&jumps, squares, &mut room);
-                    for ([value, s, t, rest], middle) in planes.iter().zip(&squares.at).skip(k % 3).step_by(3) {
-                        for (a, b) in [(1.0, 1.0), (-1.0, 0.3), (0.0, 0.0), (0.5, -1.0), (-1.0, 1.0)] {
-                            let at = [middle[0] + a * half, middle[1] + b * half];
-                            let off = (place(at) - value - half * (a * s + b * t)).abs();
-                            assert!(off <= rest + field.rounding(*value), "{i} {j} {middle:?}: {off} {rest}");
-                            closest[1] = closest[1].min(rest / off.max(1e-9));
-                        }
-                    }
-                }
-            }
-            println!("least ratio of bound and distance: cell {}, sub-square {}", closest[0], closest[1]);
-        }
     }
 }

@@ -2,6 +2,8 @@
 
 use super::close::Closed;
 use super::field::{Field, Surroundings};
+use super::known::Known;
+use super::mirrors::Mirrors;
 use super::violation::{self, Subject, Violation};
 use super::{Evidence, ForceBracket, Repair, Side, kernel, no_contact};
 use crate::error::{Unsolved, Verdict};
@@ -22,6 +24,15 @@ pub(super) fn within(
         Some((frame, q)) => work(&frame, q),
         None => no_contact(Some(Pressure { grid: pressure.grid, values: vec![0.0; pressure.values.len()] })),
     })
+}
+
+/// What a look knows beforehand.
+pub(super) struct Attention {
+    pub known: Known,
+    /// How closely each cell is looked at.
+    pub closely: Vec<u8>,
+    pub mirrors: Mirrors,
+    pub prove: bool,
 }
 
 /// Cells around the load that are looked at one by one, and one more for so many of its width.
@@ -133,22 +144,36 @@ impl<'a> Frame<'a> {
         around: &mut Surroundings,
         q: &[f64],
         side: violation::Side,
-        closely: &mut [u8],
-        prove: bool,
+        attention: &mut Attention,
     ) -> (Field, Violation, Evidence) {
+        let Attention { known, closely, prove, mirrors } = attention;
         let [a, b] = self.grid.spacing;
         let slender = a.max(b) > kernel::MOST_SLENDER * a.min(b);
         let (field, tables) = (Field::new(around, q), &around.tables);
-        let subject = Subject { frame: self, field: &field, tables, q, side };
-        if prove
-            && self.reach_known
-            && !slender
-            && let Some(found) = Violation::proved(&subject, closely)
-        {
-            return (field, found, Evidence::Proved);
+        let subject = Subject { frame: self, field: &field, tables, q, side, mirrors: *mirrors };
+        *prove &= self.reach_known && !slender;
+        if *prove {
+            if let Some(found) = Violation::proved(&subject, known, closely) {
+                return (field, found, Evidence::Proved);
+            }
+            *prove = false;
+            known.forget();
         }
-        let found = Violation::sampled(&subject, closely);
+        let found = Violation::sampled(&subject, known, closely);
         (field, found, Evidence::Sampled { per_cell: tables.per_cell })
+    }
+
+    /// A point of a cell, in sides from its centre.
+    pub fn place(&self, cell: usize, at: [f64; 2]) -> [f64; 2] {
+        let grid = &self.grid;
+        let corner = [cell % grid.shape[0], cell / grid.shape[0]];
+        [0, 1].map(|m| grid.origin[m] + (corner[m] as f64 + 0.5 + at[m]) * grid.spacing[m])
+    }
+
+    /// f at such a point.
+    pub fn overlap(&self, cell: usize, at: [f64; 2]) -> f64 {
+        let [x, y] = self.place(cell, at);
+        self.depth - self.gap.gap(x, y)
     }
 
     /// Supremum of f over a rectangle; where the gap proves none, its largest at 5 x 5 points.

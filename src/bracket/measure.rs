@@ -5,7 +5,9 @@
 //!
 //!   m = (1 - r^2/a(theta)^2)^(-1/2)
 //!
-//! up to a factor (Fabrikant 1986; Barber & Billings 1990, equation 6), is one that nearly has a constant displacement.
+//! up to a factor (Fabrikant 1986; Barber & Billings 1990, equation 6), is one that nearly has a constant displacement. It is where
+//! this begins, and not what the bound rests on: on a grid it is corrected, cell by cell and several times over, by what the
+//! displacement there exceeds its mean by. The bound is that of the corrected pressure; his own, over its supremum alone, proves less.
 
 use super::field::{Field, Surroundings};
 use crate::fabrikant::Boundary;
@@ -23,9 +25,9 @@ const POINTS: usize = 6;
 /// Times the pressure is made less where it displaces much: by the displacement at the centres, and by its suprema.
 const ROUNDS: [usize; 2] = [12, 3];
 
-/// The bound by Fabrikant's pressure within this boundary; 0 where it proves nothing. The mean overlap of a cell is that of
+/// The bound by Fabrikant's pressure, corrected, within this boundary; 0 where it proves nothing. The mean overlap of a cell is that of
 /// [`Gap::mean`].
-pub(super) fn fabrikant(gap: &dyn Gap, modulus: EffectiveModulus, depth: f64, boundary: &Boundary) -> f64 {
+pub(super) fn corrected_fabrikant(gap: &dyn Gap, modulus: EffectiveModulus, depth: f64, boundary: &Boundary) -> f64 {
     let Some(rect) = Rect::holding(boundary.polyline()) else { return 0.0 };
     let [w, h] = rect.size();
     let side = w.max(h) / CELLS as f64;
@@ -52,7 +54,7 @@ pub(super) fn fabrikant(gap: &dyn Gap, modulus: EffectiveModulus, depth: f64, bo
     for round in 0..ROUNDS[0] + ROUNDS[1] {
         let field = Field::new(&mut around, &q);
         let highest: Vec<f64> = if round < ROUNDS[0] {
-            (0..q.len()).map(|k| field.centre(k % shape[0], k / shape[0])).collect()
+            (0..q.len()).map(|k| field.at_centre(k % shape[0], k / shape[0])).collect()
         } else {
             let highest = suprema(&around, &field, &q);
             let most = highest.iter().copied().fold(0.0, f64::max);
@@ -103,7 +105,7 @@ fn suprema(around: &Surroundings, field: &Field, q: &[f64]) -> Vec<f64> {
             break;
         }
         let cell = field.cell(k % nx, k / nx);
-        let jumps = cell.jumps(cell.left_out());
+        let jumps = cell.jumps();
         let planes = cell.squares(&jumps, squares, &mut room);
         let closely = planes.iter().map(|&[u, s, t, rest]| high([u, s, t], squares.half, rest)).fold(0.0, f64::max);
         highest[k] = highest[k].min(closely);

@@ -13,6 +13,8 @@
 //! What was proved and what was only sampled is part of the answer: [`Evidence`].
 
 mod approximate;
+mod away;
+mod cell;
 mod check;
 mod check_field;
 mod close;
@@ -21,12 +23,19 @@ mod depth;
 mod field;
 mod frame;
 mod kernel;
+mod known;
+mod look;
 mod measure;
+mod mirrors;
+mod one_cell;
 mod outside;
 mod polynomial;
 mod sharp;
+mod source;
+mod spread;
 mod summation;
 mod tables;
+mod trend;
 mod violation;
 
 use std::time::Instant;
@@ -36,6 +45,9 @@ use crate::gap::Gap;
 use crate::grid::Pressure;
 use crate::material::EffectiveModulus;
 use field::Surroundings;
+use frame::Attention;
+use known::Known;
+use mirrors::Mirrors;
 
 pub use approximate::approximate;
 pub use check::{Claim, Verification, check, check_claims};
@@ -66,8 +78,9 @@ pub enum Theorem {
     OtherDepth,
     /// The exact flat-punch pressure of an ellipse (Rayleigh & Ritz).
     Ellipse,
-    /// Fabrikant's pressure over the supremum of its displacement.
-    Fabrikant,
+    /// Fabrikant's pressure, made less where it displaces much until it displaces nearly evenly, over the supremum of what it
+    /// then displaces: his pressure alone proves less.
+    CorrectedFabrikant,
     /// A gap with a closed form that lies below everywhere: it is pressed with more force.
     Comparison,
     /// The bodies do not touch.
@@ -83,7 +96,7 @@ impl Theorem {
             Self::Discs => "discs",
             Self::OtherDepth => "other_depth",
             Self::Ellipse => "ellipse",
-            Self::Fabrikant => "fabrikant",
+            Self::CorrectedFabrikant => "fabrikant",
             Self::Comparison => "comparison",
             Self::NoContact => "no_contact",
         }
@@ -277,11 +290,14 @@ pub fn certify(
     pressure: &Pressure,
     settings: &BracketSettings,
 ) -> Result<ForceBracket, Unsolved> {
-    frame::within(gap, modulus, depth, pressure, |frame, q| {
+    frame::within(gap, modulus, depth, pressure, |frame, mut q| {
         let started = Instant::now();
+        let mirrors = Mirrors::found(&mut q, frame.grid.shape);
         let mut around = Surroundings::new(&frame.grid, settings.per_cell.max(1));
-        let mut closely = vec![0; q.len()];
-        let (_, found, evidence) = frame.look(&mut around, &q, violation::Side::Both, &mut closely, settings.prove);
+        let known = Known::new(q.len(), false);
+        let closely = vec![look::WHOLE; q.len()];
+        let mut attention = Attention { known, closely, mirrors, prove: settings.prove };
+        let (_, found, evidence) = frame.look(&mut around, &q, violation::Side::Both, &mut attention);
         let outside = outside::look(frame, &q);
         let (upper, lower) = (close::upper(frame, &q, &found, &outside), close::lower(frame, &q, &found));
         let cost = BracketCost { seconds: started.elapsed().as_secs_f64(), products: 1, solves: 0 };

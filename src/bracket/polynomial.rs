@@ -15,6 +15,9 @@ pub(super) struct Polynomial {
 /// Middles of the quarters of the cell.
 pub(super) const QUARTERS: [[f64; 2]; 4] = [[-0.25, -0.25], [0.25, -0.25], [-0.25, 0.25], [0.25, 0.25]];
 
+/// Places along a side where a cell is sampled: its left border counts, its right one is the next cell's.
+pub(super) const LATTICE: [f64; 4] = [-0.5, -0.25, 0.0, 0.25];
+
 /// Coefficients of the polynomial of degree 4 through the values at -2, -1, 0, 1, 2.
 fn through([a, b, c, d, e]: [f64; SIDE]) -> [f64; SIDE] {
     [
@@ -78,19 +81,26 @@ impl Polynomial {
         quarters
     }
 
-    /// Values at the corners, the middles of the sides and the centre, row by row.
-    pub fn at_nine(&self) -> [f64; 9] {
-        let thrice = |[a, b, c, d, e]: [f64; SIDE]| {
-            let (even, odd) = (a + 0.25 * (c + 0.25 * e), 0.5 * (b + 0.25 * d));
-            [even - odd, a, even + odd]
+    /// Value and slopes per side at the centre.
+    pub fn at_centre(&self) -> [f64; 3] {
+        [self.c[0][0], self.c[0][1], self.c[1][0]]
+    }
+
+    /// Values at the points of [`LATTICE`] along both sides, row by row.
+    pub fn at_lattice(&self) -> [f64; 16] {
+        const Q: f64 = 0.25;
+        let four = |[a, b, c, d, e]: [f64; SIDE]| {
+            let (even, odd) = (a + Q * Q * (c + Q * Q * e), Q * (b + Q * Q * d));
+            let edge = a + Q * (c + Q * e) - 0.5 * (b + Q * d);
+            [edge, even - odd, a, even + odd]
         };
-        let rows = self.c.map(thrice);
-        let mut nine = [0.0; 9];
-        for k in 0..3 {
-            let column = thrice(rows.map(|row| row[k]));
-            (0..3).for_each(|l| nine[3 * l + k] = column[l]);
+        let rows = self.c.map(four);
+        let mut values = [0.0; 16];
+        for k in 0..4 {
+            let column = four(rows.map(|row| row[k]));
+            (0..4).for_each(|l| values[4 * l + k] = column[l]);
         }
-        nine
+        values
     }
 
     /// Bounds of the second derivatives over the cell: along, mixed, across.
@@ -141,10 +151,11 @@ mod tests {
             assert!((value - other[0]).abs() < 1e-14, "{at:?}");
             assert!((along - other[1]).abs() < 1e-14 && (across - other[2]).abs() < 1e-14, "{at:?}");
         }
-        for (k, value) in p.at_nine().into_iter().enumerate() {
-            let at = [0.5 * (k % 3) as f64 - 0.5, 0.5 * (k / 3) as f64 - 0.5];
+        for (k, value) in p.at_lattice().into_iter().enumerate() {
+            let at = [LATTICE[k % 4], LATTICE[k / 4]];
             assert!((value - p.at(at)[0]).abs() < 1e-14, "{at:?}");
         }
+        assert_eq!(p.at_centre(), p.at([0.0; 2]));
         let half = 0.125;
         for (a, b) in [(half, half), (-half, half), (half, -half), (0.0, half)] {
             let off = f(s + a, t + b) - value - a * along - b * across;

@@ -8,9 +8,11 @@ use std::time::Instant;
 
 use super::close::{self, Closed};
 use super::field::{Field, Surroundings};
-use super::frame::{self, Frame};
+use super::frame::{self, Attention, Frame};
+use super::known::Known;
+use super::mirrors::Mirrors;
 use super::violation::{self, Violation};
-use super::{BracketCost, BracketSettings, Evidence, ForceBracket, outside};
+use super::{BracketCost, BracketSettings, Evidence, ForceBracket, look, outside};
 use crate::discrete::Discrete;
 use crate::error::Unsolved;
 use crate::gap::Gap;
@@ -19,13 +21,13 @@ use crate::material::EffectiveModulus;
 use crate::matrix_free;
 
 /// Largest residual of a solve, as a share of the largest violation that it is to make good.
-const SHARE: f64 = 0.01;
+const SHARE: f64 = 0.03;
 
 /// Another round is worth its price when closing still takes this share of the distance between the bounds.
-const PAYS: f64 = 0.1;
+const PAYS: f64 = 0.2;
 
 /// A round that gained no more than this share is the last.
-const GAINS: f64 = 0.15;
+const GAINS: f64 = 0.3;
 
 /// As [`super::certify`], and narrower: each side is solved again for, at most `settings.rounds` times.
 ///
@@ -52,11 +54,17 @@ pub fn sharp(
     pressure: &Pressure,
     settings: &BracketSettings,
 ) -> Result<ForceBracket, Unsolved> {
-    frame::within(gap, modulus, depth, pressure, |frame, q| {
+    frame::within(gap, modulus, depth, pressure, |frame, mut q| {
         let started = Instant::now();
+        let mirrors = Mirrors::found(&mut q, frame.grid.shape);
         let mut session = Session {
             around: Surroundings::new(&frame.grid, settings.per_cell.max(1)),
-            closely: vec![0; q.len()],
+            attention: Attention {
+                known: Known::new(q.len(), true),
+                closely: vec![look::QUARTERED; q.len()],
+                mirrors,
+                prove: settings.prove,
+            },
             frame,
             settings,
             cost: BracketCost::default(),
@@ -79,7 +87,7 @@ pub fn sharp(
 
 struct Session<'a, 'f> {
     around: Surroundings,
-    closely: Vec<u8>,
+    attention: Attention,
     frame: &'a Frame<'f>,
     settings: &'a BracketSettings,
     cost: BracketCost,
@@ -88,8 +96,7 @@ struct Session<'a, 'f> {
 
 impl Session<'_, '_> {
     fn look(&mut self, q: &[f64], side: violation::Side) -> (Field, Violation) {
-        let (field, found, evidence) =
-            self.frame.look(&mut self.around, q, side, &mut self.closely, self.settings.prove);
+        let (field, found, evidence) = self.frame.look(&mut self.around, q, side, &mut self.attention);
         self.evidence = evidence;
         self.cost.products += 1;
         (field, found)
@@ -102,7 +109,10 @@ impl Session<'_, '_> {
         let tolerance = (SHARE * violation / self.frame.depth.abs()).clamp(1e-9, 1e-3);
         let settings = matrix_free::Settings { tolerance, threads: self.settings.threads, ..Default::default() };
         self.cost.solves += 1;
-        matrix_free::solve_nested(&problem, &settings).ok().map(|solved| solved.pressure)
+        let solved = matrix_free::solve_nested(&problem, &settings).ok()?;
+        let mut q = solved.pressure;
+        self.attention.mirrors.even_out(&mut q);
+        Some(q)
     }
 
     /// f at the centre of a cell, or, where there is no material, the most of it in the cell.
@@ -124,7 +134,7 @@ impl Session<'_, '_> {
             for k in 0..q.len() {
                 let over = found.over[k];
                 if over > f64::NEG_INFINITY && (q[k] > 0.0 || over > 0.0) {
-                    aim[k] = field.centre(k % nx, k / nx) + over;
+                    aim[k] = field.at_centre(k % nx, k / nx) + over;
                 }
             }
             let worst = found.over.iter().copied().fold(0.0, f64::max);
@@ -164,7 +174,7 @@ impl Session<'_, '_> {
                         return f64::NEG_INFINITY;
                     }
                     worst = worst.max(under);
-                    field.centre(k % nx, k / nx) - under
+                    field.at_centre(k % nx, k / nx) - under
                 })
                 .collect();
             let Some(next) = self.solve(aim, worst) else { break };

@@ -12,13 +12,18 @@ use std::f64::consts::FRAC_1_PI;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::kernel;
-use super::polynomial::{NODES, Polynomial};
+use super::polynomial::NODES;
+use super::source::Source;
+use super::trend::Trend;
 
 /// Half the side of the block B, in longest sides of a cell, less half a cell.
 const BLOCK: f64 = 10.0;
 
-/// The same for the block of the cells that count by values and slopes.
+/// The same for the block of the cells that count by values and slopes, and for those that count one by one in bounds over a
+/// whole cell: in close ones and in rough ones.
 const NEAR: f64 = 4.0;
+const CLOSE: f64 = 6.0;
+const ROUGH: f64 = 2.0;
 
 /// Tiles along a cell over which a bound is put together, and for the cells that touch it.
 const TILES: [usize; 2] = [12, 32];
@@ -42,7 +47,14 @@ pub(super) struct Tables {
     pub near: [usize; 2],
     pub per_cell: usize,
     /// Supremum of |e_j| over the cell, j in B, x fastest; 0 in the middle.
-    pub whole: Vec<f64>,
+    whole: Vec<f64>,
+    /// The same for bounds over a whole cell.
+    pub close: Weights,
+    pub rough: Weights,
+    /// Those of the close ones that are not near.
+    pub far: Weights,
+    /// What jumps that grow steadily do.
+    pub trend: Trend,
     /// Supremum of |e_B|.
     pub uniform: f64,
     /// Sum of the suprema of |e_j| over all cells outside B.
@@ -51,6 +63,17 @@ pub(super) struct Tables {
     pub squares: [Squares; 2],
     /// Points at k/S of a cell, its border included.
     pub points: Points,
+}
+
+/// Suprema of |e_j| for the cells j of a block about the middle one, and what is left of B.
+#[derive(Debug, Default)]
+pub(super) struct Weights {
+    /// Half sides of the block.
+    pub half: [usize; 2],
+    /// x fastest.
+    pub each: Vec<f64>,
+    /// Sum over the rest of B: of the suprema, and of them times the offset along x and y in cells.
+    pub rest: [f64; 3],
 }
 
 /// A lattice of sub-squares.
@@ -81,77 +104,6 @@ pub(super) struct Points {
 /// Half sides of a block in cells.
 fn half_sides(h: [f64; 2], longest: f64) -> [usize; 2] {
     h.map(|side| (longest / side).ceil() as usize)
-}
-
-/// One source: its K and the polynomial through it.
-struct Source {
-    /// Sides of the loaded rectangle, and its centre in the frame of the middle cell.
-    sides: [f64; 2],
-    centre: [f64; 2],
-    h: [f64; 2],
-    polynomial: Polynomial,
-}
-
-impl Source {
-    fn new(h: [f64; 2], sides: [f64; 2], offset: [i64; 2]) -> Self {
-        let centre = [0, 1].map(|m| offset[m] as f64 * h[m]);
-        let node = |i: usize, m: usize| (i as f64 - NODES as f64) * h[m] - centre[m];
-        let polynomial = Polynomial::through(|i, j| kernel::displacement(sides, node(i, 0), node(j, 1))[0]);
-        Self { sides, centre, h, polynomial }
-    }
-
-    /// K and its slopes per side, at (s, t) sides from the centre of the middle cell.
-    fn displacement(&self, [s, t]: [f64; 2]) -> [f64; 3] {
-        let [u, x, y] =
-            kernel::displacement(self.sides, s * self.h[0] - self.centre[0], t * self.h[1] - self.centre[1]);
-        [u, x * self.h[0], y * self.h[1]]
-    }
-
-    /// e and its slopes.
-    fn error(&self, at: [f64; 2]) -> [f64; 3] {
-        let (k, p) = (self.displacement(at), self.polynomial.at(at));
-        [k[0] - p[0], k[1] - p[1], k[2] - p[2]]
-    }
-
-    /// Supremum over a square of |e - plane|, where second derivatives of K are at most `curvature` (along, mixed, across,
-    /// per side squared).
-    fn smooth(&self, middle: [f64; 2], half: f64, tiles: usize, curvature: [f64; 3], plane: [f64; 3]) -> f64 {
-        let tile = half / tiles as f64;
-        let [a, b, c] = curvature;
-        let bend = 0.5 * (a + 2.0 * b + c) * tile * tile + self.polynomial.bend(tile);
-        over_tiles(middle, half, tiles, |at| {
-            let [e, s, t] = self.error(at);
-            let [v, along, across] = plane;
-            let flat = v + along * (at[0] - middle[0]) + across * (at[1] - middle[1]);
-            (e - flat).abs() + ((s - along).abs() + (t - across).abs()) * tile
-        }) + bend
-    }
-
-    /// The same without second derivatives: over each tile K lies between its values at the furthest and the nearest point.
-    fn rough(&self, middle: [f64; 2], half: f64, tiles: usize, plane: [f64; 3]) -> f64 {
-        let tile = half / tiles as f64;
-        let bend = self.polynomial.bend(tile);
-        over_tiles(middle, half, tiles, |at| {
-            let span = [0, 1].map(|m| {
-                let from = (at[m] - tile) * self.h[m] - self.centre[m];
-                let to = (at[m] + tile) * self.h[m] - self.centre[m];
-                let least = if from < 0.0 && to > 0.0 { 0.0 } else { from.abs().min(to.abs()) };
-                [least, from.abs().max(to.abs())]
-            });
-            let high = kernel::displacement(self.sides, span[0][0], span[1][0])[0];
-            let low = kernel::displacement(self.sides, span[0][1], span[1][1])[0];
-            let [p, s, t] = self.polynomial.at(at);
-            let [v, along, across] = plane;
-            let flat = p + v + along * (at[0] - middle[0]) + across * (at[1] - middle[1]);
-            (0.5 * (high + low) - flat).abs() + 0.5 * (high - low) + ((s + along).abs() + (t + across).abs()) * tile
-        }) + bend
-    }
-}
-
-/// The largest of `value` at the middles of the tiles of a square.
-fn over_tiles(middle: [f64; 2], half: f64, tiles: usize, value: impl Fn([f64; 2]) -> f64) -> f64 {
-    let place = |k: usize| half * ((2 * k + 1) as f64 / tiles as f64 - 1.0);
-    (0..tiles * tiles).map(|k| value([middle[0] + place(k % tiles), middle[1] + place(k / tiles)])).fold(0.0, f64::max)
 }
 
 impl Tables {
@@ -192,6 +144,10 @@ impl Tables {
             near,
             per_cell,
             whole: vec![0.0; cells(block)],
+            close: Weights::default(),
+            rough: Weights::default(),
+            far: Weights::default(),
+            trend: Trend::new(h, block),
             uniform: uniform.smooth([0.0; 2], 0.5, 64, flat, [0.0; 3]),
             beyond: beyond(h, block),
             squares: Default::default(),
@@ -221,7 +177,32 @@ impl Tables {
                 }
             }
         }
+        tables.close = tables.weights(half_sides(h, CLOSE));
+        tables.rough = tables.weights(half_sides(h, ROUGH));
+        tables.far = tables.weights(half_sides(h, CLOSE));
+        let (far, width) = (&mut tables.far, 2 * half_sides(h, CLOSE)[0] + 1);
+        for (k, weight) in far.each.iter_mut().enumerate() {
+            let at = [k % width, k / width];
+            if (0..2).all(|m| at[m].abs_diff(far.half[m]) <= near[m]) {
+                *weight = 0.0;
+            }
+        }
         tables
+    }
+
+    fn weights(&self, half: [usize; 2]) -> Weights {
+        let mut weights = Weights { half, ..Weights::default() };
+        let width = 2 * self.block[0] + 1;
+        for (k, &weight) in self.whole.iter().enumerate() {
+            let off = [(k % width).abs_diff(self.block[0]), (k / width).abs_diff(self.block[1])];
+            if off[0] <= half[0] && off[1] <= half[1] {
+                weights.each.push(weight);
+            } else {
+                let by = [1.0, off[0] as f64, off[1] as f64];
+                (0..3).for_each(|m| weights.rest[m] += by[m] * weight);
+            }
+        }
+        weights
     }
 
     fn source(&mut self, offset: [usize; 2]) {
