@@ -494,3 +494,60 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn a_range_holds_every_value_in_its_rectangle() {
+    for (name, gap, _) in kinds() {
+        let (mut bounded, mut material) = (0, 0);
+        for (n, [x, y]) in points(200).enumerate() {
+            let size = 0.4 * 0.5f64.powi(n as i32 % 8);
+            let rect = Rect::around([1.3 * x, 1.3 * y], [size, 0.7 * size]);
+            let slope = [0.3 * y, -0.2 * x];
+            let Some([low, high]) = gap.range(&rect, slope) else { continue };
+            bounded += 1;
+            let [cx, cy] = rect.centre();
+            for k in 0..81 {
+                let [px, py] =
+                    [cx + size * (0.25 * f64::from(k % 9) - 1.0), cy + 0.7 * size * (0.25 * f64::from(k / 9) - 1.0)];
+                let value = gap.gap(px, py) - slope[0] * (px - cx) - slope[1] * (py - cy);
+                let rounding = 1e-12;
+                assert!(
+                    low <= value + rounding && value <= high + rounding,
+                    "{name}: {value} in [{low}, {high}] of {rect:?}"
+                );
+                material += usize::from(value.is_finite());
+            }
+            if name == "height map" && high.is_finite() {
+                // Bilinear: the bounds are met at corners of the rectangle or on lines of the map.
+                assert!(high - low < 0.2 + 8.0 * size, "{high} {low} {size}");
+            }
+        }
+        assert!(bounded == 0 || material > 1000, "{name}: {bounded} {material}");
+        assert!(bounded > 0 || ["closure", "formula", "planes", "region"].contains(&name), "{name}");
+    }
+}
+
+#[test]
+fn the_range_of_a_height_map_is_met() {
+    let map = hilly_map();
+    let [w, h] = map.spacing();
+    for (n, [x, y]) in points(60).enumerate() {
+        let rect = Rect::around([0.5 + 0.3 * x, 0.5 + 0.3 * y], [w * (0.2 + n as f64 / 30.0), h * 0.9]);
+        let [low, high] = map.range(&rect, [0.0; 2]).unwrap();
+        // Its corners, the nodes in it, and where its sides cross the lines of the map.
+        let lines = |m: usize| {
+            let (origin, step) = (map.extent().min[m], map.spacing()[m]);
+            let inside = (0..map.shape()[m]).map(move |k| origin + k as f64 * step);
+            let (a, b) = (rect.min[m], rect.max[m]);
+            inside.filter(move |v| (a..=b).contains(v)).chain([a, b]).collect::<Vec<f64>>()
+        };
+        let values: Vec<f64> = lines(0)
+            .iter()
+            .flat_map(|&x| lines(1).into_iter().map(move |y| [x, y]))
+            .map(|[x, y]| map.gap(x, y))
+            .collect();
+        let (least, most) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &v| (a.min(v), b.max(v)));
+        let met = |a: f64, b: f64| a == b || (a - b).abs() < 1e-12;
+        assert!(met(low, least) && met(high, most), "[{low}, {high}] and [{least}, {most}]");
+    }
+}

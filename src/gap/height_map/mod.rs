@@ -211,6 +211,19 @@ impl HeightMap {
         let piece = |k: usize| (k, a.max(k as f64) - k as f64, b.min((k + 1) as f64) - k as f64);
         Some((first..end).map(piece).collect())
     }
+
+    /// Every cell that a side of a rectangle touches, with the part of it in [0, 1]; none off the map.
+    fn parts(&self, m: usize, rect: &Rect) -> Vec<(usize, [f64; 2])> {
+        let [a, b] = [rect.min[m], rect.max[m]].map(|v| (v - self.origin[m]) / self.spacing[m]);
+        let last = self.shape[m] - 2;
+        // Points within rounding of the border count as on the map, as they do for the gap itself.
+        if b < -ROUNDING || a > (last + 1) as f64 + ROUNDING {
+            return Vec::new();
+        }
+        let [a, b] = [a, b].map(|u| u.clamp(0.0, (last + 1) as f64));
+        let (first, end) = ((a.floor() as usize).min(last), (b.floor() as usize).min(last));
+        (first..=end).map(|k| (k, [a, b].map(|u| (u - k as f64).clamp(0.0, 1.0)))).collect()
+    }
 }
 
 fn bilinear([a, b, c, d]: [f64; 4], [s, t]: [f64; 2]) -> f64 {
@@ -288,6 +301,35 @@ impl Gap for HeightMap {
         }
         let [x, y] = cell.centre();
         self.gap(x, y)
+    }
+
+    fn range(&self, rect: &Rect, slope: [f64; 2]) -> Option<[f64; 2]> {
+        // A bilinear function less a plane is least and greatest at corners of a rectangle.
+        let centre = rect.centre();
+        let whole = self.extent();
+        let all_on_map = (0..2).all(|m| whole.min[m] <= rect.min[m] && rect.max[m] <= whole.max[m]);
+        let [mut low, mut high] = [f64::INFINITY, if all_on_map { f64::NEG_INFINITY } else { f64::INFINITY }];
+        let (columns, rows) = (self.parts(0, rect), self.parts(1, rect));
+        for &(j, t) in &rows {
+            for &(i, s) in &columns {
+                let Some(corners) = self.corners(i, j) else {
+                    // A rectangle that ends on the border of a hole does not lie in it.
+                    let inside = |[a, b]: [f64; 2], all: usize| b - a > ROUNDING || all == 1;
+                    if inside(s, columns.len()) && inside(t, rows.len()) {
+                        high = f64::INFINITY;
+                    }
+                    continue;
+                };
+                let [x, y] = self.node(i, j);
+                for at in [[s[0], t[0]], [s[1], t[0]], [s[0], t[1]], [s[1], t[1]]] {
+                    let rise = slope[0] * (x + at[0] * self.spacing[0] - centre[0])
+                        + slope[1] * (y + at[1] * self.spacing[1] - centre[1]);
+                    let value = bilinear(corners, at) - rise;
+                    (low, high) = (low.min(value), high.max(value));
+                }
+            }
+        }
+        Some([low, high.max(low)])
     }
 
     fn ray_kinks(&self, from: [f64; 2], direction: [f64; 2], kinks: &mut Vec<f64>) {
