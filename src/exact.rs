@@ -19,6 +19,10 @@ const FINEST: usize = 2048;
 /// Cells along the longer side at which a step of the gap is no longer hoped to be a flank.
 const STEPPED: usize = 512;
 
+/// What the error is larger by where the contact ends at steps of the gap: there the forces jump from grid to grid (by up to
+/// 1.42 times more than they tell, measured on 60 minima of flat and other punches).
+const BESIDE_STEPS: f64 = 1.5;
+
 /// A contact refined until the force is good enough.
 #[derive(Debug, Clone)]
 pub(crate) struct Refined {
@@ -162,9 +166,12 @@ impl Ascent<'_> {
             }
             // Edges of flat punches converge with another order than smooth contacts: three grids show which.
             let smooth = matches!(self.law(), Some(Degree::Power(_)));
-            let close = error <= tolerance * value && (smooth || three);
             // Three grids may agree on a limit that is not the punch's while its edges lie between two rows of cells.
             let edge = if three && !smooth { edges::met(self.door, &state) } else { None };
+            if edge == Some(Edge::Step) {
+                error *= BESIDE_STEPS;
+            }
+            let close = error <= tolerance * value && (smooth || three);
             let ends = edge == Some(Edge::End);
             let aligned = ends && Border::of(self.door, &state).aligned;
             let good = close && (aligned || !ends);
