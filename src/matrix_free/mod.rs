@@ -204,6 +204,8 @@ impl Cells {
             compliance: operators.compliance.as_ref(),
             single: &operators.single,
             preconditioner: &operators.preconditioner,
+            periodic: &operators.periodic,
+            table,
             near: &near,
             mirrored: self.mirrored,
             tolerance,
@@ -226,6 +228,8 @@ struct Operators {
     compliance: Option<Convolution<f64>>,
     single: Convolution<f32>,
     preconditioner: Convolution<f32>,
+    /// What the preconditioner is the inverse of: the compliance of a surface that repeats, a third of the work.
+    periodic: Convolution<f32>,
     /// 2-norm of the compliance, or a bound of it.
     norm: f64,
 }
@@ -237,8 +241,11 @@ impl Operators {
         let compliance = double.then(|| Convolution::new(shape, &symbol, mirrored));
         let (single, norm) = (Convolution::new(shape, &symbol, mirrored), symbol.norm());
         drop(symbol);
-        let symbol = operator::preconditioner(table, scale, shape, mirrored);
-        Self { compliance, single, preconditioner: Convolution::new(shape, &symbol, mirrored), norm }
+        let mut symbol = operator::preconditioner(table, scale, shape, mirrored);
+        let preconditioner = Convolution::new(shape, &symbol, mirrored);
+        symbol.values.iter_mut().for_each(|s| *s = 1.0 / *s);
+        let periodic = Convolution::new(shape, &symbol, mirrored);
+        Self { compliance, single, preconditioner, periodic, norm }
     }
 }
 
