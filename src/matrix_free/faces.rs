@@ -1,13 +1,18 @@
-//! One grid: primal-dual faces, each relaxed by preconditioned conjugate gradients.
+//! One grid: primal-dual faces, each relaxed by flexible conjugate gradients.
 //!
 //! A face is a guess of the contact. On it A p = f is relaxed until the residual has fallen by a fraction; then the
 //! cells in tension leave and the penetrating cells enter. In the terms of Hintermueller, Ito & Kunisch
 //! (SIAM J. Optim. 13 (2002) 865) the new face is { p + c (f - A p) > 0 }, a semismooth Newton step solved inexactly; on the
 //! face, where the residual is on its way to zero, the sign of p decides alone (c = 0: what the residual would still change
 //! is for the cells of the face together, and measured, cells that left for it came back).
-//! The preconditioner is the mask of the face on both sides of an unpadded circulant (as Vollebregt, J. Comput. Phys. 257
-//! (2014) 333). A departure: the step that takes p to zero in the cells that leave also takes the first step
-//! on the new face, with the length that the last face ended with and with what the cells that leave will do to their
+//!
+//! The direction of a step is nearly the solution of the same face on a surface that repeats: the unpadded circulant of A, a third
+//! of the work of A, with its inverse as preconditioner, the mask of the face on both sides of either (that inverse alone:
+//! Vollebregt, J. Comput. Phys. 257 (2014) 333). The circulant misses nothing at the edge of the contact, where the inverse fails,
+//! and what it misses far away is smooth: a product with A gains a digit. Directions are conjugate to the last one alone
+//! (Notay, SIAM J. Sci. Comput. 22 (2000) 1444), whatever happened to the face in between. A departure: the step that takes p to
+//! zero in the cells that leave also takes the first step on the new face, with the length that the last face ended with and
+//! with what the cells that leave will do to their
 //! neighbours; a change of face costs no product of its own.
 //!
 //! All of this runs in single precision on the residual, which single precision can follow down to [`FALL`] of where it
