@@ -12,8 +12,7 @@
 //! and what it misses far away is smooth: a product with A gains a digit. Directions are conjugate to the last one alone
 //! (Notay, SIAM J. Sci. Comput. 22 (2000) 1444), whatever happened to the face in between. A departure: the step that takes p to
 //! zero in the cells that leave also takes the first step on the new face, with the length that the last face ended with and
-//! with what the cells that leave will do to their
-//! neighbours; a change of face costs no product of its own.
+//! with what the cells that leave will do to their neighbours; a change of face costs no product of its own.
 //!
 //! All of this runs in single precision on the residual, which single precision can follow down to [`FALL`] of where it
 //! began. Then it is computed anew in double precision, from a pressure that is kept in double precision throughout:
