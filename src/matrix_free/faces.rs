@@ -1,14 +1,18 @@
-//! One grid: primal-dual faces, each relaxed by preconditioned conjugate gradients.
+//! One grid: primal-dual faces, each relaxed by flexible conjugate gradients.
 //!
 //! A face is a guess of the contact. On it A p = f is relaxed until the residual has fallen by a fraction; then the
 //! cells in tension leave and the penetrating cells enter. In the terms of Hintermueller, Ito & Kunisch
 //! (SIAM J. Optim. 13 (2002) 865) the new face is { p + c (f - A p) > 0 }, a semismooth Newton step solved inexactly; on the
 //! face, where the residual is on its way to zero, the sign of p decides alone (c = 0: what the residual would still change
 //! is for the cells of the face together, and measured, cells that left for it came back).
-//! The preconditioner is the mask of the face on both sides of an unpadded circulant (as Vollebregt, J. Comput. Phys. 257
-//! (2014) 333). A departure: the step that takes p to zero in the cells that leave also takes the first step
-//! on the new face, with the length that the last face ended with and with what the cells that leave will do to their
-//! neighbours; a change of face costs no product of its own.
+//!
+//! The direction of a step is nearly the solution of the same face on a surface that repeats: the unpadded circulant of A, a third
+//! of the work of A, with its inverse as preconditioner, the mask of the face on both sides of either (that inverse alone:
+//! Vollebregt, J. Comput. Phys. 257 (2014) 333). The circulant misses nothing at the edge of the contact, where the inverse fails,
+//! and what it misses far away is smooth: a product with A gains a digit. Directions are conjugate to the last one alone
+//! (Notay, SIAM J. Sci. Comput. 22 (2000) 1444), whatever happened to the face in between. A departure: the step that takes p to
+//! zero in the cells that leave also takes the first step on the new face, with the length that the last face ended with and
+//! with what the cells that leave will do to their neighbours; a change of face costs no product of its own.
 //!
 //! All of this runs in single precision on the residual, which single precision can follow down to [`FALL`] of where it
 //! began. Then it is computed anew in double precision, from a pressure that is kept in double precision throughout:
@@ -16,7 +20,7 @@
 //!
 //! No proof of convergence covers every A. When the residual stops falling, [`super::monotone`] takes over, which has one.
 
-use super::fixed::{dot, largest};
+use super::fixed::{Fixed, dot, largest};
 use super::level::{Level, State, occupied};
 use super::operator::Scratch;
 
@@ -29,8 +33,9 @@ const AIM: f64 = 0.9;
 /// Fall of the residual that single precision can follow: measured, it has then lost a tenth of its digits at most.
 pub(super) const FALL: f64 = 2e-6;
 
-/// Length of a step whose direction has no product yet; those of conjugate gradients are 0.3 to 0.6.
-const STEP: f64 = 0.4;
+/// Cells that leave are taken out one by one when they are no more: a product is dearer than their sums, and the next step is
+/// then free to have its best length.
+const FEW: usize = 8;
 
 /// Changes of face without halving the residual before the face is given up.
 const PATIENCE: i32 = 12;
@@ -47,14 +52,18 @@ struct Work {
     /// The direction of the step, and A times it.
     d: Vec<f32>,
     ad: Vec<f32>,
+    /// The residual on the face, used up on the way to z with a direction and its image.
+    w: Vec<f32>,
+    own: Vec<f32>,
+    image: Vec<f32>,
     /// 1 on the face and 0 elsewhere.
     face: Vec<f32>,
 }
 
 impl Work {
     fn new(n: usize) -> Self {
-        let [r, z, d, ad, face] = [(); 5].map(|()| vec![0.0; n]);
-        Self { r, z, d, ad, face }
+        let [r, z, d, ad, w, own, image, face] = [(); 8].map(|()| vec![0.0; n]);
+        Self { r, z, d, ad, w, own, image, face }
     }
 }
 
@@ -112,10 +121,10 @@ fn begin(level: &Level, state: &mut State, work: &mut Work, scratch: &mut Scratc
 fn descend(level: &Level, state: &mut State, work: &mut Work, tolerance: f64, scratch: &mut Scratch) -> bool {
     let [width, height] = level.shape();
     let aim = (AIM * tolerance) as f32;
-    let mut step = STEP;
+    let mut step = 1.0;
     let mut best = (f64::INFINITY, 0_i32);
     work.face.fill(0.0);
-    let mut rz_old = 0.0;
+    let mut dad_old = 0.0;
     loop {
         // The new face, and how far the present state is from a solution.
         let (mut worst, mut changed, mut leaving) = (0.0_f64, false, false);
@@ -150,38 +159,45 @@ fn descend(level: &Level, state: &mut State, work: &mut Work, tolerance: f64, sc
             return true;
         }
         let cells = rows.start * width..rows.end * width;
-        let Work { r, z, d, ad, face } = work;
+        let Work { r, z, d, ad, w, own, image, face } = work;
+        let near_inverse = Fixed { single: level.periodic, preconditioner: level.preconditioner, face };
         let (face, z, d) = (&face[cells.clone()], &mut z[..], &mut d[..]);
 
         // Relax on the face. The first step also empties the cells that left.
         leaving &= changed;
+        if leaving {
+            let left = cells.clone().zip(face).filter(|(k, m)| **m == 0.0 && state.p[*k] != 0.0);
+            let left: Vec<usize> = left.map(|(k, _)| k).take(FEW + 1).collect();
+            if left.len() <= FEW {
+                left.into_iter().for_each(|k| level.take_out(&mut state.p, k, r));
+                leaving = false;
+            }
+        }
         // Cells that leave and come back were judged too early: the longer nothing is gained, the better a face is solved.
         let fall = INNER.powi(1 + (best.1 / 2).min(5));
         let mut from = here;
-        let mut first = changed || rz_old == 0.0;
         while state.all_products() < level.limit {
-            // z = mask C mask r.
-            for ((w, m), r) in ad[cells.clone()].iter_mut().zip(face).zip(&r[cells.clone()]) {
+            // z, near the solution on the face for the residual.
+            for ((w, m), r) in w[cells.clone()].iter_mut().zip(face).zip(&r[cells.clone()]) {
                 *w = m * r;
             }
             if leaving {
-                level.foresee(&state.p, cells.clone(), face, ad);
+                level.foresee(&state.p, cells.clone(), face, w);
             }
-            level.preconditioner.product(ad, rows.clone(), z, rows.clone(), scratch);
-            for (z, m) in z[cells.clone()].iter_mut().zip(face) {
-                *z *= m;
-            }
-            let rz = dot(&z[cells.clone()], &r[cells.clone()]);
+            near_inverse.approach(w, z, [own, image], rows.clone(), scratch);
+            let zad = dot(&z[cells.clone()], &ad[cells.clone()]);
             let (z, direction) = (&z[cells.clone()], &mut d[cells.clone()]);
             let p = &mut state.p[cells.clone()];
             if leaving {
                 for (((d, z), m), p) in direction.iter_mut().zip(z).zip(face).zip(&*p) {
                     *d = if *m > 0.0 { step as f32 * z } else { -*p as f32 };
                 }
+            } else if dad_old == 0.0 {
+                direction.copy_from_slice(z);
             } else {
-                let beta = if first { 0.0 } else { (rz / rz_old) as f32 };
-                for (d, z) in direction.iter_mut().zip(z) {
-                    *d = z + beta * *d;
+                let beta = (-zad / dad_old).max(0.0) as f32;
+                for ((d, z), m) in direction.iter_mut().zip(z).zip(face) {
+                    *d = z + beta * m * *d;
                 }
             }
             level.single.product(d, rows.clone(), ad, 0..height, scratch);
@@ -189,12 +205,16 @@ fn descend(level: &Level, state: &mut State, work: &mut Work, tolerance: f64, sc
             state.single_products += 1;
             state.iterations += 1;
             let mut alpha = 1.0;
-            if !leaving {
+            if leaving {
+                dad_old = 0.0;
+            } else {
                 let (dr, dad) = (dot(direction, &r[cells.clone()]), dot(direction, &ad[cells.clone()]));
                 if !(dad > 0.0 && dr.is_finite()) {
+                    dad_old = 0.0;
                     break;
                 }
                 step = dr / dad;
+                dad_old = dad;
                 alpha = step;
             }
             for (p, d) in p.iter_mut().zip(direction) {
@@ -203,8 +223,6 @@ fn descend(level: &Level, state: &mut State, work: &mut Work, tolerance: f64, sc
             for (r, ad) in r.iter_mut().zip(&*ad) {
                 *r -= alpha as f32 * ad;
             }
-            rz_old = rz;
-            first = leaving;
             let now = largest(face, &r[cells.clone()]);
             if leaving {
                 // p - p, to the last bit.

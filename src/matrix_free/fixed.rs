@@ -1,5 +1,7 @@
 //! A face that stays: conjugate gradients in single precision, and the sums they are made of.
 
+use std::ops::Range;
+
 use super::convolution::Convolution;
 use super::operator::Scratch;
 
@@ -11,7 +13,55 @@ pub(super) struct Fixed<'a> {
     pub(super) face: &'a [f32],
 }
 
+/// Steps of [`Fixed::approach`]: with 2 the solver takes a quarter more products with A, with 4 hardly fewer.
+const STEPS: usize = 3;
+
+/// Cells up to which there is one step, of a usual length: on a small grid a product with A costs hardly more than one of them.
+const SMALL: usize = 4096;
+const USUAL: f32 = 0.4;
+
 impl Fixed<'_> {
+    /// A few steps of conjugate gradients from zero: `z` is then near the solution on the face for the residual `r`, which is used
+    /// up. The last step is as long as the one before: its own length would take a product more.
+    pub(super) fn approach(
+        &self,
+        r: &mut [f32],
+        z: &mut [f32],
+        [d, image]: [&mut [f32]; 2],
+        rows: Range<usize>,
+        scratch: &mut Scratch,
+    ) {
+        let width = self.single.shape()[0];
+        let cells = rows.start * width..rows.end * width;
+        let face = &self.face[cells.clone()];
+        let (mut rz_old, mut alpha) = (0.0, USUAL);
+        let steps = if r.len() > SMALL { STEPS } else { 1 };
+        z[cells.clone()].fill(0.0);
+        for step in 0..steps {
+            self.preconditioner.product(r, rows.clone(), image, rows.clone(), scratch);
+            let rz = dot(&r[cells.clone()], &image[cells.clone()]);
+            let beta = if step == 0 { 0.0 } else { (rz / rz_old) as f32 };
+            rz_old = rz;
+            for ((d, z), m) in d[cells.clone()].iter_mut().zip(&image[cells.clone()]).zip(face) {
+                *d = m * z + beta * *d;
+            }
+            if step + 1 < steps {
+                self.single.product(d, rows.clone(), image, rows.clone(), scratch);
+                alpha = (rz / dot(&d[cells.clone()], &image[cells.clone()])) as f32;
+                for ((r, ad), m) in r[cells.clone()].iter_mut().zip(&image[cells.clone()]).zip(face) {
+                    *r -= alpha * m * ad;
+                }
+            }
+            // Nothing is left to gain.
+            if !alpha.is_finite() {
+                return;
+            }
+            for (z, d) in z[cells.clone()].iter_mut().zip(&d[cells.clone()]) {
+                *z += alpha * d;
+            }
+        }
+    }
+
     /// Lowers the residual to `goal`, as far as `limit` products allow; calls `step` with length and direction of each step.
     /// Returns the products it took.
     pub(super) fn relax(

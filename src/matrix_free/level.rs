@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use super::convolution::Convolution;
 use super::operator::Scratch;
+use crate::influence::InfluenceTable;
 
 /// Offsets, in cells, as far as the displacement by a cell that leaves is foreseen.
 pub(super) const NEAR: usize = 8;
@@ -17,6 +18,9 @@ pub(super) struct Level<'a> {
     pub(super) compliance: Option<&'a Convolution<f64>>,
     pub(super) single: &'a Convolution<f32>,
     pub(super) preconditioner: &'a Convolution<f32>,
+    pub(super) periodic: &'a Convolution<f32>,
+    /// A, up to a factor.
+    pub(super) table: &'a InfluenceTable,
     /// A at offsets below [`NEAR`], row by row.
     pub(super) near: &'a [[f32; NEAR]; NEAR],
     pub(super) mirrored: bool,
@@ -67,6 +71,26 @@ impl Level<'_> {
             *r = f - *r;
         }
         state.products += 1;
+    }
+
+    /// Takes the pressure out of one cell, and what it did out of the residual: row by row, without a transform.
+    pub(super) fn take_out(&self, p: &mut [f64], k: usize, residual: &mut [f32]) {
+        let width = self.shape()[0];
+        let (i, j) = (k % width, k / width);
+        let p = std::mem::take(&mut p[k]) / self.table.row(0)[0];
+        for (y, row) in residual.chunks_exact_mut(width).enumerate() {
+            let (left, right) = row.split_at_mut(i);
+            let mut add = |offset: usize| {
+                let coefficients = self.table.row(offset);
+                right.iter_mut().zip(coefficients).for_each(|(r, a)| *r += (p * a) as f32);
+                left.iter_mut().rev().zip(&coefficients[1..]).for_each(|(r, a)| *r += (p * a) as f32);
+            };
+            add(y.abs_diff(j));
+            if self.mirrored {
+                // By the image at -1 - j.
+                add(y + j + 1);
+            }
+        }
     }
 
     /// Adds to the residual on the face what it will be more by near the cells that leave.

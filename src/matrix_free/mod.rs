@@ -1,7 +1,7 @@
 //! Contact on grids of millions of cells, without a matrix.
 //!
 //! The problem is [`Discrete`]: p >= 0, A p >= f, p (A p - f) = 0. A product with A is a convolution ([`Operator`]); the
-//! solver is conjugate gradients on a changing guess of the contact (`faces`), started from a coarser grid (`nested`) or from the
+//! solver is conjugate gradients on a changing guess of the contact (`faces`, with the help of `fixed`), started from a coarser grid (`nested`) or from the
 //! last answers ([`Solver`]), with a slower method that cannot fail behind it (`monotone`). The box is cut to the cells that
 //! overlap (`window`): no other cell can carry pressure.
 //!
@@ -57,7 +57,8 @@ impl Default for Settings {
 /// many problems in a row.
 ///
 /// # Errors
-/// [`Verdict::IterationLimit`] when the tolerance is not reached within the products allowed.
+/// [`Verdict::IterationLimit`] when the tolerance is not reached within the products allowed; [`Verdict::NotApplicable`] when
+/// pressures are beyond the range of numbers.
 ///
 /// ```
 /// use contact_patch::{Discrete, Grid, Kernel, geometry::Rect, matrix_free};
@@ -102,6 +103,9 @@ fn threaded<T: Send>(threads: usize, scratch: &mut Scratch, work: impl FnOnce(&m
 
 /// Two overlaps that differ by less than this share of the tolerance count as one.
 const SYMMETRIC: f64 = 1e-3;
+
+/// The least depth or pressure: what is left of it to the last digit of the largest is still a normal number.
+const LEAST: f64 = 1e-290;
 
 /// A grid to be solved on, in units of its own: the largest overlap, and the pressure that moves a cell by it.
 struct Cells {
@@ -158,13 +162,19 @@ impl Window {
                 ),
             ));
         }
+        let unit = self.deepest / table.get(0, 0);
+        let strongest = state.p.iter().copied().fold(0.0, f64::max);
+        if !(self.deepest.min(unit) >= LEAST && (strongest * unit).is_finite()) {
+            let reason =
+                format!("depths of {:e} and pressures of {unit:e} are beyond the range of numbers", self.deepest);
+            return Err(Unsolved::new(Verdict::NotApplicable, reason));
+        }
         let shape = problem.grid.shape;
         // u = f - r.
         let mut u = self.cut(shape, &problem.overlap, f64::NEG_INFINITY);
         for (u, r) in u.iter_mut().zip(&state.r) {
             *u = u.max(-self.deepest) - self.deepest * r;
         }
-        let unit = self.deepest / table.get(0, 0);
         state.p.iter_mut().for_each(|p| *p *= unit);
         let pressure = self.paste(shape, &state.p);
         let displacement = self.paste(shape, &u);
@@ -204,6 +214,8 @@ impl Cells {
             compliance: operators.compliance.as_ref(),
             single: &operators.single,
             preconditioner: &operators.preconditioner,
+            periodic: &operators.periodic,
+            table,
             near: &near,
             mirrored: self.mirrored,
             tolerance,
@@ -226,6 +238,8 @@ struct Operators {
     compliance: Option<Convolution<f64>>,
     single: Convolution<f32>,
     preconditioner: Convolution<f32>,
+    /// What the preconditioner is the inverse of: the compliance of a surface that repeats, a third of the work.
+    periodic: Convolution<f32>,
     /// 2-norm of the compliance, or a bound of it.
     norm: f64,
 }
@@ -237,8 +251,11 @@ impl Operators {
         let compliance = double.then(|| Convolution::new(shape, &symbol, mirrored));
         let (single, norm) = (Convolution::new(shape, &symbol, mirrored), symbol.norm());
         drop(symbol);
-        let symbol = operator::preconditioner(table, scale, shape, mirrored);
-        Self { compliance, single, preconditioner: Convolution::new(shape, &symbol, mirrored), norm }
+        let mut symbol = operator::preconditioner(table, scale, shape, mirrored);
+        let preconditioner = Convolution::new(shape, &symbol, mirrored);
+        symbol.values.iter_mut().for_each(|s| *s = 1.0 / *s);
+        let periodic = Convolution::new(shape, &symbol, mirrored);
+        Self { compliance, single, preconditioner, periodic, norm }
     }
 }
 
