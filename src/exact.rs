@@ -3,7 +3,8 @@
 use crate::domain::{Door, locate};
 use crate::edges::{self, Border, Edge, Ladder};
 use crate::error::{Unsolved, Verdict};
-use crate::extrapolate::{self, Estimate};
+use crate::extrapolate::{self, Ends, Estimate};
+use crate::gap::Gap;
 use crate::geometry::Rect;
 use crate::grid::Kernel;
 use crate::homogeneity::Degree;
@@ -219,7 +220,12 @@ impl Ascent<'_> {
         self.forces.push(force);
         let limit = if let Some(degree) = self.law() {
             self.energies.push((2.0 + degree.inverse()) * state.energy() / self.door.depth);
-            extrapolate::of_energies(&self.energies)
+            let ends = match degree {
+                Degree::Flat => Ends::Edges,
+                Degree::Power(_) if self.door.gap.ridges().is_some() => Ends::Corners,
+                Degree::Power(_) => Ends::Unknown,
+            };
+            extrapolate::of_energies(&self.energies, ends)
         } else {
             extrapolate::of_forces(&self.forces)
         };

@@ -2,7 +2,7 @@
 
 mod random;
 
-use contact_patch::gap::{AnyGap, Cone, Flat, Outline, Paraboloid, Placed, Power, Sphere, Sum};
+use contact_patch::gap::{AnyGap, Cone, Flat, Outline, Paraboloid, Placed, Polyhedron, Power, Sphere, Sum};
 use contact_patch::{Contact, EffectiveModulus, Kernel, Loading, Method, Settings, solve};
 use random::Random;
 
@@ -40,6 +40,26 @@ fn of_two_hundred_closed_forms() {
         assert!(
             off <= said && said <= tolerance,
             "{n}: {name} at {depth:e}, {kernel:?}, {tolerance:.1e}: {off:.1e}, said {said:.1e}"
+        );
+    }
+}
+
+#[test]
+fn of_pyramids_turned_against_the_grid() {
+    // Converged values (data/reference, to 1e-6): 3 and 4 faces at 45 degrees, and their like at other depths.
+    let mut random = Random(33);
+    for n in 0..60 {
+        let (faces, group) = if random.next() < 0.5 { (3, 0.882_412) } else { (4, 0.737_616) };
+        let pyramid = AnyGap::new(Polyhedron::pyramid(faces, 45f64.to_radians()).unwrap());
+        let at = [random.between(-0.5, 0.5), random.between(-0.5, 0.5)];
+        let gap = AnyGap::new(Placed::new(pyramid, at, random.between(0.0, 6.3)).unwrap());
+        let depth = 10f64.powf(random.between(-2.0, 0.5));
+        let tolerance = 10f64.powf(random.between(-3.7, -1.7));
+        let (found, said) = force(&gap, depth, &Settings { method: Method::Fft, tolerance, ..Settings::default() });
+        let off = (found / (group * depth * depth) - 1.0).abs();
+        assert!(
+            off <= said + 2e-6 && said <= tolerance,
+            "{n}: {faces} faces, {tolerance:.1e}: {off:.1e}, said {said:.1e}"
         );
     }
 }
