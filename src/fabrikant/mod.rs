@@ -6,6 +6,7 @@
 //! | (10), (11) flat punch of any star-shaped plan-form | `flat_punch.rs` |
 //! | (12) P(A) of any boundary, inner integral along a ray | `force.rs`, `sums.rs`; `ray.rs`, `radial.rs` |
 //! | (15) stationary boundary | `stationary.rs`: `sweeps.rs` for D, `outer_root.rs` and `hump.rs` for a(theta) on a ray, `centring.rs`, `crossings.rs` |
+//! | kinks of the gap along the rays | `facets.rs` for many planes, `hidden_kinks.rs` for what the gap does not tell, `surroundings.rs` |
 //! | (17)-(19), (25) regular polyhedra in closed form | `polyhedron.rs` |
 //! | families of boundaries | `family.rs`; which of them, `choice.rs` |
 //! | section 2.2, Rayleigh-Ritz ellipse | `ritz.rs`, beside this folder |
@@ -20,9 +21,11 @@
 mod centring;
 mod choice;
 mod crossings;
+mod facets;
 mod family;
 mod flat_punch;
 mod force;
+mod hidden_kinks;
 mod hump;
 mod outer_root;
 mod plan_form;
@@ -34,6 +37,7 @@ mod sectors;
 mod star;
 mod stationary;
 mod sums;
+mod surroundings;
 mod sweeps;
 
 pub use choice::{at_force, auto, solve};

@@ -2,20 +2,22 @@
 //!
 //! Between kinks G_a is smooth; just past a kink where the gap turns upwards it falls like the square root of the
 //! distance, and the sharper the kink, the closer to it the root lies: at the kink itself, to all digits of a, when the
-//! punch is blunt and the depth small. In phi, with a = k/cos(phi) (see [`Stand`]), nothing is lost and G_a is smooth. The
+//! punch is blunt and the depth small. In t, with a = k sqrt(1 + t^2) (see [`Stand`]), nothing is lost and G_a is smooth. The
 //! bracket is therefore kept in places, not in a: first the kinks decide on which piece the root lies, then Newton's method
 //! and halving work in the coordinate of that piece.
 
-use crate::fabrikant::radial::Stand;
+use crate::fabrikant::radial::{Stand, beyond};
 use crate::fabrikant::star::{Ray, Star};
 use crate::scalar::maximum;
 
 /// Evaluations on one ray before giving up: more than halving takes.
 const MOST_EVALUATIONS: usize = 300;
 /// Places looked at beyond a root, each further out by a factor.
-const SCAN: usize = 24;
+const SCAN: usize = 160;
 const SCAN_STEP: f64 = 1.25;
-/// Where no sign change holds the bracket open, it is closed when so narrow (in phi): a top at the kink.
+/// Places on a ray among which the top of G_a is looked for.
+const PLACES: u32 = 32;
+/// Where no sign change holds the bracket open, it is closed when so narrow (in t): a top at the kink.
 const NARROWEST: f64 = 1e-10;
 
 /// One end of the bracket, with what was found there.
@@ -26,7 +28,7 @@ struct End {
 }
 
 impl End {
-    /// The piece that begins or goes on outwards from here, and the coordinate on it: a on the first, phi on the others.
+    /// The piece that begins or goes on outwards from here, and the coordinate on it: a on the first, t on the others.
     fn outwards(&self, kinks: &[f64]) -> (usize, f64) {
         match kinks.get(self.stand.inner) {
             Some(&kink) if self.stand.a >= kink => (self.stand.inner + 1, 0.0),
@@ -36,13 +38,13 @@ impl End {
 }
 
 fn coordinate(stand: &Stand) -> f64 {
-    if stand.inner == 0 { stand.a } else { stand.phi }
+    if stand.inner == 0 { stand.a } else { stand.tan }
 }
 
 /// The place on this piece with this coordinate, held back by the kink at its end.
 fn place(kinks: &[f64], piece: usize, u: f64) -> Stand {
     let stand = match piece {
-        0 => Stand { a: u, inner: 0, phi: 0.0 },
+        0 => Stand { a: u, inner: 0, tan: 0.0 },
         _ => Stand::beyond(kinks, piece - 1, u),
     };
     match kinks.get(piece) {
@@ -54,11 +56,8 @@ fn place(kinks: &[f64], piece: usize, u: f64) -> Stand {
 /// The inner side of this kink.
 fn at_kink(kinks: &[f64], kink: usize) -> Stand {
     let a = kinks[kink];
-    let phi = match kink {
-        0 => 0.0,
-        n => (((a - kinks[n - 1]) / a) * (1.0 + kinks[n - 1] / a)).sqrt().atan2(kinks[n - 1] / a),
-    };
-    Stand { a, inner: kink, phi }
+    let tan = if kink == 0 { 0.0 } else { beyond(a, kinks[kink - 1]) / kinks[kink - 1] };
+    Stand { a, inner: kink, tan }
 }
 
 impl Star<'_> {
@@ -66,31 +65,68 @@ impl Star<'_> {
     /// lies above it; or to the edge of the material.
     pub(crate) fn outer_root(&self, ray: Ray, d: f64, within: f64) -> Ray {
         let found = self.root_nearby(ray, d, within);
-        if !found.stuck || found.at_edge() || self.line(&ray).kinks.is_empty() {
+        if !found.stuck || found.at_edge() {
             return found;
         }
         // A kink makes a hump of its own; the one that counts may be another.
-        self.rivals(&found, d, within).into_iter().flatten().next().unwrap_or(found)
+        let summit = self.summit(&found);
+        if summit.along.g_a < d { Ray { stuck: true, ..summit } } else { self.root_nearby(summit, d, within) }
     }
 
-    /// Moves rays to another root of theirs where that gains more: G - D a is what the boundary maximises on each ray, and
-    /// behind a kink it may have two maxima. Returns whether any ray has moved.
+    /// The ray moved to where G_a is largest. Beyond the end of the overlap, and where G_a is negative, nobody looks.
+    fn summit(&self, ray: &Ray) -> Ray {
+        let line = self.line(ray);
+        let at = |stand: Stand| self.measure(Ray { a: stand.a, stand, ..*ray });
+        let end = self.end_of_search(ray);
+        let share = end.a / f64::from(PLACES);
+        let evenly = (1..=PLACES).map(|k| Stand::at(line.kinks, share * f64::from(k)));
+        let at_kinks = (0..line.kinks.len()).map(|kink| at_kink(line.kinks, kink));
+        let higher = |best: Ray, next: Ray| if next.along.g_a > best.along.g_a { next } else { best };
+        let rough = evenly.chain(at_kinks.filter(|stand| stand.a < end.a)).map(at).fold(*ray, higher);
+        let nearby = maximum(|a| at(Stand::at(line.kinks, a)).along.g_a, rough.a - share, rough.a + share, 2);
+        higher(rough, at(Stand::at(line.kinks, nearby.at)))
+    }
+
+    /// A place on the ray beyond which nobody looks: the overlap has ended, and G_a is negative.
+    fn end_of_search(&self, ray: &Ray) -> Ray {
+        let mut beyond = *ray;
+        for _ in 0..SCAN {
+            let ended = beyond.along.g_a < 0.0 && self.overlap.at(self.line(&beyond).at(beyond.a)) < 0.0;
+            if ended || beyond.at_edge() {
+                break;
+            }
+            beyond.a *= SCAN_STEP;
+            beyond = self.measure(beyond);
+        }
+        beyond
+    }
+
+    /// Moves rays to another root of theirs where that gains more. Returns whether any ray has moved.
     pub(crate) fn reconsider(&mut self, d: f64) -> bool {
         let mut moved = false;
         for k in 0..self.rays.len() {
-            let ray = self.rays[k];
-            if ray.stand.inner == 0 || ray.at_edge() {
-                continue;
-            }
-            let gain = |r: &Ray| if r.stuck { f64::NEG_INFINITY } else { r.along.g - d * r.a };
-            for rival in self.rivals(&ray, d, 1e-12).into_iter().flatten() {
-                if gain(&rival) > gain(&self.rays[k]) + 1e-12 * d * ray.a {
-                    self.rays[k] = rival;
-                    moved = true;
-                }
+            if let Some(rival) = self.rival(&self.rays[k], d) {
+                self.rays[k] = rival;
+                moved = true;
             }
         }
         moved
+    }
+
+    /// Another root on the ray, where that gains more: G - D a is what the boundary maximises on each ray, and at a kink it may
+    /// have a maximum besides the one beyond.
+    pub(crate) fn rival(&self, ray: &Ray, d: f64) -> Option<Ray> {
+        if self.line(ray).kinks.is_empty() || ray.at_edge() {
+            return None;
+        }
+        let gain = |r: &Ray| if r.stuck { f64::NEG_INFINITY } else { r.along.g - d * r.a };
+        let mut best = *ray;
+        for rival in self.rivals(ray, d, 1e-12).into_iter().flatten() {
+            if gain(&rival) > gain(&best) + 1e-12 * d * ray.a {
+                best = rival;
+            }
+        }
+        (best.a != ray.a).then_some(best)
     }
 
     /// The next root further out, if there is one, and the one behind the outermost kink at which G_a exceeds D.
@@ -139,7 +175,8 @@ impl Star<'_> {
                 lo = here;
             }
             // Newton's step in the coordinate of the piece.
-            let rate = if ray.stand.inner == 0 { along.g_aa } else { along.g_aa * ray.a * ray.stand.phi.tan() };
+            let t = ray.stand.tan;
+            let rate = if ray.stand.inner == 0 { along.g_aa } else { along.g_aa * ray.a * t / (1.0 + t * t) };
             let newton = coordinate(&ray.stand) - (along.g_a - d) / rate;
             let (piece, from) = lo.outwards(kinks);
             let next = match hi {
@@ -147,7 +184,7 @@ impl Star<'_> {
                     let double = match piece {
                         0 => 2.0 * ray.a.max(f64::MIN_POSITIVE),
                         _ if from == 0.0 => 0.3,
-                        _ => (0.5 * from.cos()).acos(),
+                        _ => (3.0 + 4.0 * from * from).sqrt(),
                     };
                     let step =
                         if falling && piece == ray.stand.inner && newton > from { newton.min(double) } else { double };
@@ -157,7 +194,9 @@ impl Star<'_> {
                 Some(hi) => {
                     let to = coordinate(&hi.stand);
                     let open = lo.g_a >= d;
-                    if to - from <= 4.0 * f64::EPSILON * to || (!open && piece > 0 && to - from <= NARROWEST) {
+                    if to - from <= 4.0 * f64::EPSILON * to
+                        || (!open && piece > 0 && to - from <= NARROWEST * (1.0 + to))
+                    {
                         // The bracket has closed on the top of a hump (smooth, or the point of a kink) that is too low.
                         ray.stuck = along.g_a < d * (1.0 - 1e-9);
                         return ray;
@@ -168,6 +207,10 @@ impl Star<'_> {
                         newton
                     } else if open && from == 0.0 && inside(chord) && chord < 0.5 * to {
                         chord
+                    } else if from == 0.0 && to > 2.0 && piece > 0 {
+                        to.sqrt()
+                    } else if to > 4.0 * from && from > 0.0 {
+                        (from * to).sqrt()
                     } else {
                         0.5 * (from + to)
                     };

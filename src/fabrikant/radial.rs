@@ -75,46 +75,45 @@ impl RadialRule {
 }
 
 /// A place on a ray: r = a, beyond the first `inner` kinks. Just past a kink k, where G_a falls with infinite slope
-/// (G_a(k) - G_a(a) ~ the jump of the slope times sqrt(a - k)), a itself has too few digits: there the place is the angle
-/// phi with a = k/cos(phi), and G_a is smooth in it.
+/// (G_a(k) - G_a(a) ~ the jump of the slope times sqrt(a - k)), a itself has too few digits: there the place is t with
+/// a = k sqrt(1 + t^2), in which G_a is smooth, and which far beyond the kink has all the digits of a again.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct Stand {
     pub a: f64,
     /// How many kinks lie below a; a itself may be the next one, and then belongs to the inner side.
     pub inner: usize,
-    /// acos(k/a) of the last of these; 0 when there is none.
-    pub phi: f64,
+    /// tan phi, k = a cos phi, for the last of these; 0 when there is none.
+    pub tan: f64,
 }
 
 impl Stand {
     pub fn at(kinks: &[f64], a: f64) -> Self {
         let inner = kinks.partition_point(|&k| k < a);
-        let phi = match inner {
+        let tan = match inner {
             0 => 0.0,
-            n => {
-                let k = kinks[n - 1] / a;
-                ((1.0 - k) * (1.0 + k)).sqrt().atan2(k)
-            }
+            n => beyond(a, kinks[n - 1]) / kinks[n - 1],
         };
-        Self { a, inner, phi }
+        Self { a, inner, tan }
     }
 
-    /// The place at this angle beyond kink number `kink`.
-    pub fn beyond(kinks: &[f64], kink: usize, phi: f64) -> Self {
-        Self { a: kinks[kink] / phi.cos(), inner: kink + 1, phi }
+    /// The place with this t beyond kink number `kink`.
+    pub fn beyond(kinks: &[f64], kink: usize, tan: f64) -> Self {
+        Self { a: kinks[kink] * tan.hypot(1.0), inner: kink + 1, tan }
     }
 
     /// acos(k/a) of kink number `kink`, one of the inner ones.
     pub fn phi_of(&self, kinks: &[f64], kink: usize) -> f64 {
         let last = self.inner - 1;
         if kink == last {
-            return self.phi;
+            return self.tan.atan();
         }
-        let (sin, cos) = self.phi.sin_cos();
-        let ratio = kinks[kink] / kinks[last];
-        let below = (kinks[last] - kinks[kink]) / kinks[last] * (1.0 + ratio);
-        (sin * sin + cos * cos * below).sqrt().atan2(ratio * cos)
+        (kinks[last] * self.tan).hypot(beyond(kinks[last], kinks[kink])).atan2(kinks[kink])
     }
+}
+
+/// sqrt(a^2 - k^2).
+pub(super) fn beyond(a: f64, k: f64) -> f64 {
+    ((a - k) * (1.0 + k / a)).sqrt() * a.sqrt()
 }
 
 /// Nodes and weights of the n-point Gauss-Legendre rule on [0, 1], by Newton on the Legendre recurrence.

@@ -60,7 +60,7 @@ impl<'a> Overlap<'a> {
     }
 
     /// Slope of the gap along a ray, at distance r.
-    fn slope_along(&self, c: [f64; 2], e: [f64; 2], r: f64, h: f64) -> f64 {
+    pub(super) fn slope_along(&self, c: [f64; 2], e: [f64; 2], r: f64, h: f64) -> f64 {
         let at = |r: f64| [c[0] + r * e[0], c[1] + r * e[1]];
         if self.has_gradient
             && let [x, y] = at(r)

@@ -62,13 +62,43 @@ impl Sectors {
         Self { rule: &FIFTEEN, ends: Vec::new(), widest: SIXTH, layout: Layout::Equal(rays) }
     }
 
-    /// The same panels when the ridges have moved a little; fresh ones when their number has changed.
+    /// The same panels when the ridges have moved a little; as fine as before at every angle when their number has changed.
     pub fn move_to(&mut self, directions: &[f64]) {
-        let fresh = Self::between(directions, self.widest);
-        if !directions.is_empty() && fresh.ends.len() == self.ends.len() {
+        let mut fresh = Self::between(directions, self.widest);
+        if directions.is_empty() {
+            return;
+        }
+        if fresh.ends.len() == self.ends.len() {
             self.ends = fresh.ends;
-        } else if !directions.is_empty() {
-            *self = fresh;
+            return;
+        }
+        if !self.ends.is_empty() {
+            fresh.narrow_as(self);
+        }
+        *self = fresh;
+    }
+
+    /// Halves panels until none is wider than that of `other` around its middle.
+    fn narrow_as(&mut self, other: &Self) {
+        let (Layout::Panels(panels), Layout::Panels(others)) = (&mut self.layout, &other.layout) else { return };
+        let span = |ends: &[f64], (k, from, to): (usize, f64, f64)| {
+            let width = ends.get(k + 1).copied().unwrap_or(ends[0] + TAU) - ends[k];
+            [ends[k] + from * width, (to - from) * width]
+        };
+        let others: Vec<[f64; 2]> = others.iter().map(|&panel| span(&other.ends, panel)).collect();
+        let width_at = |angle: f64| {
+            let turned = |from: f64| (angle - from).rem_euclid(TAU);
+            others.iter().find(|p| turned(p[0]) <= p[1]).map_or(TAU, |p| p[1])
+        };
+        let mut open: Vec<_> = panels.drain(..).rev().collect();
+        while let Some((k, from, to)) = open.pop() {
+            let [start, width] = span(&self.ends, (k, from, to));
+            if width > 1.5 * width_at(start + 0.5 * width) {
+                let middle = 0.5 * (from + to);
+                open.extend([(k, middle, to), (k, from, middle)]);
+            } else {
+                panels.push((k, from, to));
+            }
         }
     }
 

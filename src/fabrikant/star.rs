@@ -5,13 +5,19 @@ use std::f64::consts::TAU;
 
 use nalgebra::Matrix2;
 
+use crate::fabrikant::facets::Facets;
+use crate::fabrikant::hidden_kinks;
 use crate::fabrikant::radial::{RadialRule, Stand};
 use crate::fabrikant::ray::{Along, Overlap, RayLine};
 use crate::fabrikant::sectors::{SIXTH, Sectors, Spoke};
+use crate::fabrikant::surroundings::look_around;
 use crate::gap::Gap;
 
 /// Evaluations of the gap after which a solve is given up: many times what a gap takes whose boundary is one smooth curve.
-pub(super) const MOST_EVALUATIONS: usize = 1_500_000;
+const MOST_EVALUATIONS: usize = 1_500_000;
+
+/// Kinks closer to the centre than this, in units of the problem, lie on it but for rounding.
+const AT_CENTRE: f64 = 1e-13;
 
 /// One ray and the boundary on it.
 #[derive(Debug, Clone, Copy)]
@@ -51,6 +57,9 @@ pub(crate) struct Star<'a> {
     pub f0: f64,
     pub sectors: Sectors,
     pub rays: Vec<Ray>,
+    /// The ridges in order, where they are many; and what a ray meets of them.
+    facets: Option<Facets>,
+    met: Vec<(f64, f64)>,
     kinks: Vec<f64>,
     /// Jumps of the slope at the kinks, where the gap is made of planes.
     jumps: Vec<f64>,
@@ -68,6 +77,10 @@ pub(crate) struct Star<'a> {
     pub moved: bool,
     /// Whether every step checks that there is material at the boundary, not only along the rays.
     pub careful: bool,
+    /// How far kinks that the gap does not tell about are looked for along every ray.
+    pub search: Option<f64>,
+    /// Evaluations of the gap after which the solve is given up.
+    pub budget: usize,
     /// Evaluations of the gap so far, nearly.
     pub(super) spent: Cell<usize>,
 }
@@ -76,11 +89,13 @@ impl<'a> Star<'a> {
     /// Rays about `centre`, the boundary a circle of radius `start`.
     pub fn about(overlap: &'a Overlap<'a>, centre: [f64; 2], start: f64, rung: usize) -> Self {
         let mut directions = Vec::new();
-        overlap.gap.kink_directions(centre, &mut directions);
+        look_around(overlap, centre, &mut directions);
         let mut star = Self {
             overlap,
             centre,
             f0: overlap.at(centre),
+            facets: Facets::about(overlap, centre, AT_CENTRE),
+            met: Vec::new(),
             sectors: Sectors::between(&directions, SIXTH),
             rays: Vec::new(),
             kinks: Vec::new(),
@@ -93,6 +108,9 @@ impl<'a> Star<'a> {
             recentring: Matrix2::identity() * (8.0 / (3.0 * std::f64::consts::PI)),
             moved: false,
             careful: false,
+            search: None,
+            // A step over planes is a few operations.
+            budget: if overlap.has_planes() { 6 * MOST_EVALUATIONS } else { MOST_EVALUATIONS },
             spent: Cell::new(0),
         };
         star.lay(&[[0.0, start]]);
@@ -146,14 +164,18 @@ impl<'a> Star<'a> {
     fn new_ray(&mut self, spoke: Spoke, a: f64) -> Ray {
         let (sin, cos) = spoke.angle.sin_cos();
         let from = self.kinks.len();
-        self.overlap.gap.ray_kinks(self.centre, [cos, sin], &mut self.kinks);
-        self.kinks[from..].sort_unstable_by(f64::total_cmp);
-        let kinks = (from, self.kinks.len());
         let mut slope = 0.0;
-        if self.overlap.has_planes() {
-            let line = RayLine { centre: self.centre, direction: [cos, sin], kinks: &self.kinks[from..], planes: None };
-            slope = line.read_planes(self.overlap, &mut self.jumps);
+        if let Some(facets) = &self.facets {
+            slope = facets.read([cos, sin], AT_CENTRE, &mut self.met, &mut self.kinks, &mut self.jumps);
+        } else {
+            self.find_kinks([cos, sin]);
+            if self.overlap.has_planes() {
+                let kinks = &self.kinks[from..];
+                let line = RayLine { centre: self.centre, direction: [cos, sin], kinks, planes: None };
+                slope = line.read_planes(self.overlap, &mut self.jumps);
+            }
         }
+        let kinks = (from, self.kinks.len());
         let (stand, along) = Default::default();
         Ray {
             spoke,
@@ -169,13 +191,29 @@ impl<'a> Star<'a> {
         }
     }
 
+    /// Appends the kinks along a ray, ascending.
+    fn find_kinks(&mut self, direction: [f64; 2]) {
+        let from = self.kinks.len();
+        self.overlap.gap.ray_kinks(self.centre, direction, &mut self.kinks);
+        if let Some(range) = self.search {
+            let line = RayLine { centre: self.centre, direction, kinks: &[], planes: None };
+            hidden_kinks::find(&line, self.overlap, range, from, &mut self.kinks);
+            self.spent.set(self.spent.get() + hidden_kinks::PRICE);
+        }
+        self.kinks[from..].sort_unstable_by(f64::total_cmp);
+        // On an apex but for rounding.
+        let at_centre = self.kinks[from..].partition_point(|&k| k < AT_CENTRE);
+        self.kinks.drain(from..from + at_centre);
+    }
+
     /// Moves the centre and keeps the boundary, as far as it can.
     pub fn move_to(&mut self, centre: [f64; 2]) {
         let outline = self.outline();
         self.centre = centre;
         self.f0 = self.overlap.at(centre);
+        self.facets = Facets::about(self.overlap, centre, AT_CENTRE);
         self.directions.clear();
-        self.overlap.gap.kink_directions(centre, &mut self.directions);
+        look_around(self.overlap, centre, &mut self.directions);
         self.move_sectors();
         self.lay(&outline);
     }
@@ -255,7 +293,7 @@ impl<'a> Star<'a> {
 
     /// The evaluations spent, when they are more than a solve may take.
     pub fn tired(&self) -> Option<usize> {
-        Some(self.spent.get()).filter(|&spent| spent > MOST_EVALUATIONS)
+        Some(self.spent.get()).filter(|&spent| spent > self.budget)
     }
 
     fn has_material(&self, ray: &Ray) -> bool {
@@ -264,6 +302,10 @@ impl<'a> Star<'a> {
 
     /// Whether there is material at the boundary on every ray; when not, steps are careful from now on.
     pub fn on_material(&mut self) -> bool {
+        // Planes have no edge.
+        if self.overlap.has_planes() {
+            return true;
+        }
         self.careful = self.careful || !self.rays.iter().all(|ray| self.has_material(ray));
         !self.careful || self.rays.iter().all(|ray| self.has_material(ray))
     }
@@ -276,23 +318,6 @@ impl<'a> Star<'a> {
             }
             self.rays[k].measured = false;
         }
-    }
-
-    /// Whether the overlap comes back, along a ray, after having been lost: a second tip that the star does not hold.
-    /// Sampled out to `reach`: 12 points in 16 directions, or 48 in 64 when little is known of the gap.
-    pub fn second_part(&self, reach: f64, thorough: bool) -> Option<f64> {
-        let (directions, points) = if thorough { (64, 48) } else { (16, 12) };
-        (0..directions).map(|k| TAU * f64::from(k) / f64::from(directions)).find(|angle| {
-            let (sin, cos) = angle.sin_cos();
-            let line = RayLine { centre: self.centre, direction: [cos, sin], kinks: &[], planes: None };
-            let mut lost = false;
-            (1..=points).any(|k| {
-                let f = self.overlap.at(line.at(reach * f64::from(k) / f64::from(points)));
-                let back = lost && f > 0.0;
-                lost |= f <= 0.0;
-                back
-            })
-        })
     }
 }
 

@@ -1,7 +1,7 @@
 //! The integrals over the angle of a star of rays: P(A) itself, its errors, and where finer rules are wanted.
 
 use crate::fabrikant::radial::RadialRule;
-use crate::fabrikant::star::{MOST_EVALUATIONS, Ray, Star};
+use crate::fabrikant::star::{Ray, Star};
 
 impl Star<'_> {
     /// The sum over the rays with the weights of the fine rule.
@@ -45,7 +45,7 @@ impl Star<'_> {
     pub fn refine(&mut self, errors: [f64; 2], tolerance: f64, quotient: f64, most_rays: usize) -> bool {
         // Another ten sweeps with twice the rays, or rays twice as fine.
         let sweep: usize = self.rays.iter().map(|ray| self.price(ray)).sum();
-        if self.spent.get() + 20 * sweep > MOST_EVALUATIONS {
+        if self.spent.get() + 20 * sweep > self.budget {
             return false;
         }
         let mut finer = false;

@@ -147,11 +147,6 @@ impl Star<'_> {
             }
             // On top of a hump that is too low, G_aa = 0 is all there is to settle.
             let residual = if margin < 0.0 && off < 0.0 { ray.along.g_aa * ray.a } else { off };
-            // Far beyond a kink the place is known to its angle only: what rounding of that leaves is no residual.
-            let rounding = 16.0 * f64::EPSILON * ray.along.g_aa * ray.a * ray.stand.phi.tan();
-            if ray.stand.inner > 0 && residual.abs() <= rounding.abs() {
-                continue;
-            }
             found.residual = found.residual.max(residual.abs() / d);
         }
         found
@@ -160,7 +155,8 @@ impl Star<'_> {
     /// Top of the hump of G_a on this ray, over D, less one.
     fn margin(&self, ray: &Ray, d: f64) -> f64 {
         match Hump::through(ray, self.f0) {
-            _ if ray.stuck || ray.stand.inner > 0 => self.highest_seen(ray, d) / d - 1.0,
+            _ if ray.stuck => ray.along.g_a / d - 1.0,
+            _ if ray.stand.inner > 0 => self.highest_seen(ray, d) / d - 1.0,
             Some(hump) => hump.top[1].max(if ray.along.g_aa <= 0.0 { ray.along.g_a } else { f64::MIN }) / d - 1.0,
             None => f64::INFINITY,
         }
@@ -212,7 +208,8 @@ impl Star<'_> {
         for k in 0..count {
             let angle = std::f64::consts::TAU * k as f64 / count as f64;
             let ray = self.extra_ray(angle, radius_in(&outline, angle));
-            all.push([angle, self.outer_root(ray, d, 1e-12).a]);
+            let ray = self.outer_root(ray, d, 1e-12);
+            all.push([angle, self.rival(&ray, d).unwrap_or(ray).a]);
         }
         all.sort_by(|p, q| p[0].total_cmp(&q[0]));
         all.dedup_by(|b, a| b[0] - a[0] < 1e-12);
