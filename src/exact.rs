@@ -4,10 +4,9 @@ use crate::domain::{Door, locate};
 use crate::edges::{self, Border, Edge, Ladder};
 use crate::error::{Unsolved, Verdict};
 use crate::extrapolate::{self, Ends, Estimate};
-use crate::gap::Gap;
 use crate::geometry::Rect;
 use crate::grid::Kernel;
-use crate::homogeneity::Degree;
+use crate::homogeneity::{self, Degree};
 use crate::one_grid::{GridState, at_resolution, other_kernel};
 use crate::settings::{Method, Settings};
 
@@ -222,7 +221,7 @@ impl Ascent<'_> {
             self.energies.push((2.0 + degree.inverse()) * state.energy() / self.door.depth);
             let ends = match degree {
                 Degree::Flat => Ends::Edges,
-                Degree::Power(_) if self.door.gap.ridges().is_some() => Ends::Corners,
+                Degree::Power(1.0) if homogeneity::is_of_planes(&self.door.gap, &self.window) => Ends::Corners,
                 Degree::Power(_) => Ends::Unknown,
             };
             extrapolate::of_energies(&self.energies, ends)

@@ -90,6 +90,24 @@ fn ends_at_once(gap: &dyn Gap, within: &Rect) -> bool {
 /// Rays along which the rim of a flat is looked at.
 const RAYS: u32 = 16;
 
+/// Whether a gap of degree 1 is made of planes: nearly everywhere a straight line across a ray lies on it.
+#[must_use]
+pub fn is_of_planes(gap: &dyn Gap, within: &Rect) -> bool {
+    let ([cx, cy], size) = (gap.centre(), within.size());
+    let r = 0.1 * size[0].min(size[1]);
+    let straight = |k: u32| {
+        let (sin, cos) = (0.1 + std::f64::consts::TAU * f64::from(k) / f64::from(STRAIGHT)).sin_cos();
+        let at = |t: f64| gap.gap(cx + r * (cos - t * sin), cy + r * (sin + t * cos));
+        let middle = at(0.0);
+        (at(1e-2) - 2.0 * middle + at(-1e-2)).abs() <= 1e-9 * middle.abs()
+    };
+    // The others may meet a ridge.
+    4 * (0..STRAIGHT).filter(|&k| straight(k)).count() as u32 >= 3 * STRAIGHT
+}
+
+/// Rays on which straightness is looked at.
+const STRAIGHT: u32 = 64;
+
 /// The degree of a homogeneous gap.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Degree {
