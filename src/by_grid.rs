@@ -266,10 +266,10 @@ fn in_users_units(
     let patch_of = |state: &GridState| patch::of(&state.problem, &state.solution, reference);
     let mut patch = patch_of(state);
     let sums = |state: &GridState, patch: &Patch| {
-        let [mx, my] = moments(state, door);
-        [state.energy(), mx, my, patch.area, patch.max_radius]
+        let [x, y] = centre_of_load(state, door);
+        [state.energy(), x, y, patch.area, patch.max_radius]
     };
-    let [energy, mx, my, area, max_radius] = match &refined.ladder {
+    let [energy, x, y, area, max_radius] = match &refined.ladder {
         Some(ladder) => ladder.found(|state| sums(state, &patch_of(state))),
         None => sums(state, &patch),
     };
@@ -309,7 +309,8 @@ fn in_users_units(
         depth_bracket: None,
         stiffness: stiffness * e_star * length,
         stiffness_matrix: None,
-        moment: Some([mx * unit_force, my * unit_force]),
+        // Of the best force, where the pressure acts: the force of one grid differs from it.
+        moment: Some([force * unit_force * y, -force * unit_force * x]),
         energy: Some(energy * unit_force * height),
         patch,
         pressure,
@@ -326,12 +327,14 @@ fn in_users_units(
     }
 }
 
-/// Mx = integral of p y, My = - integral of p x about the scene's origin, in units of force times the user's length.
-fn moments(state: &GridState, door: &Door) -> [f64; 2] {
+/// Where the resultant of the pressure acts, in the user's units.
+fn centre_of_load(state: &GridState, door: &Door) -> [f64; 2] {
     let grid = &state.problem.grid;
-    let area = grid.cell_area();
-    state.solution.pressure.iter().enumerate().fold([0.0; 2], |[mx, my], (k, p)| {
-        let [x, y] = door.gap.outward(grid.centre_of(k));
-        [mx + p * area * y, my - p * area * x]
-    })
+    let pressure = &state.solution.pressure;
+    let total: f64 = pressure.iter().sum();
+    let sums = pressure.iter().enumerate().fold([0.0; 2], |[sx, sy], (k, p)| {
+        let [x, y] = grid.centre_of(k);
+        [sx + p * x, sy + p * y]
+    });
+    door.gap.outward(sums.map(|s| s / total))
 }

@@ -98,11 +98,13 @@ impl Respond for Engine<'_> {
     }
 }
 
-/// Relative miss of the load that is left to the last linear step; what a method without a grid answers is a law without noise.
-pub(crate) fn close(settings: &Settings, method: Method) -> f64 {
+/// Relative miss of the load that is sought, and that which may be left to the last linear step. What a method without a grid
+/// answers is a law without noise; a field that is written shall be that of the depth beside it.
+pub(crate) fn close(settings: &Settings, method: Method) -> [f64; 2] {
     match method {
-        Method::ClosedForm => 1e-12,
-        Method::Ritz | Method::Fabrikant => 3e-3 * settings.tolerance,
-        _ => 0.3 * settings.tolerance,
+        Method::ClosedForm => [1e-12; 2],
+        Method::Ritz | Method::Fabrikant => [3e-3 * settings.tolerance; 2],
+        _ if settings.outputs.pressure || settings.outputs.gap => [1e-7, 0.3 * settings.tolerance],
+        _ => [0.3 * settings.tolerance; 2],
     }
 }

@@ -21,6 +21,9 @@ const QUICK: f64 = 0.03;
 /// Full solves after the quick search.
 const MOST_FULL_STEPS: usize = 8;
 
+/// Full solves that may go into a state closer than need be.
+const PATIENT_STEPS: usize = 3;
+
 /// Steps after which the balance of a tilting punch may be off by what a force may be.
 const PATIENCE: usize = 8;
 
@@ -54,13 +57,14 @@ pub(crate) fn overlap_of_size(gap: &AnyGap, e_star: f64, force: f64) -> f64 {
 }
 
 /// The state under a force without tilt. `lowest` is the least gap, `scale` an overlap to begin with, `close` the relative
-/// error of the force that may be left to the last, linear step, by the method that ran.
+/// errors of the force that may be left to the last, linear step, by the method that ran: the one that is sought, and the one
+/// that will do once steps from grid to grid no longer bring the state closer.
 pub(crate) fn under_force(
     engine: &mut dyn Respond,
     force: f64,
     lowest: f64,
     scale: f64,
-    close: impl Fn(Method) -> f64,
+    close: impl Fn(Method) -> [f64; 2],
 ) -> Result<Solution, Unsolved> {
     let mut overlap = scale;
     // Overlaps with too little force and with too much, as far as they are known.
@@ -89,7 +93,9 @@ pub(crate) fn under_force(
         let miss = (force / state.force).ln();
         if !quick {
             full_steps += 1;
-            if miss.abs() <= close(state.method) || full_steps == MOST_FULL_STEPS {
+            let [sought, enough] = close(state.method);
+            let done = miss.abs() <= if full_steps >= PATIENT_STEPS { enough } else { sought };
+            if done || full_steps == MOST_FULL_STEPS {
                 return Ok(last_step(state, force));
             }
         }

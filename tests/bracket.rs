@@ -1,11 +1,14 @@
 //! Laws of the certified bracket: it contains the force, whatever pressure it is made from.
 
+mod random;
+
 use contact_patch::bracket::{self, BracketSettings, Evidence, ForceBracket};
 use contact_patch::gap::{
     AnyGap, Cone, Flat, Gap, Minimum, Outline, Paraboloid, Placed, Polyhedron, Power, Reach, Revolved, Sphere,
 };
 use contact_patch::geometry::Rect;
 use contact_patch::{Discrete, EffectiveModulus, Grid, Kernel, Pressure, matrix_free};
+use random::Random;
 
 const FRAC_PI_4: f64 = std::f64::consts::FRAC_PI_4;
 
@@ -117,23 +120,6 @@ fn pyramids_and_flat_polygons_lie_in_the_bracket() {
             let sharp = bracket::sharp(&placed, unit(), 1.0, &pressure, &BracketSettings::default()).unwrap();
             assert_holds(&sharp, force, doubt, name);
         }
-    }
-}
-
-/// Reproducible numbers in (0, 1).
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        // Steele, Lea & Flood 2014 (splitmix64).
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) >> 11) as f64 / 9_007_199_254_740_992.0
-    }
-
-    fn between(&mut self, a: f64, b: f64) -> f64 {
-        a + (b - a) * self.next()
     }
 }
 

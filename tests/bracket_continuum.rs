@@ -1,12 +1,15 @@
 //! What a bracket rests on, at points that it never looked at and by a sum of its own; and what happens when the pressure is
 //! spoilt.
 
+mod random;
+
 use contact_patch::bracket::{self, BracketSettings, Evidence, ForceBracket};
 use contact_patch::gap::{
     AnyGap, Cone, Flat, Gap, HeightMap, Heights, Minimum, Outline, Paraboloid, Placed, Polyhedron, Power, Reach,
     Revolved, Sum, Surface, Tilted, Zero,
 };
 use contact_patch::{Discrete, EffectiveModulus, Grid, Kernel, Pressure, matrix_free};
+use random::Random;
 
 const FRAC_PI_4: f64 = std::f64::consts::FRAC_PI_4;
 
@@ -48,23 +51,6 @@ fn displacement(pressure: &Pressure, [x, y]: [f64; 2]) -> f64 {
     sum / std::f64::consts::PI
 }
 
-/// Reproducible numbers in (0, 1).
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        // Steele, Lea & Flood 2014 (splitmix64).
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) >> 11) as f64 / 9_007_199_254_740_992.0
-    }
-
-    fn within(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.next()
-    }
-}
-
 fn bowl(radii: [f64; 2], at: [f64; 2], turn: f64) -> AnyGap {
     AnyGap::new(Placed::new(Paraboloid::new(radii).unwrap(), at, turn).unwrap())
 }
@@ -74,7 +60,7 @@ fn points(pressure: &Pressure, lines: &[f64], centre: [f64; 2], random: &mut Ran
     let grid = &pressure.grid;
     let extent = grid.extent();
     let mut all: Vec<[f64; 2]> = (0..60)
-        .map(|_| [random.within(extent.min[0], extent.max[0]), random.within(extent.min[1], extent.max[1])])
+        .map(|_| [random.between(extent.min[0], extent.max[0]), random.between(extent.min[1], extent.max[1])])
         .collect();
     let [nx, ny] = grid.shape;
     let loaded = |i: usize, j: usize| pressure.values[j * nx + i] > 0.0;
@@ -86,8 +72,8 @@ fn points(pressure: &Pressure, lines: &[f64], centre: [f64; 2], random: &mut Ran
             {
                 let c = grid.centre(i, j);
                 let mut at = |s: f64, t: f64| all.push([c[0] + s * grid.spacing[0], c[1] + t * grid.spacing[1]]);
-                at(random.within(-0.5, 0.5), random.within(-0.5, 0.5));
-                at(0.5 - 1e-9, random.within(-0.5, 0.5));
+                at(random.between(-0.5, 0.5), random.between(-0.5, 0.5));
+                at(0.5 - 1e-9, random.between(-0.5, 0.5));
                 at(-0.5 + 1e-9, -0.5 + 1e-9);
             }
         }
@@ -95,7 +81,7 @@ fn points(pressure: &Pressure, lines: &[f64], centre: [f64; 2], random: &mut Ran
     let size = 0.5 * extent.size()[0].max(extent.size()[1]);
     for angle in lines {
         all.extend((0..80).map(|_| {
-            let r = random.within(0.0, 1.0) * size;
+            let r = random.between(0.0, 1.0) * size;
             [centre[0] + r * angle.cos(), centre[1] + r * angle.sin()]
         }));
     }

@@ -203,7 +203,13 @@ fn settle(disc: &mut Disc, start: Ellipse, circles: bool, settings: &Settings) -
             errors[1] = errors[1].max(((finest - f) / f).abs());
             f = finest;
         } else if residual > 1e-3 {
-            return Err(runaway("no maximum of the force over ellipses was found"));
+            // A summit off the centre, say, that the rays do not resolve: no ellipse runs away, so there may well be a maximum.
+            let reason = format!(
+                "the search for the best ellipse came to a stop where the gradient of log P is still {residual:.1e}; the error of \
+                 the quadrature is {:.1e}",
+                errors[0] + errors[1]
+            );
+            return Err(Unsolved::new(Verdict::IterationLimit, reason));
         }
         let largest = curvature(disc, &e, circles)
             .filter(|&largest| largest < 0.0)
