@@ -43,7 +43,7 @@ fn killed_in_mid_run_it_leaves_whole_lines() {
         assert!(text.len() as u64 >= 5000 * wanted);
         // A line goes out in one call; only the kernel may cut it, between two pages of the file.
         let whole = text.rfind('\n').unwrap() + 1;
-        assert!(whole == text.len() || text.len() % 4096 == 0, "{} of {}", whole, text.len());
+        assert!(whole == text.len() || text.len().is_multiple_of(4096), "{} of {}", whole, text.len());
         for (k, answer) in text[..whole].lines().enumerate() {
             let answer: Value = serde_json::from_str(answer).unwrap();
             assert_eq!(answer["scene"]["name"], k.to_string());

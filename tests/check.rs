@@ -191,3 +191,22 @@ fn the_field_may_come_from_an_array() {
     let (code, text) = run(&["check", "scene.json", "other.json", "--field", "p.npy"], directory.path());
     assert_eq!(code, 1, "{text}");
 }
+
+#[test]
+fn a_field_beside_the_result_is_found() {
+    let directory = tempfile::tempdir().unwrap();
+    let scene = scene(pyramid(), json!({"depth": 1e-6}), json!({"method": "fft", "cells": 32}), json!([]));
+    std::fs::write(directory.path().join("scene.json"), scene.to_string()).unwrap();
+    let (code, text) = run(&["solve", "scene.json", "--field", "p.npy", "--json", "result.json"], directory.path());
+    assert_eq!(code, 0, "{text}");
+    let bytes = std::fs::read(directory.path().join("result.json")).unwrap();
+    assert!(bytes.len() < 4000, "{}", bytes.len());
+    let result: Value = serde_json::from_slice(&bytes).unwrap();
+    let field = &result["pressure"]["field"];
+    assert!(field["values"].is_null() && field["file"] == "p.npy", "{field}");
+    let (code, text) = run(&["check", "scene.json", "result.json"], directory.path());
+    assert_eq!(code, 0, "{text}");
+    std::fs::remove_file(directory.path().join("p.npy")).unwrap();
+    let (code, text) = run(&["check", "scene.json", "result.json"], directory.path());
+    assert!(code == 2 && text.contains("p.npy: cannot be read"), "{code} {text}");
+}

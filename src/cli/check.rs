@@ -49,8 +49,10 @@ impl Check {
         if found.accepted() {
             for (k, load) in loads.iter().enumerate() {
                 let mut state = State::read(&result, many.then_some(k), loads.len()).map_err(|e| wrong(&e))?;
-                if let (Some(path), Some(field)) = (&self.field, &mut state.field) {
-                    field.values = npy(path, field.grid.shape)?;
+                let beside = || state.field_file.as_ref().map(|file| self.result.with_file_name(file));
+                let array = self.field.clone().or_else(beside);
+                if let (Some(path), Some(field)) = (array, &mut state.field) {
+                    field.values = npy(&path, field.grid.shape)?;
                 }
                 states.push((k, *load, state));
             }

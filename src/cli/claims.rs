@@ -31,6 +31,8 @@ pub(super) struct State {
     mean: Option<f64>,
     max: Option<f64>,
     pub field: Option<Pressure>,
+    /// Where the values of the field are, when not in the result.
+    pub field_file: Option<String>,
     /// Whether the field is a mean of several, each on a grid of its own.
     apart: bool,
     /// Whether force, moments and area are the limit of many grids, of which the field is the finest.
@@ -89,6 +91,11 @@ impl State {
             mean: inside(pressure, "mean")?,
             max: inside(pressure, "max")?,
             field: pressure.get("field").map(|f| field(f, "pressure.field")).transpose()?,
+            field_file: pressure
+                .get("field")
+                .filter(|f| f.get("values").is_none())
+                .map(|f| string(f, "file"))
+                .transpose()?,
             apart: says(result, "left_out", APART),
             limit: says(result, "remarks", LIMIT),
             bracket,
@@ -260,10 +267,10 @@ fn field(json: &Json, path: &str) -> Result<Pressure, InputError> {
     };
     let two = |key: &str| part(key).and_then(|(v, at)| pair(v, &at));
     let (origin, spacing, shape) = (two("origin")?, two("spacing")?, two("shape")?);
-    let (values, at) = part("values")?;
-    let values = numbers(values, &at)?;
+    let elsewhere = json.get("file").is_some() && json.get("values").is_none();
+    let values = if elsewhere { Vec::new() } else { part("values").and_then(|(values, at)| numbers(values, &at))? };
     let whole = shape.iter().all(|n| *n >= 1.0 && *n <= 1e6 && n.fract() == 0.0);
-    if !whole || shape[0] * shape[1] != values.len() as f64 {
+    if !whole || !(elsewhere || shape[0] * shape[1] == values.len() as f64) {
         let given = format!("{shape:?} with {} values", values.len());
         return Err(InputError::new(format!("{path}.shape"), given, "[nx, ny] with nx times ny values"));
     }

@@ -29,7 +29,7 @@ pub(super) struct Solve {
     /// Write a line a state of loading as CSV; - prints it alone
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
-    /// Write the pressure field as NumPy array, [j, i] = cell (i, j)
+    /// Write the pressure field as NumPy array, [j, i] = cell (i, j); the JSON then names the file, unless "pressure" is in "output"
     #[arg(long, value_name = "FILE.npy")]
     field: Option<PathBuf>,
     /// Bracket the force from below and above
@@ -50,6 +50,9 @@ impl Solve {
         self.overrides.apply(&mut scene.settings).map_err(|e| wrong(&e))?;
         scene.settings.threads = checked_threads("--threads", self.threads)?;
         scene.settings.outputs.bracket |= self.bracket;
+        // A field that is only asked for as an array is not written out as text too.
+        let apart =
+            self.field.as_deref().filter(|_| !scene.settings.outputs.pressure).map(|path| self.beside_json(path));
         if self.field.is_some() {
             if matches!(scene.contact.loading(), Loading::Steps(_)) {
                 let given = "a file for a list of loads";
@@ -82,8 +85,10 @@ impl Solve {
             }
         }
         if let Some((path, target)) = json {
+            let outcome = report::json(&scene, &steps);
+            let outcome = if let Some(file) = &apart { outcome.with_field_in(file) } else { outcome };
             write(path, &target, |to| {
-                serde_json::to_writer(&mut *to, &report::json(&scene, &steps))?;
+                serde_json::to_writer(&mut *to, &outcome)?;
                 to.write_all(b"\n")
             })?;
         }
@@ -101,6 +106,14 @@ impl Solve {
             Target::Stdout.write(|to| to.write_all(report::table(&scene, &steps).as_bytes()))?;
         }
         Ok(if steps.iter().all(Result::is_ok) { ExitCode::SUCCESS } else { ExitCode::from(1) })
+    }
+
+    /// What the JSON calls a file: its name when both stand in one directory.
+    fn beside_json(&self, path: &Path) -> String {
+        let together = self.json.as_deref().is_some_and(|json| json.parent() == path.parent());
+        let name = path.file_name().filter(|_| together).map(PathBuf::from);
+        let whole = || std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+        name.unwrap_or_else(whole).display().to_string()
     }
 
     /// Where to write, checked before anything is solved.

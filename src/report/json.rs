@@ -27,7 +27,7 @@
 //! degree (`null` for a flat), the bound is (Q + discs)/(1 - level/depth)^(1 + 1/k) above and (Q - discs)/(1 + level/depth)^(1 + 1/k)
 //! below. The fields come with that of the pressure; `contact-patch check` takes them.
 //!
-//! A field is `{origin, spacing, shape, values}`: `shape` = [nx, ny] cells, `origin` the lower left corner of cell (0, 0),
+//! A field is `{origin, spacing, shape, values}`, with `file` in place of `values` where those are in an array beside the result: `shape` = [nx, ny] cells, `origin` the lower left corner of cell (0, 0),
 //! `spacing` the sides of a cell; cell (i, j) is `values[j nx + i]`, with its centre at origin + (i + 1/2, j + 1/2) spacing.
 
 use serde::ser::{Serialize, SerializeMap, SerializeSeq, Serializer};
@@ -46,6 +46,15 @@ pub struct Outcome<'a> {
     scene: &'a Scene,
     steps: &'a [Step],
     curve: Option<serde_json::Value>,
+    field_in: Option<&'a str>,
+}
+
+impl<'a> Outcome<'a> {
+    /// The same with the values of the pressure field left out and this file named in their place (`pressure.field.file`).
+    #[must_use]
+    pub fn with_field_in(self, file: &'a str) -> Self {
+        Self { field_in: Some(file), ..self }
+    }
 }
 
 /// The result of `scene`; `steps` as [`crate::solve`] returned them.
@@ -61,7 +70,7 @@ pub struct Outcome<'a> {
 /// ```
 #[must_use]
 pub fn json<'a>(scene: &'a Scene, steps: &'a [Step]) -> Outcome<'a> {
-    Outcome { scene, steps, curve: curve(scene, steps) }
+    Outcome { scene, steps, curve: curve(scene, steps), field_in: None }
 }
 
 /// The force-depth curve up to the deepest of the answers, when the scene asks for it and it can be had.
@@ -95,7 +104,7 @@ impl Serialize for Outcome<'_> {
         map.each("moment", |s| s.moment.filter(|m| m.iter().all(|x| x.is_finite())))?;
         map.each("centre_of_pressure", centre_of_pressure)?;
         map.each("patch", |s| Some(PatchOf(s)))?;
-        map.each("pressure", |s| Some(PressureOf(s)))?;
+        map.each("pressure", |s| Some(PressureOf { solution: s, field_in: self.field_in }))?;
         map.each("gap", |s| s.pressure.gap.as_ref().map(|(grid, values)| GapOf { grid: *grid, values }))?;
         if let Some(curve) = &self.curve {
             map.map.serialize_entry("curve", curve)?;
@@ -249,23 +258,27 @@ impl Serialize for SideOf<'_> {
             map.serialize_entry("degree", &repair.degree.and_then(finite))?;
         }
         if let Some(field) = self.side.pressure().filter(|_| self.with_field) {
-            map.serialize_entry("field", &Field { grid: field.grid, values: &field.values })?;
+            map.serialize_entry("field", &Field { grid: field.grid, values: Values::Here(&field.values) })?;
         }
         map.end()
     }
 }
 
-struct PressureOf<'a>(&'a Solution);
+struct PressureOf<'a> {
+    solution: &'a Solution,
+    field_in: Option<&'a str>,
+}
 
 impl Serialize for PressureOf<'_> {
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        let pressure = &self.0.pressure;
+        let pressure = &self.solution.pressure;
         let mut map = to.serialize_map(None)?;
         map.serialize_entry("max", &pressure.max.and_then(finite))?;
         map.serialize_entry("mean", &pressure.mean.and_then(finite))?;
         map.serialize_entry("at", &pressure.at)?;
         if let Some(field) = &pressure.field {
-            map.serialize_entry("field", &Field { grid: field.grid, values: &field.values })?;
+            let values = self.field_in.map_or(Values::Here(&field.values), Values::In);
+            map.serialize_entry("field", &Field { grid: field.grid, values })?;
         }
         map.end()
     }
@@ -279,14 +292,20 @@ struct GapOf<'a> {
 impl Serialize for GapOf<'_> {
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
         let mut map = to.serialize_map(Some(1))?;
-        map.serialize_entry("field", &Field { grid: self.grid, values: self.values })?;
+        map.serialize_entry("field", &Field { grid: self.grid, values: Values::Here(self.values) })?;
         map.end()
     }
 }
 
 struct Field<'a> {
     grid: Grid,
-    values: &'a [f64],
+    values: Values<'a>,
+}
+
+enum Values<'a> {
+    Here(&'a [f64]),
+    /// In a file of their own.
+    In(&'a str),
 }
 
 impl Serialize for Field<'_> {
@@ -295,8 +314,11 @@ impl Serialize for Field<'_> {
         map.serialize_entry("origin", &self.grid.origin)?;
         map.serialize_entry("spacing", &self.grid.spacing)?;
         map.serialize_entry("shape", &self.grid.shape)?;
-        // An infinite gap, where there is no material, becomes null.
-        map.serialize_entry("values", self.values)?;
+        match self.values {
+            // An infinite gap, where there is no material, becomes null.
+            Values::Here(values) => map.serialize_entry("values", values)?,
+            Values::In(file) => map.serialize_entry("file", file)?,
+        }
         map.end()
     }
 }
