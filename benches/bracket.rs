@@ -6,40 +6,15 @@
 //! solve being a cold one of the same problem by the fastest way there is (sampling of the gap, nested grids, to 1e-8). Below
 //! each line the observed orders: log2 of the width before over the width now.
 
+mod timing;
+
 use std::hint::black_box;
-use std::time::Instant;
 
 use contact_patch::bracket::{self, BracketSettings, ForceBracket};
 use contact_patch::gap::{AnyGap, Cone, Paraboloid, Polyhedron};
 use contact_patch::geometry::Rect;
 use contact_patch::{Discrete, EffectiveModulus, Grid, Kernel, Pressure, matrix_free};
-
-/// CPU seconds of this process so far; where they cannot be read, seconds.
-fn cpu(start: Instant) -> f64 {
-    let text = std::fs::read_to_string("/proc/self/schedstat").unwrap_or_default();
-    match text.split_whitespace().next().and_then(|ns| ns.parse::<f64>().ok()) {
-        Some(ns) => 1e-9 * ns,
-        None => start.elapsed().as_secs_f64(),
-    }
-}
-
-/// CPU seconds of a call: least mean of two batches of at least 0.05 s, after one call that warms up.
-fn seconds(mut call: impl FnMut()) -> f64 {
-    call();
-    let clock = Instant::now();
-    let mut batch = || {
-        let (before, mut calls) = (cpu(clock), 0.0);
-        loop {
-            call();
-            calls += 1.0;
-            let spent = cpu(clock) - before;
-            if spent > 0.05 {
-                return spent / calls;
-            }
-        }
-    };
-    batch().min(batch())
-}
+use timing::seconds;
 
 /// Gap, the box it is solved in, and the force; E* = depth = slope = curvature = 1.
 fn cases() -> [(&'static str, AnyGap, Rect, f64); 4] {
@@ -78,7 +53,7 @@ fn main() {
                 matrix_free::solve_nested(&problem, &matrix_free::Settings::default()).expect("solved").pressure
             };
             let pressure = Pressure { grid, values: solved() };
-            let solve = seconds(|| drop(black_box(solved())));
+            let solve = seconds(2, 0.05, || drop(black_box(solved())));
             let proved = BracketSettings::default();
             let sampled = BracketSettings { prove: false, ..proved };
             let way = |sharp: bool, settings: &BracketSettings| -> ForceBracket {
@@ -87,7 +62,8 @@ fn main() {
             };
             let four = [(false, &sampled), (true, &sampled), (false, &proved), (true, &proved)];
             let brackets = four.map(|(sharp, settings)| way(sharp, settings));
-            let costs = four.map(|(sharp, settings)| seconds(|| drop(black_box(way(sharp, settings)))) / solve);
+            let costs =
+                four.map(|(sharp, settings)| seconds(2, 0.05, || drop(black_box(way(sharp, settings)))) / solve);
             let widths = brackets.each_ref().map(|b| 100.0 * b.relative_width());
             let holds = brackets.iter().all(|b| b.lower() <= force * (1.0 + 3e-6) && force * (1.0 - 3e-6) <= b.upper());
             println!(

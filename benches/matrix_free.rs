@@ -6,6 +6,8 @@
 //! "raw": the one-dimensional transforms of one zero-padded product over the whole N by N box, on buffers that stay in
 //! the cache: N real rows there and back, N + 1 complex columns there and back, all of length 2N.
 
+mod timing;
+
 use std::hint::black_box;
 use std::time::Instant;
 
@@ -16,34 +18,7 @@ use contact_patch::{Contact, Discrete, EffectiveModulus, Grid, InfluenceTable, K
 use realfft::RealFftPlanner;
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
-
-/// CPU seconds of this process so far; where they cannot be read, seconds.
-fn cpu(start: Instant) -> f64 {
-    let text = std::fs::read_to_string("/proc/self/schedstat").unwrap_or_default();
-    match text.split_whitespace().next().and_then(|ns| ns.parse::<f64>().ok()) {
-        Some(ns) => 1e-9 * ns,
-        None => start.elapsed().as_secs_f64(),
-    }
-}
-
-/// CPU seconds of a call: least mean of three batches of at least 0.15 s, after one call that warms up.
-/// (The clock ticks in milliseconds: one call would be too short.)
-fn seconds(mut call: impl FnMut()) -> f64 {
-    call();
-    let clock = Instant::now();
-    let mut batch = || {
-        let (before, mut calls) = (cpu(clock), 0.0);
-        loop {
-            call();
-            calls += 1.0;
-            let spent = cpu(clock) - before;
-            if spent > 0.15 {
-                return spent / calls;
-            }
-        }
-    };
-    batch().min(batch()).min(batch())
-}
+use timing::seconds;
 
 fn raw(n: usize) -> f64 {
     let (mut real, mut complex) = (RealFftPlanner::<f64>::new(), FftPlanner::<f64>::new());
@@ -52,7 +27,7 @@ fn raw(n: usize) -> f64 {
     let (mut row, mut spectrum) = (there.make_input_vec(), there.make_output_vec());
     let mut column = vec![Complex::new(0.0, 0.0); 2 * n];
     let mut scratch = vec![Complex::new(0.0, 0.0); 16 * n + 64];
-    seconds(|| {
+    seconds(3, 0.15, || {
         for _ in 0..n {
             there.process_with_scratch(&mut row, &mut spectrum, &mut scratch).expect("lengths fit");
             back.process_with_scratch(&mut spectrum, &mut row, &mut scratch).expect("lengths fit");
@@ -106,11 +81,11 @@ fn main() {
     let mut n = first;
     while n <= last {
         let raw = raw(n);
-        let table = seconds(|| drop(black_box(InfluenceTable::new(Kernel::Galerkin, [1.0, 1.0], [n, n]))));
+        let table = seconds(3, 0.15, || drop(black_box(InfluenceTable::new(Kernel::Galerkin, [1.0, 1.0], [n, n]))));
         let operator =
             Operator::compliance(&InfluenceTable::new(Kernel::Galerkin, [1.0, 1.0], [n, n]), [1.0, 1.0], [n, n]);
         let (p, mut u, mut scratch) = (vec![1.0; n * n], vec![0.0; n * n], Scratch::new());
-        let product = seconds(|| operator.apply(&p, 0..n, &mut u, 0..n, &mut scratch));
+        let product = seconds(3, 0.15, || operator.apply(&p, 0..n, &mut u, 0..n, &mut scratch));
         for (name, gap, extent) in &cases() {
             let problem = sampled(&**gap, extent, n);
             let settings = Settings::default();
@@ -121,7 +96,7 @@ fn main() {
                     continue;
                 }
             };
-            let whole = seconds(|| drop(black_box(solve_nested(&problem, &settings))));
+            let whole = seconds(3, 0.15, || drop(black_box(solve_nested(&problem, &settings))));
             println!(
                 "{n:>5} {name:>10} {:>6} {:>6} {:>8.3} {:>9.2} {:>9.2} {:>9.1} {:>8.4}",
                 solution.operator_products - solution.single_precision,
@@ -192,7 +167,7 @@ fn small() {
     let punch = Polyhedron::pyramid(3, std::f64::consts::FRAC_PI_4).expect("three faces");
     let contact = Contact::new(modulus, punch, Loading::depth(1.0)).expect("a depth");
     let settings = contact_patch::Settings { method: Method::Fft, tolerance: 1e-3, ..Default::default() };
-    let time = seconds(|| drop(black_box(contact_patch::solve(&contact, &settings))));
+    let time = seconds(3, 0.15, || drop(black_box(contact_patch::solve(&contact, &settings))));
     let solution = contact_patch::solve(&contact, &settings).remove(0).expect("solved");
     println!(
         "tetrahedral punch to 1e-3, cold: {:.3} ms, error {:.1e}, {} products",
