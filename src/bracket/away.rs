@@ -3,43 +3,22 @@
 /// How many cells each cell is away from the nearest loaded one, along the longer of the two ways; a large number without load.
 pub(super) fn away(q: &[f64], [nx, ny]: [usize; 2]) -> Vec<u32> {
     let mut away: Vec<u32> = q.iter().map(|&q| if q > 0.0 { 0 } else { u32::from(u16::MAX) }).collect();
-    let mut pass = |order: &mut dyn Iterator<Item = usize>, back: bool| {
+    // Two passes over the neighbours that come before in their order: steps along both axes count as one.
+    let mut pass = |order: &mut dyn Iterator<Item = usize>, sense: isize| {
         for k in order {
             let (i, j) = (k % nx, k / nx);
-            let (behind_i, behind_j) = if back { (i + 1 < nx, j + 1 < ny) } else { (i > 0, j > 0) };
-            let step = |di: bool, dj: bool, mirrored: bool| {
-                let i = match (di, mirrored != back) {
-                    (false, _) => i,
-                    (true, false) => i.wrapping_sub(1),
-                    (true, true) => i + 1,
+            for [di, dj] in [[-1, 0], [-1, -1], [0, -1], [1, -1]] {
+                let (Some(i), Some(j)) = (i.checked_add_signed(sense * di), j.checked_add_signed(sense * dj)) else {
+                    continue;
                 };
-                let j = if !dj {
-                    j
-                } else if back {
-                    j + 1
-                } else {
-                    j - 1
-                };
-                away.get(j * nx + i.min(nx - 1)).map_or(u32::MAX - 1, |a| a + 1)
-            };
-            let mut least = away[k];
-            if behind_i {
-                least = least.min(step(true, false, false));
-            }
-            if behind_j {
-                least = least.min(step(false, true, false));
-                if behind_i {
-                    least = least.min(step(true, true, false));
-                }
-                if if back { i > 0 } else { i + 1 < nx } {
-                    least = least.min(step(true, true, true));
+                if i < nx && j < ny {
+                    away[k] = away[k].min(away[j * nx + i] + 1);
                 }
             }
-            away[k] = least;
         }
     };
-    pass(&mut (0..nx * ny), false);
-    pass(&mut (0..nx * ny).rev(), true);
+    pass(&mut (0..nx * ny), 1);
+    pass(&mut (0..nx * ny).rev(), -1);
     away
 }
 
