@@ -144,8 +144,8 @@ impl Frame {
 pub(crate) struct Held<'a> {
     door: Door<'a>,
     refined: Refined,
-    /// Pressure that grows with the depth on the cells in contact.
-    growing: Vec<f64>,
+    /// Pressure that grows with the depth on the cells in contact; `None` where the state is the limit of many grids.
+    growing: Option<Vec<f64>>,
 }
 
 impl<'a> Held<'a> {
@@ -177,7 +177,8 @@ impl<'a> Held<'a> {
     /// # Errors
     /// `IterationLimit`.
     pub fn moved(&self, contact: &'a Contact, depth: f64, settings: &Settings) -> Result<Option<Self>, Unsolved> {
-        let Refined { state: before, force, error, ladder: None, .. } = &self.refined else { return Ok(None) };
+        let Some(growing) = &self.growing else { return Ok(None) };
+        let Refined { state: before, force, error, .. } = &self.refined;
         let Reach::Within(reach) = extent(contact.gap(), depth) else { return Ok(None) };
         let scaled = self.door.gap;
         let reach = Rect { min: scaled.inward(reach.min), max: scaled.inward(reach.max) };
@@ -187,7 +188,7 @@ impl<'a> Held<'a> {
         let problem =
             Discrete { overlap: before.problem.overlap.iter().map(|f| f + deeper).collect(), ..before.problem.clone() };
         // To first order in the change, exactly.
-        let start: Vec<f64> = before.solution.pressure.iter().zip(&self.growing).map(|(p, m)| p + deeper * m).collect();
+        let start: Vec<f64> = before.solution.pressure.iter().zip(growing).map(|(p, m)| p + deeper * m).collect();
         let settings = matrix_free::Settings { threads: settings.threads, ..matrix_free::Settings::default() };
         let solution = matrix_free::solve(&problem, Some(&start), &settings)?;
         if outgrown(&door, &problem.grid.extent(), &problem.grid, &solution.pressure).is_some() {
@@ -205,7 +206,8 @@ impl<'a> Held<'a> {
     }
 
     fn grown(door: Door<'a>, refined: Refined) -> Result<Self, Unsolved> {
-        let growing = one_grid::growth(&refined.state, &vec![1.0; refined.state.problem.grid.len()])?;
+        let grow = || one_grid::growth(&refined.state, &vec![1.0; refined.state.problem.grid.len()]);
+        let growing = if refined.ladder.is_none() { Some(grow()?) } else { None };
         Ok(Self { door, refined, growing })
     }
 
@@ -214,10 +216,9 @@ impl<'a> Held<'a> {
     /// # Errors
     /// Those of the stiffness, where it is the limit of many grids.
     pub fn solution(&self, contact: &Contact, settings: &Settings) -> Result<Solution, Unsolved> {
-        let stiffness = if self.refined.ladder.is_some() {
-            self.refined.limits(|state| Ok([one_grid::stiffness(state)?]))?[0]
-        } else {
-            self.growing.iter().sum::<f64>() * self.refined.state.problem.grid.cell_area()
+        let stiffness = match &self.growing {
+            Some(growing) => growing.iter().sum::<f64>() * self.refined.state.problem.grid.cell_area(),
+            None => self.refined.limits(|state| Ok([one_grid::stiffness(state)?]))?[0],
         };
         let depth = self.door.depth * self.door.gap.depth;
         Ok(in_users_units(contact, &self.door, &self.refined, stiffness, depth, [0.0; 2], settings))

@@ -90,7 +90,15 @@ pub(crate) fn as_far_as(
 ) -> Result<Refined, Unsolved> {
     let window = locate(door)?;
     let (forces, energies) = (Vec::new(), Vec::new());
-    let ascent = Ascent { door, settings, method, degree, finest, window, forces, energies, spent: (0, 0) };
+    let law = degree.filter(|_| settings.kernel == Kernel::Galerkin).map(|degree| {
+        let ends = match degree {
+            Degree::Flat => Ends::Edges,
+            Degree::Power(1.0) if homogeneity::is_of_planes(&door.gap, &window) => Ends::Corners,
+            Degree::Power(_) => Ends::Unknown,
+        };
+        (degree, ends)
+    });
+    let ascent = Ascent { door, settings, method, law, finest, window, forces, energies, spent: (0, 0) };
     let best = match settings.cells {
         Some(cells) => ascent.prescribed(cells)?,
         None => ascent.free()?,
@@ -107,7 +115,8 @@ struct Ascent<'a> {
     door: &'a Door<'a>,
     settings: &'a Settings,
     method: Method,
-    degree: Option<Degree>,
+    /// The homogeneity that gives the force from the energy, and how that converges.
+    law: Option<(Degree, Ends)>,
     finest: usize,
     window: Rect,
     forces: Vec<f64>,
@@ -129,7 +138,7 @@ impl Ascent<'_> {
             return Ok(None);
         }
         let Estimate { value, mut error } = self.limit(&state);
-        if self.law().is_none() {
+        if self.law.is_none() {
             error = error.max(self.doubt(&state)?);
         }
         if edges::met(self.door, &state) == Some(Edge::End) {
@@ -161,11 +170,11 @@ impl Ascent<'_> {
             let three = self.forces.len() >= 3;
             // Forces may seem to converge while an edge falls between two cells: a grid is believed when means over cells and
             // values at their centres agree on it.
-            if self.law().is_none() && three && error <= tolerance * value {
+            if self.law.is_none() && three && error <= tolerance * value {
                 error = error.max(self.doubt(&state)?);
             }
             // Edges of flat punches converge with another order than smooth contacts: three grids show which.
-            let smooth = matches!(self.law(), Some(Degree::Power(_)));
+            let smooth = matches!(self.law, Some((Degree::Power(_), _)));
             // Three grids may agree on a limit that is not the punch's while its edges lie between two rows of cells.
             let edge = if three && !smooth { edges::met(self.door, &state) } else { None };
             if edge == Some(Edge::Step) {
@@ -205,11 +214,6 @@ impl Ascent<'_> {
         state
     }
 
-    /// The homogeneity that gives the force from the energy.
-    fn law(&self) -> Option<Degree> {
-        self.degree.filter(|_| self.settings.kernel == Kernel::Galerkin)
-    }
-
     /// The limit of the grids so far, this one included.
     ///
     /// The Galerkin energy of a homogeneous gap gives the force, P = (2 + 1/k) U/d, without the jitter of a sum over a
@@ -217,13 +221,8 @@ impl Ascent<'_> {
     fn limit(&mut self, state: &GridState) -> Estimate {
         let force = state.force();
         self.forces.push(force);
-        let limit = if let Some(degree) = self.law() {
+        let limit = if let Some((degree, ends)) = self.law {
             self.energies.push((2.0 + degree.inverse()) * state.energy() / self.door.depth);
-            let ends = match degree {
-                Degree::Flat => Ends::Edges,
-                Degree::Power(1.0) if homogeneity::is_of_planes(&self.door.gap, &self.window) => Ends::Corners,
-                Degree::Power(_) => Ends::Unknown,
-            };
             extrapolate::of_energies(&self.energies, ends)
         } else {
             extrapolate::of_forces(&self.forces)
