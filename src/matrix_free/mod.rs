@@ -1,9 +1,9 @@
 //! Contact on grids of millions of cells, without a matrix.
 //!
 //! The problem is [`Discrete`]: p >= 0, A p >= f, p (A p - f) = 0. A product with A is a convolution ([`Operator`]); the
-//! solver is conjugate gradients on a changing guess of the contact (`faces`, with the help of `fixed`), started from a coarser grid (`nested`) or from the
-//! last answers ([`Solver`]), with a slower method that cannot fail behind it (`monotone`). The box is cut to the cells that
-//! overlap (`window`): no other cell can carry pressure.
+//! solver is conjugate gradients on a changing guess of the contact (`faces`, with the help of `fixed`), started from a
+//! coarser grid (`nested`) or from the last answers ([`Solver`]), with a slower method that cannot fail behind it
+//! (`monotone`). The box is cut to the cells that overlap (`window`): no other cell can carry pressure.
 //!
 //! The error of an answer is the largest |f - A p| under pressure and the largest f - A p elsewhere, over the largest
 //! overlap. It is recomputed from the pressure, which is not negative anywhere, before an answer is given. The displacement
