@@ -28,6 +28,10 @@ impl Violation {
             for image in mirrors.images(first) {
                 let cell = image.cell;
                 if q[cell] <= 0.0 {
+                    // The lower side asks for nothing there.
+                    if subject.side == Side::Lower {
+                        continue;
+                    }
                     let f = known.supremum(frame, cell)?;
                     if f <= 0.0 || found.is_clear(subject, cell, away[cell], f) {
                         continue;
@@ -61,7 +65,7 @@ impl Violation {
                 }
             }
         }
-        Some(found)
+        Some(found.unfold(&mirrors))
     }
 
     /// At the points of a lattice, with a bound of what is left out of the displacement there; in the worst cells their borders
@@ -76,6 +80,9 @@ impl Violation {
             let mut parts = None;
             for image in mirrors.images(first) {
                 let (cell, loaded) = (image.cell, q[image.cell] > 0.0);
+                if !loaded && subject.side == Side::Lower {
+                    continue;
+                }
                 let f = known.lattice(frame, &image);
                 let highest = f.iter().copied().fold(f64::NEG_INFINITY, f64::max);
                 if !loaded && (highest <= 0.0 || found.is_clear(subject, cell, away[cell], highest)) {
@@ -110,7 +117,7 @@ impl Violation {
                 found.note(cell, loaded, &seen);
             }
         }
-        found
+        found.unfold(&mirrors)
     }
 
     /// Whether the cell is certainly covered: no load is nearer than D, so that u falls by D/(D + the diagonal) at most within

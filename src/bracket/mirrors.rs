@@ -1,14 +1,23 @@
 //! Mirrors of a pressure in the middle of its grid: cells that they map to each other displace alike and are worked out once.
-//! Of the gap nothing is presumed; it is looked at in every cell.
+//! Of the gap nothing is presumed: it is looked at in every cell, unless it is known to have the same mirror.
+
+use super::frame::Frame;
+use crate::gap::Gap;
 
 /// Pressures that differ by less than this share of the largest are evened out.
 const SAME: f64 = 1e-6;
+
+/// Share of a cell by which the mirror of the gap may lie off that of the grid: well below the hair by which every square
+/// that is looked at is larger.
+const ASIDE: f64 = 1e-12;
 
 /// Along which axes the pressure is its own image.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Mirrors {
     shape: [usize; 2],
     on: [bool; 2],
+    /// Whether the gap is its own image, too.
+    gap: [bool; 2],
 }
 
 /// A cell, and the axes along which it is turned round against the one that was worked out.
@@ -20,12 +29,20 @@ pub(super) struct Image {
 
 impl Mirrors {
     /// Evens out a pressure that is nearly symmetric.
-    pub fn found(q: &mut [f64], shape: [usize; 2]) -> Self {
+    pub fn found(q: &mut [f64], frame: &Frame) -> Self {
+        let (grid, gap, at) = (&frame.grid, frame.gap.mirrors(), frame.gap.centre());
+        let middle = grid.extent().centre();
+        let gap = [0, 1].map(|m| gap[m] && (at[m] - middle[m]).abs() <= ASIDE * grid.spacing[m]);
+        Self::of(q, grid.shape, gap)
+    }
+
+    fn of(q: &mut [f64], shape: [usize; 2], gap: [bool; 2]) -> Self {
         let largest = q.iter().copied().fold(0.0, f64::max);
-        let mut mirrors = Self { shape, on: [false; 2] };
+        let mut mirrors = Self { shape, on: [false; 2], gap };
         for axis in 0..2 {
             let alike = |k: usize| (q[k] - q[mirrors.image(k, axis)]).abs() <= SAME * largest;
             mirrors.on[axis] = (0..q.len()).all(alike);
+            mirrors.gap[axis] &= mirrors.on[axis];
         }
         mirrors.even_out(q);
         mirrors
@@ -58,20 +75,41 @@ impl Mirrors {
         (low..ny).flat_map(move |j| (left..nx).map(move |i| j * nx + i))
     }
 
-    /// A cell and its images.
+    /// A cell and its images, without those in mirrors that the gap has.
     pub fn images(self, cell: usize) -> impl Iterator<Item = Image> {
         let turns = [[false, false], [true, false], [false, true], [true, true]];
         turns.into_iter().filter_map(move |turned| {
             let mut place = cell;
             for axis in (0..2).filter(|&axis| turned[axis]) {
                 let image = self.image(place, axis);
-                if !self.on[axis] || image == place {
+                if !self.on[axis] || self.gap[axis] || image == place {
                     return None;
                 }
                 place = image;
             }
             Some(Image { cell: place, turned })
         })
+    }
+
+    /// How many cells each that is looked at stands for.
+    pub fn fold(&self) -> usize {
+        self.gap.iter().map(|&on| if on { 2 } else { 1 }).product()
+    }
+
+    /// Copies what holds of the cells that were looked at to their images in the mirrors that the gap has.
+    pub fn unfold(&self, field: &mut [f64]) {
+        let [nx, ny] = self.shape;
+        if self.gap[0] {
+            for row in field.chunks_exact_mut(nx) {
+                let (low, high) = row.split_at_mut(nx / 2);
+                low.iter_mut().zip(high.iter().rev()).for_each(|(low, high)| *low = *high);
+            }
+        }
+        if self.gap[1] {
+            for j in 0..ny / 2 {
+                field.copy_within((ny - 1 - j) * nx..(ny - j) * nx, j * nx);
+            }
+        }
     }
 }
 
@@ -99,7 +137,7 @@ mod tests {
                 let odd = |axis: usize, k: usize| if on[axis] { at(k, axis).abs() } else { at(k, axis) + 0.3 };
                 let cells = shape[0] * shape[1];
                 let mut q: Vec<f64> = (0..cells).map(|k| 9.0 + odd(0, k) + 1.7 * odd(1, k)).collect();
-                let mirrors = Mirrors::found(&mut q, shape);
+                let mirrors = Mirrors::of(&mut q, shape, [false; 2]);
                 assert_eq!(mirrors.on, on);
                 let mut seen = vec![0; cells];
                 for cell in mirrors.firsts() {
@@ -111,6 +149,15 @@ mod tests {
                     }
                 }
                 assert!(seen.iter().all(|&n| n == 1), "{shape:?} {on:?}");
+                for gap in [[true, true], [false, true], [true, false]] {
+                    let mirrors = Mirrors::of(&mut q, shape, gap);
+                    let mut copied = vec![f64::NAN; cells];
+                    let all: Vec<Image> = mirrors.firsts().flat_map(|first| mirrors.images(first)).collect();
+                    all.iter().for_each(|image| copied[image.cell] = q[image.cell]);
+                    mirrors.unfold(&mut copied);
+                    assert_eq!(copied, q, "{shape:?} {on:?} {gap:?}");
+                    assert!(all.len() >= cells / mirrors.fold());
+                }
             }
         }
     }

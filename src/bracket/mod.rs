@@ -292,7 +292,7 @@ pub fn certify(
 ) -> Result<ForceBracket, Unsolved> {
     frame::within(gap, modulus, depth, pressure, |frame, mut q| {
         let started = Instant::now();
-        let mirrors = Mirrors::found(&mut q, frame.grid.shape);
+        let mirrors = Mirrors::found(&mut q, frame);
         let mut around = Surroundings::new(&frame.grid, settings.per_cell.max(1));
         let known = Known::new(q.len(), false);
         let closely = vec![look::WHOLE; q.len()];

@@ -56,7 +56,7 @@ pub fn sharp(
 ) -> Result<ForceBracket, Unsolved> {
     frame::within(gap, modulus, depth, pressure, |frame, mut q| {
         let started = Instant::now();
-        let mirrors = Mirrors::found(&mut q, frame.grid.shape);
+        let mirrors = Mirrors::found(&mut q, frame);
         let mut session = Session {
             around: Surroundings::new(&frame.grid, settings.per_cell.max(1)),
             attention: Attention {

@@ -93,6 +93,14 @@ impl Violation {
         }
     }
 
+    /// What was seen in some cells of what their images are known to be alike.
+    pub fn unfold(mut self, mirrors: &Mirrors) -> Self {
+        for field in [&mut self.over, &mut self.short, &mut self.under, &mut self.long, &mut self.least] {
+            mirrors.unfold(field);
+        }
+        self
+    }
+
     /// Notes what was seen in a cell in place of what was known.
     pub fn note(&mut self, cell: usize, loaded: bool, seen: &Seen) {
         let [u_low, u_high] = seen.u;
@@ -145,7 +153,7 @@ impl Violation {
             .collect();
         let loaded = subject.q.iter().filter(|&&q| q > 0.0).count();
         let lines = LINES[usize::from(level) - 1] * if first { 1.0 } else { MORE };
-        let most = (lines * (loaded as f64).sqrt()) as usize + 16;
+        let most = (lines * (loaded as f64).sqrt()) as usize / subject.mirrors.fold() + 16;
         if most < cells.len() {
             cells.select_nth_unstable_by(most, |a, b| b.0.total_cmp(&a.0));
             cells.truncate(most);

@@ -58,6 +58,10 @@ impl Gap for Paraboloid {
         Some(2.0)
     }
 
+    fn mirrors(&self) -> [bool; 2] {
+        [true; 2]
+    }
+
     fn reach(&self, depth: f64) -> Reach {
         if depth <= 0.0 {
             return Reach::Nowhere;
@@ -115,6 +119,10 @@ impl Gap for Sphere {
 
     fn range(&self, rect: &Rect, slope: [f64; 2]) -> Option<[f64; 2]> {
         Some(range::of_convex(self, rect, slope))
+    }
+
+    fn mirrors(&self) -> [bool; 2] {
+        [true; 2]
     }
 
     fn reach(&self, depth: f64) -> Reach {
@@ -182,6 +190,10 @@ impl Gap for Cone {
         Some(1.0)
     }
 
+    fn mirrors(&self) -> [bool; 2] {
+        [true; 2]
+    }
+
     fn reach(&self, depth: f64) -> Reach {
         disc(depth / self.slope)
     }
@@ -238,6 +250,10 @@ impl Gap for Power {
 
     fn homogeneous(&self) -> Option<f64> {
         Some(self.exponent)
+    }
+
+    fn mirrors(&self) -> [bool; 2] {
+        [true; 2]
     }
 
     fn reach(&self, depth: f64) -> Reach {

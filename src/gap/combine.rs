@@ -84,6 +84,14 @@ fn least(part: &AnyGap) -> Option<f64> {
     [low, low - 1e-9 * low.abs()].into_iter().find(|&v| v.is_finite() && part.certain_reach(v) == Reach::Nowhere)
 }
 
+/// The mirrors through this point that all parts have.
+fn common_mirrors(parts: &[AnyGap], centre: [f64; 2]) -> [bool; 2] {
+    parts.iter().fold([true; 2], |all, part| {
+        let (own, at) = (part.mirrors(), part.centre());
+        [0, 1].map(|m| all[m] && own[m] && at[m] == centre[m])
+    })
+}
+
 impl Gap for Sum {
     fn gap(&self, x: f64, y: f64) -> f64 {
         let sum: f64 = self.parts.iter().map(|part| part.gap(x, y)).sum();
@@ -112,6 +120,10 @@ impl Gap for Sum {
             bounds = [bounds[0] + low, bounds[1] + high];
         }
         Some(bounds.map(|b| if b.is_nan() { f64::INFINITY } else { b }))
+    }
+
+    fn mirrors(&self) -> [bool; 2] {
+        common_mirrors(&self.parts, self.centre())
     }
 
     fn reach(&self, depth: f64) -> Reach {
@@ -233,6 +245,10 @@ impl Gap for Minimum {
         self.parts.iter().try_fold([f64::INFINITY; 2], |[low, high], part| {
             part.range(rect, slope).map(|[a, b]| [low.min(a), high.min(b)])
         })
+    }
+
+    fn mirrors(&self) -> [bool; 2] {
+        common_mirrors(&self.parts, self.centre())
     }
 
     fn reach(&self, depth: f64) -> Reach {

@@ -55,6 +55,11 @@ impl Gap for Flat {
         Some(f64::INFINITY)
     }
 
+    fn mirrors(&self) -> [bool; 2] {
+        // A disc or an ellipse about its centre.
+        [self.outline.semi_axes().is_some(); 2]
+    }
+
     fn reach(&self, depth: f64) -> Reach {
         if depth > 0.0 { Reach::Within(self.outline.bounds()) } else { Reach::Nowhere }
     }

@@ -114,6 +114,12 @@ pub trait Gap: Send + Sync {
         None
     }
 
+    /// Whether the gap is its own image in the line x = c, and in y = c, through [`Gap::centre`], by construction. A proof
+    /// rests on it.
+    fn mirrors(&self) -> [bool; 2] {
+        [false; 2]
+    }
+
     /// Appends the distances r > 0 at which the gap along the ray `from + r direction` has a kink
     /// (a jump of its slope). `direction` is a unit vector. Order does not matter.
     fn ray_kinks(&self, _from: [f64; 2], _direction: [f64; 2], _kinks: &mut Vec<f64>) {}
@@ -200,6 +206,10 @@ impl Gap for AnyGap {
 
     fn range(&self, rect: &Rect, slope: [f64; 2]) -> Option<[f64; 2]> {
         self.0.range(rect, slope)
+    }
+
+    fn mirrors(&self) -> [bool; 2] {
+        self.0.mirrors()
     }
 
     fn ray_kinks(&self, from: [f64; 2], direction: [f64; 2], kinks: &mut Vec<f64>) {

@@ -75,6 +75,15 @@ impl<G: Gap> Gap for Placed<G> {
         self.inner.homogeneous()
     }
 
+    fn mirrors(&self) -> [bool; 2] {
+        let [along, across] = self.inner.mirrors();
+        match (self.turn.matrix()[(1, 0)] == 0.0, self.turn.matrix()[(0, 0)] == 0.0) {
+            (true, _) => [along, across],
+            (_, true) => [across, along],
+            _ => [false; 2],
+        }
+    }
+
     fn reach(&self, depth: f64) -> Reach {
         self.placed(self.inner.reach(depth))
     }
@@ -181,6 +190,10 @@ impl Gap for Scaled<'_> {
 
     fn homogeneous(&self) -> Option<f64> {
         self.gap.homogeneous()
+    }
+
+    fn mirrors(&self) -> [bool; 2] {
+        self.gap.mirrors()
     }
 
     fn reach(&self, depth: f64) -> Reach {

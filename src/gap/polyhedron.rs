@@ -189,6 +189,11 @@ impl Gap for Polyhedron {
         self.regular().map(|_| 1.0)
     }
 
+    fn mirrors(&self) -> [bool; 2] {
+        // The first face looks along +x.
+        self.fan.map_or([false; 2], |(faces, _)| [faces.is_multiple_of(2), true])
+    }
+
     fn reach(&self, depth: f64) -> Reach {
         if let Some((faces, slope)) = self.fan {
             if depth <= 0.0 {

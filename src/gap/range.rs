@@ -160,6 +160,34 @@ mod tests {
     }
 
     #[test]
+    fn a_kind_is_its_own_image_in_the_mirrors_that_it_names() {
+        let placed = |gap: AnyGap, turn: f64| AnyGap::new(Placed::new(gap, [0.1, -0.2], turn).unwrap());
+        let quarter = std::f64::consts::FRAC_PI_2;
+        let three = AnyGap::new(Polyhedron::pyramid(3, 0.6).unwrap());
+        let six = AnyGap::new(Polyhedron::truncated_pyramid(6, 0.6, 0.2).unwrap());
+        let mut gaps = kinds();
+        gaps.extend([0.0, quarter, 2.0 * quarter].map(|turn| placed(three.clone(), turn)));
+        gaps.extend([placed(six.clone(), quarter), six]);
+        gaps.push(AnyGap::new(Tilted::new(placed(three, -quarter), [0.0, 0.3])));
+        let mut named = 0;
+        for (n, gap) in gaps.into_iter().enumerate() {
+            let (c, mirrors) = (gap.centre(), gap.mirrors());
+            for axis in (0..2).filter(|&axis| mirrors[axis]) {
+                named += 1;
+                for k in 0..200 {
+                    let f = |m: f64| (m * (k + 1) as f64).fract() - 0.5;
+                    let off = [1.4 * f(0.754_877_666), 1.4 * f(0.569_840_291)];
+                    let image = [0, 1].map(|m| if m == axis { -off[m] } else { off[m] });
+                    let [value, other] = [off, image].map(|o| gap.gap(c[0] + o[0], c[1] + o[1]));
+                    let same = value == other || (value - other).abs() < 1e-13;
+                    assert!(same, "kind {n}, axis {axis}: {value} {other}");
+                }
+            }
+        }
+        assert_eq!(named, 35);
+    }
+
+    #[test]
     fn ranges_close_with_the_square_of_the_rectangle_where_the_gap_is_smooth() {
         let c = [0.31, 0.17];
         for gap in kinds().into_iter().filter(|g| g.gap(c[0], c[1]).is_finite()) {

@@ -113,6 +113,10 @@ impl Gap for Revolved {
         Some(range::of_segments(&self.points, rect, slope))
     }
 
+    fn mirrors(&self) -> [bool; 2] {
+        [true; 2]
+    }
+
     fn reach(&self, depth: f64) -> Reach {
         // The outermost segment that dips below the depth, and where it leaves it.
         let dips = |k: &usize| self.points[*k][1].min(self.points[k + 1][1]) < depth;

@@ -58,6 +58,11 @@ impl Gap for Tilted {
         Some(bounds.map(|b| b - self.rise(x, y)))
     }
 
+    fn mirrors(&self) -> [bool; 2] {
+        let own = self.gap.mirrors();
+        [0, 1].map(|m| own[m] && self.tilt[m] == 0.0)
+    }
+
     fn reach(&self, depth: f64) -> Reach {
         self.raised(depth, |depth| self.gap.reach(depth))
     }
