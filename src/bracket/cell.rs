@@ -138,34 +138,36 @@ impl Cell<'_> {
     /// For each sub-square: value, slopes per side, and the largest distance from that plane over it.
     pub fn squares<'r>(&self, jumps: &Jumps, squares: &Squares, room: &'r mut Vec<[f64; 4]>) -> &'r [[f64; 4]] {
         room.clear();
-        room.extend(squares.uniform.iter().map(|of| of.map(|v| self.middle * v)));
-        for (jump, values) in jumps.near.iter().zip(squares.values.chunks_exact(squares.at.len())) {
-            let by = [*jump, *jump, *jump, jump.abs()];
-            for (sum, values) in room.iter_mut().zip(values) {
-                (0..4).for_each(|m| sum[m] += by[m] * values[m]);
-            }
-        }
         let beyond = jumps.far + self.polynomial.bend(squares.half);
-        for (sum, at) in room.iter_mut().zip(&squares.at) {
-            *sum = self.plane(*sum, *at, beyond);
-        }
+        room.extend((0..squares.at.len()).map(|k| self.plane(jumps, squares, k, beyond)));
         room
     }
 
     /// The same for one of them.
     pub fn square(&self, jumps: &Jumps, squares: &Squares, k: usize) -> [f64; 4] {
-        let mut sum = squares.uniform[k].map(|v| self.middle * v);
-        for (jump, values) in jumps.near.iter().zip(squares.values.chunks_exact(squares.at.len())) {
-            let by = [*jump, *jump, *jump, jump.abs()];
-            (0..4).for_each(|m| sum[m] += by[m] * values[k][m]);
-        }
-        self.plane(sum, squares.at[k], jumps.far + self.polynomial.bend(squares.half))
+        self.plane(jumps, squares, k, jumps.far + self.polynomial.bend(squares.half))
     }
 
-    /// Value, slopes and rest from what the near cells do.
-    fn plane(&self, sum: [f64; 4], at: [f64; 2], beyond: f64) -> [f64; 4] {
+    /// Value, slopes and rest over a sub-square from what the near cells do, and this much beyond them.
+    fn plane(&self, jumps: &Jumps, squares: &Squares, k: usize, beyond: f64) -> [f64; 4] {
+        let cells = jumps.near.len();
+        let mut sums = [[0.0; 4]; LANES];
+        let add = |sum: &mut [f64; 4], jump: f64, values: &[f64; 4]| {
+            let by = [jump, jump, jump, jump.abs()];
+            (0..4).for_each(|m| sum[m] += by[m] * values[m]);
+        };
+        let (near, values) =
+            (jumps.near.chunks_exact(LANES), squares.values[k * cells..(k + 1) * cells].chunks_exact(LANES));
+        let rest = near.remainder().iter().zip(values.remainder());
+        for (near, values) in near.zip(values) {
+            (0..LANES).for_each(|lane| add(&mut sums[lane], near[lane], &values[lane]));
+        }
+        rest.for_each(|(jump, values)| add(&mut sums[0], *jump, values));
+        let of = squares.uniform[k];
+        let sum: [f64; 4] =
+            std::array::from_fn(|m| (sums[0][m] + sums[1][m]) + (sums[2][m] + sums[3][m]) + self.middle * of[m]);
         let scale = self.field.scale;
-        let [p, x, y] = self.polynomial.at(at);
+        let [p, x, y] = self.polynomial.at(squares.at[k]);
         let rest = scale * sum[3] * (1.0 + 1e-9) + beyond;
         [p + scale * sum[0], x + scale * sum[1], y + scale * sum[2], rest]
     }

@@ -24,7 +24,7 @@ use crate::matrix_free;
 const SHARE: f64 = 0.03;
 
 /// Another round is worth its price when closing still takes this share of the distance between the bounds.
-const PAYS: f64 = 0.2;
+const PAYS: f64 = 0.35;
 
 /// A round that gained no more than this share is the last.
 const GAINS: f64 = 0.3;

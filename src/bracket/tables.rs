@@ -83,8 +83,8 @@ pub(super) struct Squares {
     pub half: f64,
     /// Their middles, from the centre of the cell.
     pub at: Vec<[f64; 2]>,
-    /// For each cell of the near block, x fastest, and each square: e_j, its slopes per side of the cell, and the supremum of
-    /// its distance from that plane.
+    /// For each square and each cell of the near block, x fastest: e_j, its slopes per side of the cell, and the supremum of its
+    /// distance from that plane.
     pub values: Vec<[f64; 4]>,
     /// The same of e_B.
     pub uniform: Vec<[f64; 4]>,
@@ -229,6 +229,7 @@ impl Tables {
         }
         let width = 2 * self.near[0] + 1;
         let near = self.near;
+        let cells = width * (2 * near[1] + 1);
         let place = |[x, y]: [f64; 2]| {
             let to = |m: usize, sign: f64| (near[m] as i64 + sign as i64 * offset[m] as i64) as usize;
             to(1, y) * width + to(0, x)
@@ -247,7 +248,7 @@ impl Tables {
                 for [x, y] in mirrors {
                     let mirror = |k: usize, sign: f64| if sign < 0.0 { n - 1 - k } else { k };
                     let square = mirror(k / n, y) * n + mirror(k % n, x);
-                    squares.values[place([x, y]) * n * n + square] = [plane[0], x * plane[1], y * plane[2], bend];
+                    squares.values[square * cells + place([x, y])] = [plane[0], x * plane[1], y * plane[2], bend];
                 }
             }
         }

@@ -184,7 +184,7 @@ mod tests {
                 }
             }
         }
-        assert_eq!(named, 35);
+        assert_eq!(named, 27);
     }
 
     #[test]

@@ -114,7 +114,8 @@ impl Gap for Revolved {
     }
 
     fn mirrors(&self) -> [bool; 2] {
-        [true; 2]
+        // The lowest ring has no point on the axis.
+        self.centre().map(|c| c == 0.0)
     }
 
     fn reach(&self, depth: f64) -> Reach {
