@@ -1,6 +1,6 @@
 //! Width and cost of the certified bracket against the number of cells, by one thread.
 //!
-//!     cargo bench --bench bracket -- [smallest N] [largest N] [punch]     (32 and 1024 unless said; all four)
+//!     cargo bench --bench bracket -- [smallest N] [largest N] [punch]     (32 and 1024 unless said; all five)
 //!
 //! Widths in % of the force, plain and sharp, sampled at 4 x 4 points a cell and proved over the plane; costs in solves, a
 //! solve being a cold one of the same problem by the fastest way there is (sampling of the gap, nested grids, to 1e-8). Below
@@ -11,21 +11,23 @@ mod timing;
 use std::hint::black_box;
 
 use contact_patch::bracket::{self, BracketSettings, ForceBracket};
-use contact_patch::gap::{AnyGap, Cone, Paraboloid, Polyhedron};
+use contact_patch::gap::{AnyGap, Cone, Paraboloid, Placed, Polyhedron};
 use contact_patch::geometry::Rect;
 use contact_patch::{Discrete, EffectiveModulus, Grid, Kernel, Pressure, matrix_free};
 use timing::seconds;
 
 /// Gap, the box it is solved in, and the force; E* = depth = slope = curvature = 1.
-fn cases() -> [(&'static str, AnyGap, Rect, f64); 4] {
+fn cases() -> [(&'static str, AnyGap, Rect, f64); 5] {
     let quarter = std::f64::consts::FRAC_PI_4;
     let around = |half: f64| Rect::around([0.0; 2], [half; 2]);
     let three = Rect { min: [-1.7, -1.5], max: [0.9, 1.5] };
+    let turned = Rect { min: [-1.7, -1.55], max: [1.5, 1.65] };
     let pyramid = |faces| AnyGap::new(Polyhedron::pyramid(faces, quarter).expect("a pyramid"));
     [
         ("paraboloid", AnyGap::new(Paraboloid::new([1.0, 1.0]).expect("radii")), around(1.1), 4.0 / 3.0),
         ("cone", AnyGap::new(Cone::with_slope(1.0).expect("a slope")), around(0.72), std::f64::consts::FRAC_2_PI),
         ("3 faces", pyramid(3), three, 0.882_412),
+        ("3, turned", AnyGap::new(Placed::new(pyramid(3), [0.0; 2], 0.3).expect("an angle")), turned, 0.882_412),
         ("4 faces", pyramid(4), around(0.95), 0.737_616),
     ]
 }

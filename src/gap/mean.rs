@@ -1,6 +1,40 @@
-//! Mean of a gap over a cell when no closed form of it is known.
+//! Mean of a gap over a cell: of the highest of some planes, and by quadrature where no closed form is known.
 
-use crate::geometry::Rect;
+use super::ridges::face_polygon;
+use crate::geometry::{Rect, area, centroid};
+
+/// With more planes than this quadrature is quicker where they meet.
+const MOST_PLANES: usize = 24;
+
+/// Of the highest of these planes, exactly unless very many meet in the cell; `highest` finds it at a point.
+pub(super) fn of_planes<'a>(
+    planes: &[[f64; 3]],
+    highest: impl Fn(f64, f64) -> &'a [f64; 3] + Copy,
+    cell: &Rect,
+) -> f64 {
+    let height = |p: &[f64; 3], x: f64, y: f64| p[0] * x + p[1] * y + p[2];
+    let gap = |x: f64, y: f64| height(highest(x, y), x, y);
+    // The region of one plane is convex: highest at the corners, highest throughout.
+    let [x, y] = cell.centre();
+    let top = highest(x, y);
+    if cell.corners().iter().all(|c| gap(c[0], c[1]) <= height(top, c[0], c[1])) {
+        return height(top, x, y);
+    }
+    if planes.len() > MOST_PLANES {
+        return by_quadrature(gap, cell);
+    }
+    let volume = |k: usize| {
+        let piece = face_polygon(planes, k, cell);
+        if piece.len() < 3 {
+            return 0.0;
+        }
+        let [x, y] = centroid(&piece);
+        area(&piece) * height(&planes[k], x, y)
+    };
+    let [w, h] = cell.size();
+    // Equal planes share a region: count the first of them only.
+    (0..planes.len()).filter(|&k| !planes[..k].contains(&planes[k])).map(volume).sum::<f64>() / (w * h)
+}
 
 /// Abscissae (half interval) and weights of the 3-point Gauss-Legendre rule on [-1, 1].
 const NODES: [(f64, f64); 3] =

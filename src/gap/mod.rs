@@ -134,6 +134,11 @@ pub trait Gap: Send + Sync {
         None
     }
 
+    /// The planes `[slope_x, slope_y, offset]` whose highest the gap is everywhere; `None` for any other.
+    fn planes(&self) -> Option<&[[f64; 3]]> {
+        None
+    }
+
     /// A point to start looking from; the apex, where there is one.
     fn centre(&self) -> [f64; 2] {
         [0.0, 0.0]
@@ -222,6 +227,10 @@ impl Gap for AnyGap {
 
     fn ridges(&self) -> Option<Ridges> {
         self.0.ridges()
+    }
+
+    fn planes(&self) -> Option<&[[f64; 3]]> {
+        self.0.planes()
     }
 
     fn centre(&self) -> [f64; 2] {

@@ -2,7 +2,8 @@
 
 use nalgebra::{Rotation2, Vector2};
 
-use super::{Gap, Reach, Ridges};
+use super::polyhedron::highest;
+use super::{Gap, Reach, Ridges, mean};
 use crate::error::{InputError, finite};
 use crate::geometry::Rect;
 
@@ -12,6 +13,8 @@ pub struct Placed<G> {
     inner: G,
     at: Vector2<f64>,
     turn: Rotation2<f64>,
+    /// Planes whose highest it is, turned but not moved.
+    turned: Option<Vec<[f64; 3]>>,
 }
 
 impl<G: Gap> Placed<G> {
@@ -22,7 +25,12 @@ impl<G: Gap> Placed<G> {
     pub fn new(inner: G, at: [f64; 2], rotation: f64) -> Result<Self, InputError> {
         finite("at[0]", at[0])?;
         finite("at[1]", at[1])?;
-        Ok(Self { inner, at: at.into(), turn: quarter_exact(finite("rotate", rotation)?) })
+        let turn = quarter_exact(finite("rotate", rotation)?);
+        let turned = inner.planes().map(|planes| {
+            let slopes = planes.iter().map(|p| (turn * Vector2::new(p[0], p[1]), p[2]));
+            slopes.map(|(s, offset)| [s.x, s.y, offset]).collect()
+        });
+        Ok(Self { inner, at: at.into(), turn, turned })
     }
 
     fn inward(&self, p: [f64; 2]) -> [f64; 2] {
@@ -103,7 +111,12 @@ impl<G: Gap> Gap for Placed<G> {
             let corners = [self.inward(cell.min), self.inward(cell.max)];
             return Rect::holding(corners).map_or(f64::INFINITY, |cell| self.inner.mean(&cell));
         }
-        super::mean::by_quadrature(|x, y| self.gap(x, y), cell)
+        if let Some(planes) = &self.turned {
+            let cell =
+                Rect { min: [0, 1].map(|m| cell.min[m] - self.at[m]), max: [0, 1].map(|m| cell.max[m] - self.at[m]) };
+            return mean::of_planes(planes, |x, y| highest(planes, x, y), &cell);
+        }
+        mean::by_quadrature(|x, y| self.gap(x, y), cell)
     }
 
     fn ray_kinks(&self, from: [f64; 2], direction: [f64; 2], kinks: &mut Vec<f64>) {
@@ -229,5 +242,30 @@ impl Gap for Scaled<'_> {
 
     fn tips(&self) -> Vec<[f64; 2]> {
         self.gap.tips().into_iter().map(|tip| self.inward(tip)).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gap::Polyhedron;
+
+    #[test]
+    fn means_of_turned_planes_are_exact() {
+        let wedge = Polyhedron::new(vec![[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0]]).unwrap();
+        let eighth = std::f64::consts::FRAC_PI_4;
+        // |x'| over a square whose diagonal lies along the ridge: a third of the height over it.
+        let diagonal = Placed::new(wedge.clone(), [0.0; 2], eighth).unwrap();
+        let square = Rect::around([0.0; 2], [1.0; 2]);
+        assert!((diagonal.mean(&square) - 2f64.sqrt() / 3.0).abs() < 1e-15);
+        // Moved, too, and across a corner of the cell.
+        let gap = Placed::new(wedge, [0.3, -0.2], 0.37).unwrap();
+        let cell = Rect::around([0.31, -0.22], [0.05, 0.03]);
+        let [w, h] = cell.size();
+        let n = 2000;
+        let lattice = (0..n * n).map(|k| [k % n, k / n].map(|i| (f64::from(i) + 0.5) / f64::from(n)));
+        let sum: f64 = lattice.map(|[s, t]| gap.gap(cell.min[0] + s * w, cell.min[1] + t * h)).sum();
+        let mean = sum / f64::from(n * n);
+        assert!((gap.mean(&cell) - mean).abs() < 1e-7 * mean, "{} {mean}", gap.mean(&cell));
     }
 }

@@ -4,9 +4,9 @@ use std::f64::consts::TAU;
 
 use super::analytic::slope_of;
 use super::ridges::{corner_window, face_polygon, unit};
-use super::{Gap, Reach, Ridges};
+use super::{Gap, Reach, Ridges, mean};
 use crate::error::{InputError, finite, positive};
-use crate::geometry::{Rect, area, centroid, clip};
+use crate::geometry::{Rect, centroid, clip};
 
 /// g = max over k of (slope_x x + slope_y y + offset): a convex polyhedron, blunt or pointed, regular or not.
 ///
@@ -115,8 +115,14 @@ impl Polyhedron {
                 .chain(&self.planes[faces..])
                 .fold(face(k), |a, b| if height(b) > height(a) { b } else { a });
         }
-        self.planes.iter().reduce(|a, b| if height(b) > height(a) { b } else { a }).expect("at least one plane")
+        highest(&self.planes, x, y)
     }
+}
+
+/// The highest of the planes at a point; there must be one.
+pub(super) fn highest(planes: &[[f64; 3]], x: f64, y: f64) -> &[f64; 3] {
+    let height = |p: &[f64; 3]| p[0] * x + p[1] * y + p[2];
+    planes.iter().reduce(|a, b| if height(b) > height(a) { b } else { a }).expect("at least one plane")
 }
 
 /// Where the surface is lowest; the middle of the flat if it is lowest on one.
@@ -235,29 +241,11 @@ impl Gap for Polyhedron {
     }
 
     fn mean(&self, cell: &Rect) -> f64 {
-        // The region of one plane is convex: highest at the corners, highest throughout.
-        let corners = cell.corners();
-        let [x, y] = cell.centre();
-        let top = self.highest(x, y);
-        if corners.iter().all(|c| self.gap(c[0], c[1]) <= top[0] * c[0] + top[1] * c[1] + top[2]) {
-            return top[0] * x + top[1] * y + top[2];
-        }
-        if self.planes.len() > 24 {
-            return super::mean::by_quadrature(|x, y| self.gap(x, y), cell);
-        }
-        let [w, h] = cell.size();
-        let volume = |k: usize| {
-            let piece = face_polygon(&self.planes, k, cell);
-            if piece.len() < 3 {
-                return 0.0;
-            }
-            let [cx, cy] = centroid(&piece);
-            let p = self.planes[k];
-            area(&piece) * (p[0] * cx + p[1] * cy + p[2])
-        };
-        // Equal planes share a region: count the first of them only.
-        (0..self.planes.len()).filter(|&k| !self.planes[..k].contains(&self.planes[k])).map(volume).sum::<f64>()
-            / (w * h)
+        mean::of_planes(&self.planes, |x, y| self.highest(x, y), cell)
+    }
+
+    fn planes(&self) -> Option<&[[f64; 3]]> {
+        Some(&self.planes)
     }
 
     fn ray_kinks(&self, from: [f64; 2], direction: [f64; 2], kinks: &mut Vec<f64>) {

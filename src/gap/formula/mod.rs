@@ -159,6 +159,14 @@ impl Gap for Formula {
         }
     }
 
+    fn range(&self, rect: &Rect, slope: [f64; 2]) -> Option<[f64; 2]> {
+        self.polyhedron.as_ref()?.range(rect, slope)
+    }
+
+    fn planes(&self) -> Option<&[[f64; 3]]> {
+        self.polyhedron.as_ref().and_then(Gap::planes)
+    }
+
     fn ray_kinks(&self, from: [f64; 2], direction: [f64; 2], kinks: &mut Vec<f64>) {
         if let Some(polyhedron) = &self.polyhedron {
             polyhedron.ray_kinks(from, direction, kinks);
