@@ -1,6 +1,6 @@
 //! Displacement and its slopes at any point by unit pressure on one rectangle, E* = 1.
 //!
-//! Near the rectangle Love's closed form (1929) with asinh, further out tensor Gauss rules on 1/r; every value is good to
+//! Near the rectangle Love's closed form (1929), further out tensor Gauss rules on 1/r; every value is good to
 //! [`RELATIVE_ERROR`] of itself for cells that are not more slender than [`MOST_SLENDER`].
 
 use std::f64::consts::FRAC_1_PI;
@@ -25,7 +25,7 @@ const GAUSS: [&[(f64, f64)]; 3] = [
 
 /// Displacement (a length) and its two slopes at the offset `(x, y)` from the centre of a rectangle of sides `h`.
 pub(super) fn displacement(h: [f64; 2], x: f64, y: f64) -> [f64; 3] {
-    let distance = x.hypot(y) / h[0].max(h[1]);
+    let distance = (x * x + y * y).sqrt() / h[0].max(h[1]);
     match distance {
         d if d < 20.0 => love(h, x, y),
         d if d < 60.0 => gauss(GAUSS[2], h, x, y),
@@ -35,24 +35,28 @@ pub(super) fn displacement(h: [f64; 2], x: f64, y: f64) -> [f64; 3] {
 }
 
 /// Love (1929): the second difference of F(u, v) = u asinh(v/|u|) + v asinh(u/|v|), whose slope along u is asinh(v/|u|).
+///
+/// The asinh at two ends differ by one logarithm.
 fn love(h: [f64; 2], x: f64, y: f64) -> [f64; 3] {
     let (a, b) = (0.5 * h[0], 0.5 * h[1]);
-    let mut sum = [0.0; 3];
-    for (s, u) in [(1.0, x + a), (-1.0, x - a)] {
-        for (t, v) in [(1.0, y + b), (-1.0, y - b)] {
-            let (along_u, along_v) = (ratio(v, u), ratio(u, v));
-            sum[0] += s * t * (u * along_u + v * along_v);
-            sum[1] += s * t * along_u;
-            sum[2] += s * t * along_v;
-        }
-    }
+    let (u, v) = ([x + a, x - a], [y + b, y - b]);
+    let r = u.map(|u| v.map(|v| (u * u + v * v).sqrt()));
+    let along = [0, 1].map(|k| between(u[k], v, r[k]));
+    let across = [0, 1].map(|k| between(v[k], u, [r[0][k], r[1][k]]));
+    let sum = u[0] * along[0] - u[1] * along[1] + v[0] * across[0] - v[1] * across[1];
     // On the very edge the slope is infinite and has no use.
-    sum.map(|s| FRAC_1_PI * s)
+    [sum, along[0] - along[1], across[0] - across[1]].map(|s| FRAC_1_PI * s)
 }
 
-/// asinh(v/|u|), 0 where u = 0: it only stands beside a factor u, or in a slope that is infinite there.
-fn ratio(v: f64, u: f64) -> f64 {
-    if u == 0.0 { 0.0 } else { (v / u.abs()).asinh() }
+/// asinh(v0/|u|) - asinh(v1/|u|) with r = sqrt(u^2 + v^2); 0 where u = 0: it only stands beside a factor u, or in a slope that
+/// is infinite there.
+fn between(u: f64, v: [f64; 2], r: [f64; 2]) -> f64 {
+    if u == 0.0 {
+        return 0.0;
+    }
+    // r + v, without cancellation.
+    let sum = |k: usize| if v[k] >= 0.0 { r[k] + v[k] } else { u * u / (r[k] - v[k]) };
+    (sum(0) / sum(1)).ln()
 }
 
 fn gauss(rule: &[(f64, f64)], h: [f64; 2], x: f64, y: f64) -> [f64; 3] {
