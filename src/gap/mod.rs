@@ -128,6 +128,12 @@ pub trait Gap: Send + Sync {
         None
     }
 
+    /// `[slope_x, slope_y, offset]` of the planes that the gap is the highest of everywhere, where they are few; `None` for
+    /// any other gap.
+    fn planes(&self) -> Option<&[[f64; 3]]> {
+        None
+    }
+
     /// A point to start looking from; the apex, where there is one.
     fn centre(&self) -> [f64; 2] {
         [0.0, 0.0]
@@ -212,6 +218,10 @@ impl Gap for AnyGap {
 
     fn ridges(&self) -> Option<Ridges> {
         self.0.ridges()
+    }
+
+    fn planes(&self) -> Option<&[[f64; 3]]> {
+        self.0.planes()
     }
 
     fn centre(&self) -> [f64; 2] {

@@ -8,6 +8,9 @@ use super::{Gap, Reach, Ridges};
 use crate::error::{InputError, finite, positive};
 use crate::geometry::{Rect, area, centroid, clip};
 
+/// Faces that are quicker looked at one by one.
+const FEW: usize = 12;
+
 /// g = max over k of (slope_x x + slope_y y + offset): a convex polyhedron, blunt or pointed, regular or not.
 ///
 /// The paper's punches (equations 16 and 25) are [`Polyhedron::pyramid`].
@@ -106,7 +109,7 @@ impl Polyhedron {
     fn highest(&self, x: f64, y: f64) -> &[f64; 3] {
         let height = |p: &[f64; 3]| p[0] * x + p[1] * y + p[2];
         // With few faces it is quicker to look at them all.
-        if let Some((faces, _)) = self.fan.filter(|&(faces, _)| faces > 12) {
+        if let Some((faces, _)) = self.fan.filter(|&(faces, _)| faces > FEW) {
             // The face whose sector holds the point; neighbours guard against rounding.
             let k = (y.atan2(x) / TAU * faces as f64).round() as i64;
             let face = |k: i64| &self.planes[k.rem_euclid(faces as i64) as usize];
@@ -115,8 +118,63 @@ impl Polyhedron {
                 .chain(&self.planes[faces..])
                 .fold(face(k), |a, b| if height(b) > height(a) { b } else { a });
         }
-        self.planes.iter().reduce(|a, b| if height(b) > height(a) { b } else { a }).expect("at least one plane")
+        let (first, others) = self.planes.split_first().expect("at least one plane");
+        let higher = |top: (f64, _), p| {
+            let here = height(p);
+            if here > top.0 { (here, p) } else { top }
+        };
+        others.iter().fold((height(first), first), higher).1
     }
+}
+
+/// Planes of which the mean over a cell is cheaper by quadrature.
+const MANY: usize = 24;
+
+/// Mean over a cell of the highest of several planes.
+pub(super) fn mean_of_highest(planes: &[[f64; 3]], cell: &Rect) -> f64 {
+    let ([x, y], [w, h]) = (cell.centre(), cell.size());
+    let middle = |p: &[f64; 3]| p[0] * x + p[1] * y + p[2];
+    let mut top = (f64::NEG_INFINITY, &[0.0; 3]);
+    for p in planes {
+        let height = middle(p);
+        if height > top.0 {
+            top = (height, p);
+        }
+    }
+    // What rises above the highest in the middle anywhere in the cell.
+    let (height, top) = top;
+    let rises = |p: &[f64; 3]| {
+        let variation = 0.5 * ((p[0] - top[0]).abs() * w + (p[1] - top[1]).abs() * h);
+        middle(p) + variation > height && p != top
+    };
+    let mut rising = planes.iter().filter(|p| rises(p));
+    let Some(first) = rising.next() else { return height };
+    let volume = |over: &[f64; 3], polygon: &[[f64; 2]], under: &[f64; 3]| {
+        if polygon.len() < 3 {
+            return 0.0;
+        }
+        let [cx, cy] = centroid(polygon);
+        area(polygon)
+            * ((over[0] - under[0]) * (cx - x) + (over[1] - under[1]) * (cy - y) + middle(over) - middle(under))
+    };
+    let above = |p: &[f64; 3], q: &[f64; 3], polygon: &[[f64; 2]]| clip(polygon, q[0] - p[0], q[1] - p[1], q[2] - p[2]);
+    if rising.next().is_none() {
+        // One ridge: what the second adds where it is the higher one.
+        let piece = above(first, top, &cell.corners());
+        return height + volume(first, &piece, top) / (w * h);
+    }
+    let rising: Vec<&[f64; 3]> = planes.iter().filter(|p| rises(p)).collect();
+    let added: f64 = (0..rising.len())
+        // Equal planes share a region: count the first of them only.
+        .filter(|&k| !rising[..k].contains(&rising[k]))
+        .map(|k| {
+            let others = rising.iter().enumerate().filter(|&(m, q)| m != k && *q != rising[k]);
+            let own = above(rising[k], top, &cell.corners());
+            let piece = others.fold(own, |polygon, (_, q)| above(rising[k], q, &polygon));
+            volume(rising[k], &piece, top)
+        })
+        .sum();
+    height + added / (w * h)
 }
 
 /// Where the surface is lowest; the middle of the flat if it is lowest on one.
@@ -230,29 +288,20 @@ impl Gap for Polyhedron {
     }
 
     fn mean(&self, cell: &Rect) -> f64 {
-        // The region of one plane is convex: highest at the corners, highest throughout.
-        let corners = cell.corners();
         let [x, y] = cell.centre();
-        let top = self.highest(x, y);
-        if corners.iter().all(|c| self.gap(c[0], c[1]) <= top[0] * c[0] + top[1] * c[1] + top[2]) {
-            return top[0] * x + top[1] * y + top[2];
-        }
-        if self.planes.len() > 24 {
-            return super::mean::by_quadrature(|x, y| self.gap(x, y), cell);
-        }
-        let [w, h] = cell.size();
-        let volume = |k: usize| {
-            let piece = face_polygon(&self.planes, k, cell);
-            if piece.len() < 3 {
-                return 0.0;
+        let exact = if self.planes.len() > MANY { None } else { Some(mean_of_highest(&self.planes, cell)) };
+        exact.unwrap_or_else(|| {
+            // The region of one plane is convex: highest at the corners, highest throughout.
+            let top = self.highest(x, y);
+            if cell.corners().iter().all(|c| self.gap(c[0], c[1]) <= top[0] * c[0] + top[1] * c[1] + top[2]) {
+                return top[0] * x + top[1] * y + top[2];
             }
-            let [cx, cy] = centroid(&piece);
-            let p = self.planes[k];
-            area(&piece) * (p[0] * cx + p[1] * cy + p[2])
-        };
-        // Equal planes share a region: count the first of them only.
-        (0..self.planes.len()).filter(|&k| !self.planes[..k].contains(&self.planes[k])).map(volume).sum::<f64>()
-            / (w * h)
+            super::mean::by_quadrature(|x, y| self.gap(x, y), cell)
+        })
+    }
+
+    fn planes(&self) -> Option<&[[f64; 3]]> {
+        (self.planes.len() <= MANY).then_some(&self.planes)
     }
 
     fn ray_kinks(&self, from: [f64; 2], direction: [f64; 2], kinks: &mut Vec<f64>) {
