@@ -105,10 +105,12 @@ pub(crate) fn in_frame(
     };
     let inward = |r: &Rect| Rect { min: door.gap.inward(r.min), max: door.gap.inward(r.max) };
     let outward = |r: &Rect| Rect { min: door.gap.outward(r.min), max: door.gap.outward(r.max) };
-    let mut window = match &frame.window {
+    let window = match &frame.window {
         Some(rect) => inward(rect),
         None => domain::locate(&door)?.scaled(ROOM),
     };
+    // Cells end where the material does.
+    let mut window = window.intersection(&door.reach).unwrap_or(window);
     let state = one_grid::at_resolution(&door, &mut window, cells, settings, method)?;
     frame.window = Some(outward(&window));
     frame.sharp = edges::met(&door, &state) == Some(Edge::End);

@@ -18,6 +18,16 @@ const COARSE: usize = 16;
 /// A box that a coarse solve would shrink by less than this is kept.
 const SNUG: f64 = 0.8;
 
+/// How a box is looked for.
+struct Look {
+    /// Coarse cells from the centre of the outermost loaded one to the border of the box.
+    margin: f64,
+    /// Error of the gap, relative to the depth.
+    tolerance: f64,
+    /// Whether coarse cells are square where they can be.
+    square: bool,
+}
+
 /// Shrinkings before the box is taken as it is: from a box 1e12 contacts wide down to one.
 const MOST_SHRINKINGS: usize = 40;
 
@@ -71,15 +81,44 @@ pub(crate) fn shape(window: &Rect, longest: usize) -> [usize; 2] {
     if w >= h { [longest, other(h / w)] } else { [other(w / h), longest] }
 }
 
+/// The box made wide enough for square cells, `longest` along its longer side: their influence coefficients are known, and both
+/// directions are resolved alike. A box that may be fitted to edges of the material stays as it is.
+pub(crate) fn squared(door: &Door, window: &Rect, longest: usize) -> Rect {
+    let size = window.size();
+    let longer = usize::from(size[1] > size[0]);
+    let shorter = 1 - longer;
+    // So slender a box has half as many cells across, whatever their sides.
+    if 2.0 * size[shorter] < size[longer] {
+        return *window;
+    }
+    let wanted = shape(window, longest)[shorter] as f64 / longest as f64 * size[longer];
+    let mut half = [0.5 * size[0], 0.5 * size[1]];
+    half[shorter] = 0.5 * wanted;
+    let square = Rect::around(window.centre(), half);
+    let all_material = square.corners().iter().all(|c| door.gap.gap(c[0], c[1]) < f64::INFINITY);
+    if all_material { square } else { *window }
+}
+
 /// The box of the contact with a margin, from coarse solves.
 pub(crate) fn locate(door: &Door) -> Result<Rect, Unsolved> {
+    located(door, &Look { margin: 1.5, tolerance: 1e-3, square: false })
+}
+
+/// A closer box, sooner found: for grids that begin anew should they outgrow it.
+pub(crate) fn locate_closely(door: &Door) -> Result<Rect, Unsolved> {
+    located(door, &Look { margin: 1.25, tolerance: 1e-2, square: true })
+}
+
+fn located(door: &Door, look: &Look) -> Result<Rect, Unsolved> {
     let mut window = door.reach;
     for _ in 0..MOST_SHRINKINGS {
         let mut longest = COARSE;
         let (problem, pressure) = loop {
-            let problem = optimistic(door, Grid::over(&window, shape(&window, longest)));
+            let wide = if look.square { squared(door, &window, longest) } else { window };
+            let problem = optimistic(door, Grid::over(&wide, shape(&wide, longest)));
             if problem.deepest() > 0.25 || longest >= 8 * COARSE {
-                let solved = coarse(&problem)?;
+                let settings = matrix_free::Settings { tolerance: look.tolerance, ..matrix_free::Settings::default() };
+                let solved = matrix_free::solve_nested(&problem, &settings)?;
                 break (problem, solved.pressure);
             }
             // The contact is thinner than the lattice sees.
@@ -89,10 +128,10 @@ pub(crate) fn locate(door: &Door) -> Result<Rect, Unsolved> {
         let [hx, hy] = grid.spacing;
         let loaded = (0..grid.len()).filter(|&k| pressure[k] > 0.0).map(|k| grid.centre_of(k));
         let Some(contact) = Rect::holding(loaded) else { return Ok(window) };
-        // The centre of the outermost cell, half a cell to its border, and one cell for what the coarse grid cannot see.
+        // The centre of the outermost cell, half a cell to its border, and more for what the coarse grid cannot see.
         let margin = Rect {
-            min: [contact.min[0] - 1.5 * hx, contact.min[1] - 1.5 * hy],
-            max: [contact.max[0] + 1.5 * hx, contact.max[1] + 1.5 * hy],
+            min: [contact.min[0] - look.margin * hx, contact.min[1] - look.margin * hy],
+            max: [contact.max[0] + look.margin * hx, contact.max[1] + look.margin * hy],
         };
         let tight = symmetrised(&margin, &window, &Symmetry::of(&problem)).intersection(&window).unwrap_or(window);
         let ([w, h], [w0, h0]) = (tight.size(), window.size());
@@ -105,27 +144,28 @@ pub(crate) fn locate(door: &Door) -> Result<Rect, Unsolved> {
     Ok(window)
 }
 
-/// A loose solve: it only has to show where the contact is.
+/// A loose solve: it only has to show the way.
 pub(crate) fn coarse(problem: &Discrete) -> Result<DiscreteSolution, Unsolved> {
     matrix_free::solve_nested(problem, &matrix_free::Settings { tolerance: 1e-3, ..matrix_free::Settings::default() })
 }
 
 /// The overlap of each cell as its largest at nine points: no cell that touches is missed where the gap is smooth.
 fn optimistic(door: &Door, grid: Grid) -> Discrete {
-    let [hx, hy] = grid.spacing;
-    let overlap = (0..grid.len())
-        .map(|k| {
-            let [x, y] = grid.centre_of(k);
-            let mut least = f64::INFINITY;
-            for s in [-0.5, 0.0, 0.5] {
-                for t in [-0.5, 0.0, 0.5] {
-                    least = least.min(door.gap.gap(x + s * hx, y + t * hy));
-                }
-            }
-            door.depth - least
-        })
-        .collect();
-    Discrete { grid, kernel: Kernel::Collocation, overlap }
+    let ([hx, hy], [nx, ny]) = (grid.spacing, grid.shape);
+    let wide = 2 * nx + 1;
+    // Half a cell apart; those on a border belong to the cells on both sides of it.
+    let mut points = Vec::with_capacity(wide * (2 * ny + 1));
+    for j in 0..=2 * ny {
+        let y = grid.origin[1] + 0.5 * j as f64 * hy;
+        points.extend((0..wide).map(|i| door.gap.gap(grid.origin[0] + 0.5 * i as f64 * hx, y)));
+    }
+    let overlap = (0..grid.len()).map(|k| {
+        let first = 2 * (k / nx) * wide + 2 * (k % nx);
+        let rows = [first, first + wide, first + 2 * wide];
+        let least = rows.iter().flat_map(|&row| &points[row..row + 3]).fold(f64::INFINITY, |m, &g| m.min(g));
+        door.depth - least
+    });
+    Discrete { grid, kernel: Kernel::Collocation, overlap: overlap.collect() }
 }
 
 /// The box made to share the symmetries of the problem about the middle of `frame`.

@@ -1,20 +1,33 @@
 //! The exact contact at one depth: grids that become finer until the force is known to the tolerance.
 
-use crate::domain::{Door, locate};
+use crate::domain::{Door, locate, locate_closely, shape, squared};
 use crate::edges::{self, Border, Edge, Ladder};
 use crate::error::{Unsolved, Verdict};
 use crate::extrapolate::{self, Ends, Estimate};
 use crate::geometry::Rect;
 use crate::grid::Kernel;
 use crate::homogeneity::{self, Degree};
-use crate::one_grid::{GridState, at_resolution, other_kernel};
+use crate::one_grid::{GridState, Way, of_shape, other_kernel};
 use crate::settings::{Method, Settings};
 
-/// Cells along the longer side of the first grid.
-const COARSEST: usize = 16;
+/// Cells along the longer side of the first grid, where energies tell the force and where forces do.
+const COARSEST: [usize; 2] = [10, 16];
 
-/// Cells along the longer side of the last grid that is tried.
-const FINEST: usize = 2048;
+/// Cells along the longer side that no grid has more of.
+const FINEST: usize = 2560;
+
+/// Cells under pressure without which an energy tells nothing of the next, and on the first of two grids that shall tell the
+/// limit alone.
+const FEWEST: [usize; 2] = [19, 24];
+
+/// Times that the grids begin anew in a larger box.
+const MOST_RESTARTS: usize = 6;
+
+/// Error of the gap on a grid whose force is asked for, relative to the depth: it changes the force by twice that.
+const PRECISE: [f64; 2] = [5e-8, 1e-8];
+
+/// The same on a grid of which nothing but the energy and a start is taken: it errs by the square.
+const PASSING: f64 = 3e-4;
 
 /// Cells along the longer side at which a step of the gap is no longer hoped to be a flank.
 const STEPPED: usize = 512;
@@ -75,7 +88,8 @@ pub(crate) fn refined(
     if settings.cells.is_some() || best.is_within(settings.tolerance) {
         return Ok(best);
     }
-    let why = best.stopped.unwrap_or_else(|| edges::most(FINEST));
+    let [nx, ny] = best.state.problem.grid.shape;
+    let why = best.stopped.unwrap_or_else(|| edges::most(nx.max(ny)));
     Err(Unsolved::short_of(settings.tolerance, best.error / best.force, &why))
 }
 
@@ -88,9 +102,12 @@ pub(crate) fn as_far_as(
     method: Method,
     degree: Option<Degree>,
 ) -> Result<Refined, Unsolved> {
-    let window = locate(door)?;
+    let degree = degree.filter(|_| settings.kernel == Kernel::Galerkin);
+    // Grids of energies begin anew in a larger box.
+    let closely = settings.cells.is_none() && matches!(degree, Some(Degree::Power(_)));
+    let window = if closely { locate_closely(door)? } else { locate(door)? };
     let (forces, energies) = (Vec::new(), Vec::new());
-    let law = degree.filter(|_| settings.kernel == Kernel::Galerkin).map(|degree| {
+    let law = degree.map(|degree| {
         let ends = match degree {
             Degree::Flat => Ends::Edges,
             Degree::Power(1.0) if homogeneity::is_of_planes(&door.gap, &window) => Ends::Corners,
@@ -129,10 +146,10 @@ impl Ascent<'_> {
     /// A prescribed grid. Two coarser ones go before it, for the estimate of the error; each costs a quarter of the next or less.
     fn prescribed(mut self, cells: usize) -> Result<Option<Refined>, Unsolved> {
         for coarser in [cells.div_ceil(4), cells.div_ceil(2)].into_iter().filter(|&n| n >= 6 && n != cells) {
-            let state = self.grid(coarser)?;
+            let state = self.grid(|window| shape(window, coarser), PRECISE[1], None)?;
             self.limit(&state);
         }
-        let state = self.grid(cells)?;
+        let state = self.grid(|window| shape(window, cells), PRECISE[1], None)?;
         let force = state.force();
         if force <= 0.0 {
             return Ok(None);
@@ -152,10 +169,21 @@ impl Ascent<'_> {
     }
 
     fn free(mut self) -> Result<Option<Refined>, Unsolved> {
+        let smooth = matches!(self.law, Some((Degree::Power(_), _)));
+        let coarsest = COARSEST[usize::from(!smooth)];
+        self.window = squared(self.door, &self.window, coarsest);
         let (tolerance, finest) = (self.settings.tolerance, self.finest);
         let mut best: Option<Refined> = None;
-        for cells in (0..).map(|level| COARSEST << level).take_while(|&n| n <= finest) {
-            let state = match self.grid(cells) {
+        let (mut laid, mut full, mut restarts, mut next) = (self.window, false, 0, 0);
+        while coarsest << next <= finest {
+            let (level, cells) = (next, coarsest << next);
+            next += 1;
+            // Whole cells become quarters: the grids are of one family, and each starts where the last one ended.
+            let nested = |window: &Rect| shape(window, coarsest).map(|n| n << level);
+            // Two grids before it, or one that was fine enough: then it may be the last.
+            let last = !smooth || coarsest << next > finest || self.energies.len() >= if full { 1 } else { 2 };
+            let gap_error = if last { (1e-4 * tolerance).clamp(PRECISE[1], PRECISE[0]) } else { PASSING };
+            let state = match self.grid(nested, gap_error, best.as_ref().map(|b| &b.state)) {
                 // The grid before was the finest that this method can hold.
                 Err(e) if e.verdict == Verdict::TooLarge && best.is_some() => {
                     return Ok(best.map(|b| Refined { stopped: Some(e.reason), ..b }));
@@ -166,21 +194,33 @@ impl Ascent<'_> {
                 // No cell overlaps as a whole: the grid is too coarse to tell anything.
                 continue;
             }
-            let Estimate { value, mut error } = self.limit(&state);
-            let three = self.forces.len() >= 3;
+            let loaded = state.solution.pressure.iter().filter(|&&p| p > 0.0).count();
+            if smooth && level > 0 && self.window != laid && restarts < MOST_RESTARTS {
+                // Grids of another box are of another family.
+                self.energies.clear();
+                self.window = squared(self.door, &self.window, coarsest);
+                (laid, full, restarts, next, best) = (self.window, false, restarts + 1, 0, None);
+                continue;
+            }
+            laid = self.window;
+            full |= level == 0 && loaded >= FEWEST[1];
+            let few = smooth && loaded < FEWEST[0];
+            let Estimate { value, mut error } =
+                if few { Estimate { value: state.force(), error: state.force() } } else { self.limit(&state) };
+            let three = if smooth { self.energies.len() >= 3 } else { self.forces.len() >= 3 };
+            let two = smooth && full && self.energies.len() == 2;
             // Forces may seem to converge while an edge falls between two cells: a grid is believed when means over cells and
             // values at their centres agree on it.
             if self.law.is_none() && three && error <= tolerance * value {
                 error = error.max(self.doubt(&state)?);
             }
             // Edges of flat punches converge with another order than smooth contacts: three grids show which.
-            let smooth = matches!(self.law, Some((Degree::Power(_), _)));
             // Three grids may agree on a limit that is not the punch's while its edges lie between two rows of cells.
             let edge = if three && !smooth { edges::met(self.door, &state) } else { None };
             if edge == Some(Edge::Step) {
                 error *= BESIDE_STEPS;
             }
-            let close = error <= tolerance * value && (smooth || three);
+            let close = error <= tolerance * value && (two || three);
             let ends = edge == Some(Edge::End);
             let aligned = ends && Border::of(self.door, &state).aligned;
             let good = close && (aligned || !ends);
@@ -202,9 +242,15 @@ impl Ascent<'_> {
         Ok(best)
     }
 
-    /// The next grid, with what all took so far.
-    fn grid(&mut self, cells: usize) -> Result<GridState, Unsolved> {
-        let state = at_resolution(self.door, &mut self.window, cells, self.settings, self.method)?;
+    /// The next grid, with what all took so far, from a coarser one where its cells are quarters of that.
+    fn grid(
+        &mut self,
+        shape: impl Fn(&Rect) -> [usize; 2],
+        tolerance: f64,
+        coarser: Option<&GridState>,
+    ) -> Result<GridState, Unsolved> {
+        let way = Way { tolerance, coarser, ..Way::precise(self.settings, self.method) };
+        let state = of_shape(self.door, &mut self.window, shape, way)?;
         Ok(self.with_spent(state))
     }
 

@@ -36,11 +36,32 @@ impl GridState {
         self.solution.pressure.iter().sum::<f64>() * self.problem.grid.cell_area()
     }
 
-    /// U = 1/2 integral of p f = -J.
+    /// U = -J = integral of p f - p u/2: the largest there is, so that what a pressure misses counts by its square alone.
     pub fn energy(&self) -> f64 {
-        let product = |(p, f): (&f64, &f64)| if *p > 0.0 { p * f } else { 0.0 };
-        0.5 * self.solution.pressure.iter().zip(&self.problem.overlap).map(product).sum::<f64>()
+        let DiscreteSolution { pressure, displacement, .. } = &self.solution;
+        let product = |((p, f), u): ((&f64, &f64), &f64)| if *p > 0.0 { p * (f - 0.5 * u) } else { 0.0 };
+        pressure.iter().zip(&self.problem.overlap).zip(displacement).map(product).sum::<f64>()
             * self.problem.grid.cell_area()
+    }
+}
+
+/// How a grid is to be solved.
+#[derive(Clone, Copy)]
+pub(crate) struct Way<'a> {
+    pub method: Method,
+    pub kernel: Kernel,
+    pub threads: usize,
+    /// Largest error of the gap, relative to the depth.
+    pub tolerance: f64,
+    /// A solved grid to start from, when its cells are twice as large.
+    pub coarser: Option<&'a GridState>,
+}
+
+impl Way<'_> {
+    /// To eight digits, from nothing.
+    pub fn precise(settings: &Settings, method: Method) -> Self {
+        let tolerance = matrix_free::Settings::default().tolerance;
+        Self { method, kernel: settings.kernel, threads: settings.threads, tolerance, coarser: None }
     }
 }
 
@@ -52,11 +73,21 @@ pub(crate) fn at_resolution(
     settings: &Settings,
     method: Method,
 ) -> Result<GridState, Unsolved> {
+    of_shape(door, window, |window| shape(window, cells), Way::precise(settings, method))
+}
+
+/// The contact at one depth on a grid of the shape that belongs to a box that holds it.
+pub(crate) fn of_shape(
+    door: &Door,
+    window: &mut Rect,
+    shape: impl Fn(&Rect) -> [usize; 2],
+    way: Way,
+) -> Result<GridState, Unsolved> {
     let mut spent = (0, 0);
     for _ in 0..MOST_GROWTHS {
-        let grid = Grid::over(window, shape(window, cells));
-        let problem = Discrete::sample(&door.gap, door.depth, grid, settings.kernel);
-        let state = solve(door, problem, method, settings.threads)?;
+        let grid = Grid::over(window, shape(window));
+        let problem = Discrete::sample(&door.gap, door.depth, grid, way.kernel);
+        let state = solve(door, problem, way)?;
         spent = (spent.0 + state.iterations, spent.1 + state.operator_products);
         match outgrown(door, window, &state.problem.grid, &state.solution.pressure) {
             None => return Ok(GridState { iterations: spent.0, operator_products: spent.1, ..state }),
@@ -77,23 +108,35 @@ pub(crate) fn other_kernel(door: &Door, state: &GridState) -> Result<f64, Unsolv
     };
     let problem = Discrete::sample(&door.gap, door.depth, state.problem.grid, kernel);
     let settings = matrix_free::Settings { tolerance: 1e-5, ..matrix_free::Settings::default() };
-    let solution = matrix_free::solve_nested(&problem, &settings)?;
+    let solution = matrix_free::solve(&problem, Some(&state.solution.pressure), &settings)?;
     Ok(solution.pressure.iter().sum::<f64>() * problem.grid.cell_area())
 }
 
 /// One grid by one method.
-fn solve(door: &Door, problem: Discrete, method: Method, threads: usize) -> Result<GridState, Unsolved> {
+fn solve(door: &Door, problem: Discrete, way: Way) -> Result<GridState, Unsolved> {
     let cells = problem.grid.len();
     let pruned = problem.overlap.iter().filter(|&&f| f <= 0.0).count();
     let mut left_out = vec![format!("{pruned} of {cells} cells: the undeformed bodies do not overlap there")];
     let mut remarks = Vec::new();
+    let Way { method, threads, tolerance, .. } = way;
     let solution = match method {
         Method::Qp => programme::solve(door, &problem, &mut left_out, &mut remarks)?,
         _ => {
-            matrix_free::solve_nested(&problem, &matrix_free::Settings { threads, ..matrix_free::Settings::default() })?
+            let settings = matrix_free::Settings { threads, tolerance, ..matrix_free::Settings::default() };
+            match way.coarser.and_then(|coarser| start(coarser, &problem.grid)) {
+                Some(start) => matrix_free::solve(&problem, Some(&start), &settings)?,
+                None => matrix_free::solve_nested(&problem, &settings)?,
+            }
         }
     };
     Ok(GridState { left_out, remarks, ..GridState::of(method, problem, solution) })
+}
+
+/// The pressure of a grid on another of half its cells' sides; `None` when that is not what it is.
+fn start(coarser: &GridState, grid: &Grid) -> Option<Vec<f64>> {
+    let coarse = &coarser.problem.grid;
+    let same = coarse.extent() == grid.extent() && coarse.shape.map(|n| 2 * n) == grid.shape;
+    (same && coarser.force() > 0.0).then(|| matrix_free::halved(coarse.shape, &coarser.solution.pressure))
 }
 
 /// In place of the quadratic programme, when it was not built.

@@ -10,9 +10,9 @@ pub(crate) fn outgrown(door: &Door, window: &Rect, grid: &Grid, pressure: &[f64]
     let loaded = Rect::holding((0..grid.len()).filter(|&k| pressure[k] > 0.0).map(|k| grid.centre_of(k)))?;
     let mut wanted = *window;
     for axis in 0..2 {
-        let h = grid.spacing[axis];
+        // On a coarse grid the outermost cells may well be under pressure.
+        let h = grid.spacing[axis].min(window.size()[axis] / NEAR);
         let grow = 0.2 * window.size()[axis];
-        // A whole number of cells: the new grid is then no other sample of the gap than it has to be.
         if loaded.min[axis] < window.min[axis] + h && window.min[axis] > door.reach.min[axis] {
             wanted.min[axis] -= grow;
         }
@@ -23,9 +23,16 @@ pub(crate) fn outgrown(door: &Door, window: &Rect, grid: &Grid, pressure: &[f64]
     for point in penetrating_outside(door, window, grid, pressure) {
         wanted = wanted.union(&Rect::around(point, [2.0 * grid.spacing[0], 2.0 * grid.spacing[1]]));
     }
-    let wanted = wanted.intersection(&door.reach).unwrap_or(wanted);
+    if wanted == *window {
+        return None;
+    }
+    // No further than there is overlap; a box may be wider than that from the start.
+    let wanted = wanted.intersection(&door.reach.union(window)).unwrap_or(wanted);
     (wanted != *window).then_some(wanted)
 }
+
+/// Contact that comes closer to the border than this part of the box may go on beyond it.
+const NEAR: f64 = 64.0;
 
 /// Lattice points between the box and the limit of {f > 0} where the loaded surfaces would overlap.
 fn penetrating_outside(door: &Door, window: &Rect, grid: &Grid, pressure: &[f64]) -> Vec<[f64; 2]> {
@@ -35,20 +42,26 @@ fn penetrating_outside(door: &Door, window: &Rect, grid: &Grid, pressure: &[f64]
     let area = grid.cell_area();
     let loaded: Vec<([f64; 2], f64)> =
         (0..grid.len()).filter(|&k| pressure[k] > 0.0).map(|k| (grid.centre_of(k), pressure[k] * area)).collect();
-    let gathered = gathered(&loaded, window);
+    let gathered = std::cell::LazyCell::new(|| gathered(&loaded, window));
     let under = |loads: &[([f64; 2], f64)], [x, y]: [f64; 2]| {
         loads.iter().map(|([a, b], q)| q / (x - a).hypot(y - b)).sum::<f64>() / std::f64::consts::PI
     };
-    let force: f64 = loaded.iter().map(|l| l.1).sum();
-    let [px, py] = centre_of_load(&loaded);
+    // What a load leaves at a point, at the least: as if it all lay in the corner that is farthest.
+    let blocks = in_boxes(&loaded, window);
+    let least = |boxes: &[(Rect, f64)], [x, y]: [f64; 2]| {
+        let farthest = |r: &Rect| {
+            let far = |m: usize, p: f64| (p - r.min[m]).abs().max((r.max[m] - p).abs());
+            (far(0, x).powi(2) + far(1, y).powi(2)).sqrt()
+        };
+        boxes.iter().map(|(r, q)| q / farthest(r)).sum::<f64>() / std::f64::consts::PI
+    };
+    let whole = blocks.iter().copied().reduce(|(a, p), (b, q)| (a.union(&b), p + q));
     (0..lattice.len())
         .map(|k| lattice.centre_of(k))
         .filter(|p| !window.contains(*p))
         .filter(|&[x, y]| {
             let f = door.depth - door.gap.gap(x, y);
-            // The whole load at its centre, at the farthest it can be: cheap, and enough nearly everywhere.
-            let farthest = (x - px).hypot(y - py) + window.size()[0].hypot(window.size()[1]);
-            if f <= force / (std::f64::consts::PI * farthest) {
+            if f <= 0.0 || f <= least(whole.as_slice(), [x, y]) || f <= least(&blocks, [x, y]) {
                 return false;
             }
             // Then block by block; every cell for itself only where that leaves it open.
@@ -57,6 +70,22 @@ fn penetrating_outside(door: &Door, window: &Rect, grid: &Grid, pressure: &[f64]
         })
         .collect()
 }
+
+/// The loads in a few parts of the box: the cells they act on, and their sum.
+fn in_boxes(loaded: &[([f64; 2], f64)], window: &Rect) -> Vec<(Rect, f64)> {
+    let mut parts: [Option<(Rect, f64)>; PARTS * PARTS] = [None; PARTS * PARTS];
+    let size = window.size();
+    for &(at, q) in loaded {
+        let [i, j] = [0, 1].map(|m| ((at[m] - window.min[m]) / size[m] * PARTS as f64).clamp(0.0, PARTS as f64 - 1.0));
+        let here = Rect { min: at, max: at };
+        let part = &mut parts[i as usize * PARTS + j as usize];
+        *part = Some(part.map_or((here, q), |(r, sum)| (r.union(&here), sum + q)));
+    }
+    parts.into_iter().flatten().collect()
+}
+
+/// Parts of the box along a side.
+const PARTS: usize = 4;
 
 /// The loads of a block of the box at their common centre: a sixteenth of the box a side, so that a point a block away
 /// feels them to a few per cent.

@@ -57,21 +57,31 @@ fn boundary(problem: &Discrete, solution: &DiscreteSolution) -> Vec<Vec<[f64; 2]
     march(grid, &solution.pressure.iter().map(|&p| p > 0.0).collect::<Vec<_>>(), share)
 }
 
-/// s/h with p^2 = k^2 s and (3 gap/4)^(2/3) = k^(2/3) (h - s), k eliminated by bisection on s.
+/// t = s/h with p^2 = k^2 s and (3 gap/4)^(2/3) = k^(2/3) (h - s): k eliminated, (1 - t)^3 = c t.
 fn edge_between(p: f64, gap: f64, h: f64) -> f64 {
     if gap <= 0.0 {
         return 0.5;
     }
-    // With s = t h: k = p/sqrt(t h), so the second equation is (3 gap/4)^2 = k^2 (h (1-t))^3.
-    let wanted = (0.75 * gap).powi(2);
-    let excess = |t: f64| p * p / (t * h) * (h * (1.0 - t)).powi(3) - wanted;
-    let (mut low, mut high) = (1e-6, 1.0 - 1e-6);
-    for _ in 0..30 {
-        let middle = 0.5 * (low + high);
-        if excess(middle) > 0.0 { low = middle } else { high = middle }
-    }
+    let c = (0.75 * gap / (p * h)).powi(2);
     // The unknown k comes from a cell mean next to a square root: keep the edge between the two centres.
-    (0.5 * (low + high)).clamp(0.05, 0.95)
+    let [nearest, farthest] = [0.05, 0.95];
+    let excess = |t: f64| (1.0 - t).powi(3) - c * t;
+    if excess(nearest) <= 0.0 {
+        return nearest;
+    }
+    if excess(farthest) >= 0.0 {
+        return farthest;
+    }
+    // Falling and convex: Newton's method comes up from the left.
+    let mut t = nearest;
+    for _ in 0..30 {
+        let step = excess(t) / (3.0 * (1.0 - t).powi(2) + c);
+        t += step;
+        if step < 1e-12 {
+            break;
+        }
+    }
+    t
 }
 
 /// Marching squares on the lattice of cell centres, with one ring of free cells around it. Contact cells that meet at a
@@ -105,7 +115,14 @@ fn march(grid: &Grid, inside: &[bool], share: impl Fn(usize, Option<usize>) -> f
             (i, j, turn as u8)
         }
     };
-    let mut seen = std::collections::HashSet::new();
+    // One bit a direction.
+    let mut seen = vec![0_u8; inside.len()];
+    let mut first_time = |(i, j, direction): Crossing| {
+        let (bits, bit) = (&mut seen[(j * nx + i) as usize], 1 << direction);
+        let first = *bits & bit == 0;
+        *bits |= bit;
+        first
+    };
     let mut loops = Vec::new();
     for j in 0..ny {
         for i in 0..nx {
@@ -115,16 +132,18 @@ fn march(grid: &Grid, inside: &[bool], share: impl Fn(usize, Option<usize>) -> f
             for direction in 0..4u8 {
                 let (di, dj) = STEPS[direction as usize];
                 let start = (i, j, direction);
-                if is_inside(i + di, j + dj) || seen.contains(&start) {
+                if is_inside(i + di, j + dj) {
                     continue;
                 }
                 let mut polygon = Vec::new();
                 let mut at = start;
-                while seen.insert(at) {
+                while first_time(at) {
                     polygon.push(point(at));
                     at = next(at);
                 }
-                loops.push(polygon);
+                if !polygon.is_empty() {
+                    loops.push(polygon);
+                }
             }
         }
     }

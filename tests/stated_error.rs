@@ -65,6 +65,33 @@ fn of_pyramids_turned_against_the_grid() {
 }
 
 #[test]
+fn of_irregular_pyramids() {
+    let mut random = Random(12);
+    for n in 0..40 {
+        let (faces, skew) = (3 + (random.next() * 4.0) as usize, random.next());
+        let aspect = 10f64.powf(random.next() * random.between(0.0, 1.0));
+        let plane = |k: usize, random: &mut Random| {
+            let angle = std::f64::consts::TAU * (k as f64 + 0.6 * skew * random.between(-0.5, 0.5)) / faces as f64;
+            let slope = 1.0 + skew * random.between(-0.5, 0.5);
+            [slope * angle.cos(), slope * aspect * angle.sin(), 0.0]
+        };
+        let planes = (0..faces).map(|k| plane(k, &mut random)).collect();
+        let pyramid = AnyGap::new(Polyhedron::new(planes).unwrap());
+        let fine = Settings { method: Method::Fft, tolerance: 2e-4, ..Settings::default() };
+        let (exact, doubt) = force(&pyramid, 0.1, &fine);
+        let gap = AnyGap::new(Placed::new(pyramid, [0.1, -0.2], random.between(0.0, 6.3)).unwrap());
+        for tolerance in [1e-2, 2e-3] {
+            let (found, said) = force(&gap, 0.1, &Settings { tolerance, ..fine });
+            let off = (found / exact - 1.0).abs();
+            assert!(
+                off <= said + doubt && said <= tolerance,
+                "{n}: {faces} faces, aspect {aspect:.1}, {tolerance:.0e}: {off:.1e}, said {said:.1e}"
+            );
+        }
+    }
+}
+
+#[test]
 fn where_the_material_ends() {
     // A round punch cut off at a: P = 2 E* (a d - a^3/(3 R)) once it has all touched; flat where R is infinite.
     let mut random = Random(7);

@@ -1,39 +1,53 @@
 //! Mean of a gap over a cell: of the highest of some planes, and by quadrature where no closed form is known.
 
-use super::ridges::face_polygon;
-use crate::geometry::{Rect, area, centroid};
+use crate::geometry::{Rect, area, centroid, clip};
 
 /// With more planes than this quadrature is quicker where they meet.
-const MOST_PLANES: usize = 24;
+pub(super) const MOST_PLANES: usize = 24;
 
-/// Of the highest of these planes, exactly unless very many meet in the cell; `highest` finds it at a point.
-pub(super) fn of_planes<'a>(
-    planes: &[[f64; 3]],
-    highest: impl Fn(f64, f64) -> &'a [f64; 3] + Copy,
-    cell: &Rect,
-) -> f64 {
-    let height = |p: &[f64; 3], x: f64, y: f64| p[0] * x + p[1] * y + p[2];
-    let gap = |x: f64, y: f64| height(highest(x, y), x, y);
-    // The region of one plane is convex: highest at the corners, highest throughout.
-    let [x, y] = cell.centre();
-    let top = highest(x, y);
-    if cell.corners().iter().all(|c| gap(c[0], c[1]) <= height(top, c[0], c[1])) {
-        return height(top, x, y);
+/// Of the highest of these planes, exactly.
+pub(super) fn of_planes(planes: &[[f64; 3]], cell: &Rect) -> f64 {
+    let ([x, y], [w, h]) = (cell.centre(), cell.size());
+    let middle = |p: &[f64; 3]| p[0] * x + p[1] * y + p[2];
+    let mut top = (f64::NEG_INFINITY, &[0.0; 3]);
+    for p in planes {
+        let height = middle(p);
+        if height > top.0 {
+            top = (height, p);
+        }
     }
-    if planes.len() > MOST_PLANES {
-        return by_quadrature(gap, cell);
-    }
-    let volume = |k: usize| {
-        let piece = face_polygon(planes, k, cell);
-        if piece.len() < 3 {
+    // What rises above the highest in the middle anywhere in the cell.
+    let (height, top) = top;
+    let rises = |p: &[f64; 3]| {
+        let variation = 0.5 * ((p[0] - top[0]).abs() * w + (p[1] - top[1]).abs() * h);
+        middle(p) + variation > height && p != top
+    };
+    let mut rising = planes.iter().filter(|p| rises(p));
+    let Some(first) = rising.next() else { return height };
+    let volume = |over: &[f64; 3], polygon: &[[f64; 2]], under: &[f64; 3]| {
+        if polygon.len() < 3 {
             return 0.0;
         }
-        let [x, y] = centroid(&piece);
-        area(&piece) * height(&planes[k], x, y)
+        let [cx, cy] = centroid(polygon);
+        area(polygon)
+            * ((over[0] - under[0]) * (cx - x) + (over[1] - under[1]) * (cy - y) + middle(over) - middle(under))
     };
-    let [w, h] = cell.size();
+    let above = |p: &[f64; 3], q: &[f64; 3], polygon: &[[f64; 2]]| clip(polygon, q[0] - p[0], q[1] - p[1], q[2] - p[2]);
+    if rising.next().is_none() {
+        // One ridge: what the second adds where it is the higher one.
+        let piece = above(first, top, &cell.corners());
+        return height + volume(first, &piece, top) / (w * h);
+    }
+    let rising: Vec<&[f64; 3]> = planes.iter().filter(|p| rises(p)).collect();
+    let added = |k: usize| {
+        let others = rising.iter().filter(|&&q| q != rising[k]);
+        let own = above(rising[k], top, &cell.corners());
+        let piece = others.fold(own, |polygon, q| above(rising[k], q, &polygon));
+        volume(rising[k], &piece, top)
+    };
     // Equal planes share a region: count the first of them only.
-    (0..planes.len()).filter(|&k| !planes[..k].contains(&planes[k])).map(volume).sum::<f64>() / (w * h)
+    let distinct = (0..rising.len()).filter(|&k| !rising[..k].contains(&rising[k]));
+    height + distinct.map(added).sum::<f64>() / (w * h)
 }
 
 /// Abscissae (half interval) and weights of the 3-point Gauss-Legendre rule on [-1, 1].

@@ -115,14 +115,13 @@ impl Polyhedron {
                 .chain(&self.planes[faces..])
                 .fold(face(k), |a, b| if height(b) > height(a) { b } else { a });
         }
-        highest(&self.planes, x, y)
+        let (first, others) = self.planes.split_first().expect("at least one plane");
+        let higher = |top: (f64, _), p| {
+            let here = height(p);
+            if here > top.0 { (here, p) } else { top }
+        };
+        others.iter().fold((height(first), first), higher).1
     }
-}
-
-/// The highest of the planes at a point; there must be one.
-pub(super) fn highest(planes: &[[f64; 3]], x: f64, y: f64) -> &[f64; 3] {
-    let height = |p: &[f64; 3]| p[0] * x + p[1] * y + p[2];
-    planes.iter().reduce(|a, b| if height(b) > height(a) { b } else { a }).expect("at least one plane")
 }
 
 /// Where the surface is lowest; the middle of the flat if it is lowest on one.
@@ -241,7 +240,16 @@ impl Gap for Polyhedron {
     }
 
     fn mean(&self, cell: &Rect) -> f64 {
-        mean::of_planes(&self.planes, |x, y| self.highest(x, y), cell)
+        if self.planes.len() <= mean::MOST_PLANES {
+            return mean::of_planes(&self.planes, cell);
+        }
+        // The region of one plane is convex: highest at the corners, highest throughout.
+        let [x, y] = cell.centre();
+        let top = self.highest(x, y);
+        if cell.corners().iter().all(|c| self.gap(c[0], c[1]) <= top[0] * c[0] + top[1] * c[1] + top[2]) {
+            return top[0] * x + top[1] * y + top[2];
+        }
+        mean::by_quadrature(|x, y| self.gap(x, y), cell)
     }
 
     fn planes(&self) -> Option<&[[f64; 3]]> {

@@ -33,6 +33,9 @@ const AIM: f64 = 0.9;
 /// Fall of the residual that single precision can follow: measured, it has then lost a tenth of its digits at most.
 pub(super) const FALL: f64 = 2e-6;
 
+/// A tolerance that a residual in single precision is good enough for from the start.
+const WITHIN_SINGLE: f64 = 5e-6;
+
 /// Cells that leave are taken out one by one when they are no more: a product is dearer than their sums, and the next step is
 /// then free to have its best length.
 const FEW: usize = 8;
@@ -76,6 +79,12 @@ pub(super) fn relax(level: &Level, state: &mut State, scratch: &mut Scratch) -> 
         let reached = descend(level, state, &mut work, level.tolerance, scratch);
         project(state);
         return reached;
+    }
+    if level.tolerance >= WITHIN_SINGLE {
+        // The first residual need not be better than the last.
+        begin(level, state, &mut work, scratch);
+        descend(level, state, &mut work, level.tolerance, scratch);
+        project(state);
     }
     level.refresh(state, scratch);
     let mut error = level.error(state);
@@ -160,7 +169,8 @@ fn descend(level: &Level, state: &mut State, work: &mut Work, tolerance: f64, sc
         }
         let cells = rows.start * width..rows.end * width;
         let Work { r, z, d, ad, w, own, image, face } = work;
-        let near_inverse = Fixed { single: level.periodic, preconditioner: level.preconditioner, face };
+        let near_inverse =
+            Fixed { single: level.single, periodic: level.periodic, preconditioner: level.preconditioner, face };
         let (face, z, d) = (&face[cells.clone()], &mut z[..], &mut d[..]);
 
         // Relax on the face. The first step also empties the cells that left.

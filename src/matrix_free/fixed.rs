@@ -8,6 +8,8 @@ use super::operator::Scratch;
 /// A face that stays.
 pub(super) struct Fixed<'a> {
     pub(super) single: &'a Convolution<f32>,
+    /// The near compliance that [`Fixed::approach`] takes its steps with; without it there is one step, of a usual length.
+    pub(super) periodic: Option<&'a Convolution<f32>>,
     pub(super) preconditioner: &'a Convolution<f32>,
     /// 1 on the face and 0 elsewhere.
     pub(super) face: &'a [f32],
@@ -17,7 +19,7 @@ pub(super) struct Fixed<'a> {
 const STEPS: usize = 3;
 
 /// Cells up to which there is one step, of a usual length: on a small grid a product with A costs hardly more than one of them.
-const SMALL: usize = 4096;
+pub(super) const SMALL: usize = 4096;
 const USUAL: f32 = 0.4;
 
 impl Fixed<'_> {
@@ -31,11 +33,11 @@ impl Fixed<'_> {
         rows: Range<usize>,
         scratch: &mut Scratch,
     ) {
-        let width = self.single.shape()[0];
+        let width = self.preconditioner.shape()[0];
         let cells = rows.start * width..rows.end * width;
         let face = &self.face[cells.clone()];
         let (mut rz_old, mut alpha) = (0.0, USUAL);
-        let steps = if r.len() > SMALL { STEPS } else { 1 };
+        let steps = if self.periodic.is_some() { STEPS } else { 1 };
         z[cells.clone()].fill(0.0);
         for step in 0..steps {
             self.preconditioner.product(r, rows.clone(), image, rows.clone(), scratch);
@@ -45,8 +47,8 @@ impl Fixed<'_> {
             for ((d, z), m) in d[cells.clone()].iter_mut().zip(&image[cells.clone()]).zip(face) {
                 *d = m * z + beta * *d;
             }
-            if step + 1 < steps {
-                self.single.product(d, rows.clone(), image, rows.clone(), scratch);
+            if let Some(periodic) = self.periodic.filter(|_| step + 1 < steps) {
+                periodic.product(d, rows.clone(), image, rows.clone(), scratch);
                 alpha = (rz / dot(&d[cells.clone()], &image[cells.clone()])) as f32;
                 for ((r, ad), m) in r[cells.clone()].iter_mut().zip(&image[cells.clone()]).zip(face) {
                     *r -= alpha * m * ad;

@@ -18,7 +18,7 @@ pub(super) struct Level<'a> {
     pub(super) compliance: Option<&'a Convolution<f64>>,
     pub(super) single: &'a Convolution<f32>,
     pub(super) preconditioner: &'a Convolution<f32>,
-    pub(super) periodic: &'a Convolution<f32>,
+    pub(super) periodic: Option<&'a Convolution<f32>>,
     /// A, up to a factor.
     pub(super) table: &'a InfluenceTable,
     /// A at offsets below [`NEAR`], row by row.

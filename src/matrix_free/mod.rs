@@ -27,7 +27,7 @@ use crate::error::{Unsolved, Verdict};
 use crate::influence::InfluenceTable;
 
 pub use growth::{displacement, growth};
-pub use nested::solve_nested;
+pub use nested::{halved, solve_nested};
 pub use operator::{Operator, Scratch};
 pub use solver::Solver;
 
@@ -214,7 +214,7 @@ impl Cells {
             compliance: operators.compliance.as_ref(),
             single: &operators.single,
             preconditioner: &operators.preconditioner,
-            periodic: &operators.periodic,
+            periodic: operators.periodic.as_ref(),
             table,
             near: &near,
             mirrored: self.mirrored,
@@ -238,8 +238,9 @@ struct Operators {
     compliance: Option<Convolution<f64>>,
     single: Convolution<f32>,
     preconditioner: Convolution<f32>,
-    /// What the preconditioner is the inverse of: the compliance of a surface that repeats, a third of the work.
-    periodic: Convolution<f32>,
+    /// What the preconditioner is the inverse of: the compliance of a surface that repeats, a third of the work. None on small
+    /// grids, which do without.
+    periodic: Option<Convolution<f32>>,
     /// 2-norm of the compliance, or a bound of it.
     norm: f64,
 }
@@ -253,8 +254,10 @@ impl Operators {
         drop(symbol);
         let mut symbol = operator::preconditioner(table, scale, shape, mirrored);
         let preconditioner = Convolution::new(shape, &symbol, mirrored);
-        symbol.values.iter_mut().for_each(|s| *s = 1.0 / *s);
-        let periodic = Convolution::new(shape, &symbol, mirrored);
+        let periodic = (shape[0] * shape[1] > fixed::SMALL).then(|| {
+            symbol.values.iter_mut().for_each(|s| *s = 1.0 / *s);
+            Convolution::new(shape, &symbol, mirrored)
+        });
         Self { compliance, single, preconditioner, periodic, norm }
     }
 }

@@ -84,11 +84,30 @@ fn coarser(fine: &Cells) -> Option<Cells> {
     (deepest > 0.0).then_some(Cells { shape, mirrored: fine.mirrored, overlap })
 }
 
+/// The pressure on the cells of `coarse` as a start on cells of half their sides.
+///
+/// ```
+/// use contact_patch::matrix_free::halved;
+/// // Every cell keeps its load.
+/// let fine = halved([2, 1], &[4.0, 0.0]);
+/// assert_eq!(fine.len(), 8);
+/// assert!((fine.iter().sum::<f64>() / 4.0 - 4.0).abs() < 1e-14);
+/// ```
+#[must_use]
+pub fn halved(coarse: [usize; 2], pressure: &[f64]) -> Vec<f64> {
+    shared_out(coarse, false, pressure, coarse.map(|n| 2 * n))
+}
+
+/// Halved: the pressure that moves a cell by the depth is twice as large on cells of half the side.
+fn finer(coarse: &Cells, p: &[f64], shape: [usize; 2]) -> Vec<f64> {
+    let mut fine = shared_out(coarse.shape, coarse.mirrored, p, shape);
+    fine.iter_mut().for_each(|p| *p *= 0.5);
+    fine
+}
+
 /// The pressure of coarse cells shared out among their quarters. Each keeps its load; within it the pressure is linear, with the
 /// slope of its neighbours (exact for means of quadratics), or like the root of the distance at the edge of the contact.
-/// Halved: the pressure that moves a cell by the depth is twice as large on cells of half the side.
-fn finer(coarse: &Cells, p: &[f64], [nx, ny]: [usize; 2]) -> Vec<f64> {
-    let [cx, cy] = coarse.shape;
+fn shared_out([cx, cy]: [usize; 2], mirrored: bool, p: &[f64], [nx, ny]: [usize; 2]) -> Vec<f64> {
     let mut fine = vec![0.0; nx * ny];
     for j in 0..cy {
         for i in 0..cx {
@@ -100,14 +119,14 @@ fn finer(coarse: &Cells, p: &[f64], [nx, ny]: [usize; 2]) -> Vec<f64> {
             let k = j * cx + i;
             let west = at(i > 0, k.wrapping_sub(1));
             let east = at(i + 1 < cx, k + 1);
-            let south = if j == 0 && coarse.mirrored { here } else { at(j > 0, k.wrapping_sub(cx)) };
+            let south = if j == 0 && mirrored { here } else { at(j > 0, k.wrapping_sub(cx)) };
             let north = at(j + 1 < cy, k + cx);
             let (along, across) = (halves(west, here, east), halves(south, here, north));
             for (t, v) in across.into_iter().enumerate() {
                 for (s, u) in along.into_iter().enumerate() {
                     let (x, y) = (2 * i + s, 2 * j + t);
                     if x < nx && y < ny {
-                        fine[y * nx + x] = 0.5 * here * u * v;
+                        fine[y * nx + x] = here * u * v;
                     }
                 }
             }

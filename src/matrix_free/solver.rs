@@ -60,6 +60,8 @@ struct Last {
     grid: Grid,
     pressure: Vec<f64>,
     deepest: f64,
+    /// p . f, which is p . A p.
+    work: f64,
     earlier: Option<(Vec<f64>, f64)>,
 }
 
@@ -137,7 +139,8 @@ impl Solver {
         };
         let pressure = solution.pressure.clone();
         let earlier = last.filter(|last| last.grid == problem.grid).map(|last| (last.pressure, last.deepest));
-        self.last = Some(Last { grid: problem.grid, pressure, deepest: window.deepest, earlier });
+        let work = work(&pressure, problem);
+        self.last = Some(Last { grid: problem.grid, pressure, deepest: window.deepest, work, earlier });
         Ok(solution)
     }
 
@@ -165,10 +168,19 @@ impl Solver {
     }
 }
 
+/// p . f where there is pressure.
+fn work(pressure: &[f64], problem: &Discrete) -> f64 {
+    pressure.iter().zip(&problem.overlap).filter(|(p, _)| **p > 0.0).map(|(p, f)| p * f.max(0.0)).sum()
+}
+
 impl Last {
-    /// On the same cells, along the line through the last two pressures.
-    fn continued(&self, deepest: f64) -> Vec<f64> {
-        let Some((earlier, depth)) = &self.earlier else { return self.pressure.clone() };
+    /// On the same cells, along the line through the last two pressures; of one alone the multiple of least energy.
+    fn continued(&self, problem: &Discrete, deepest: f64) -> Vec<f64> {
+        let Some((earlier, depth)) = &self.earlier else {
+            let times = work(&self.pressure, problem) / self.work;
+            let times = if times.is_finite() { times.clamp(1.0 / DEEPER, DEEPER) } else { 1.0 };
+            return self.pressure.iter().map(|p| times * p).collect();
+        };
         let (step, last) = (deepest - self.deepest, self.deepest - depth);
         let far = if step == last { 1.0 } else { step / last };
         if !(far.abs() <= FARTHEST) {
@@ -189,7 +201,7 @@ impl Last {
         }
         let total = self.pressure.iter().sum::<f64>() * then.cell_area();
         let start = if now == then {
-            self.continued(deepest)
+            self.continued(problem, deepest)
         } else {
             let place = |k: usize, axis: usize| {
                 let n = (now.centre_of(k)[axis] - then.origin[axis]) / then.spacing[axis];
