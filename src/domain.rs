@@ -9,6 +9,7 @@ use crate::error::{Unsolved, Verdict};
 use crate::gap::{Gap, Reach, Scaled, extent};
 use crate::geometry::Rect;
 use crate::grid::{Grid, Kernel};
+use crate::homogeneity::Degree;
 use crate::matrix_free;
 use crate::symmetry::Symmetry;
 
@@ -79,6 +80,12 @@ pub(crate) fn shape(window: &Rect, longest: usize) -> [usize; 2] {
     let [w, h] = window.size();
     let other = |ratio: f64| ((longest as f64 * ratio - 1e-9).ceil() as usize).clamp(longest.div_ceil(2), longest);
     if w >= h { [longest, other(h / w)] } else { [other(w / h), longest] }
+}
+
+/// Cells along the longer side of the first grid, from the homogeneity that gives the force from the energy: energies of
+/// contacts without sharp edges tell the most on so few.
+pub(crate) fn coarsest(degree: Option<Degree>) -> usize {
+    if matches!(degree, Some(Degree::Power(_))) { 10 } else { 16 }
 }
 
 /// The box made wide enough for square cells, `longest` along its longer side: their influence coefficients are known, and both

@@ -1,6 +1,6 @@
 //! The exact contact at one depth: grids that become finer until the force is known to the tolerance.
 
-use crate::domain::{Door, locate, locate_closely, shape, squared};
+use crate::domain::{Door, coarsest, locate, locate_closely, shape, squared};
 use crate::edges::{self, Border, Edge, Ladder};
 use crate::error::{Unsolved, Verdict};
 use crate::extrapolate::{self, Ends, Estimate};
@@ -9,9 +9,6 @@ use crate::grid::Kernel;
 use crate::homogeneity::{self, Degree};
 use crate::one_grid::{GridState, Way, of_shape, other_kernel};
 use crate::settings::{Method, Settings};
-
-/// Cells along the longer side of the first grid, where energies tell the force and where forces do.
-const COARSEST: [usize; 2] = [10, 16];
 
 /// Cells along the longer side that no grid has more of.
 const FINEST: usize = 2560;
@@ -170,7 +167,7 @@ impl Ascent<'_> {
 
     fn free(mut self) -> Result<Option<Refined>, Unsolved> {
         let smooth = matches!(self.law, Some((Degree::Power(_), _)));
-        let coarsest = COARSEST[usize::from(!smooth)];
+        let coarsest = coarsest(self.law.map(|(degree, _)| degree));
         self.window = squared(self.door, &self.window, coarsest);
         let (tolerance, finest) = (self.settings.tolerance, self.finest);
         let mut best: Option<Refined> = None;
@@ -214,7 +211,6 @@ impl Ascent<'_> {
             if self.law.is_none() && three && error <= tolerance * value {
                 error = error.max(self.doubt(&state)?);
             }
-            // Edges of flat punches converge with another order than smooth contacts: three grids show which.
             // Three grids may agree on a limit that is not the punch's while its edges lie between two rows of cells.
             let edge = if three && !smooth { edges::met(self.door, &state) } else { None };
             if edge == Some(Edge::Step) {

@@ -74,14 +74,19 @@ fn penetrating_outside(door: &Door, window: &Rect, grid: &Grid, pressure: &[f64]
 /// The loads in a few parts of the box: the cells they act on, and their sum.
 fn in_boxes(loaded: &[([f64; 2], f64)], window: &Rect) -> Vec<(Rect, f64)> {
     let mut parts: [Option<(Rect, f64)>; PARTS * PARTS] = [None; PARTS * PARTS];
-    let size = window.size();
     for &(at, q) in loaded {
-        let [i, j] = [0, 1].map(|m| ((at[m] - window.min[m]) / size[m] * PARTS as f64).clamp(0.0, PARTS as f64 - 1.0));
         let here = Rect { min: at, max: at };
-        let part = &mut parts[i as usize * PARTS + j as usize];
+        let part = &mut parts[part_of(at, window, PARTS)];
         *part = Some(part.map_or((here, q), |(r, sum)| (r.union(&here), sum + q)));
     }
     parts.into_iter().flatten().collect()
+}
+
+/// In which of so many parts a side of the box a point lies.
+fn part_of(at: [f64; 2], window: &Rect, parts: usize) -> usize {
+    let (size, last) = (window.size(), parts as f64 - 1.0);
+    let [i, j] = [0, 1].map(|m| ((at[m] - window.min[m]) / size[m] * parts as f64).clamp(0.0, last) as usize);
+    i * parts + j
 }
 
 /// Parts of the box along a side.
@@ -91,11 +96,8 @@ const PARTS: usize = 4;
 /// feels them to a few per cent.
 fn gathered(loaded: &[([f64; 2], f64)], window: &Rect) -> Vec<([f64; 2], f64)> {
     let mut blocks = vec![Vec::new(); BLOCKS * BLOCKS];
-    let size = window.size();
     for &(at, q) in loaded {
-        let [i, j] =
-            [0, 1].map(|m| ((at[m] - window.min[m]) / size[m] * BLOCKS as f64).clamp(0.0, BLOCKS as f64 - 1.0));
-        blocks[i as usize * BLOCKS + j as usize].push((at, q));
+        blocks[part_of(at, window, BLOCKS)].push((at, q));
     }
     let total = |block: &Vec<([f64; 2], f64)>| (centre_of_load(block), block.iter().map(|l| l.1).sum());
     blocks.iter().filter(|block| !block.is_empty()).map(total).collect()

@@ -4,12 +4,12 @@ use std::fmt;
 
 use crate::contact::{Contact, Load};
 use crate::discrete::Discrete;
-use crate::domain::{Door, shape};
+use crate::domain::{Door, coarsest, shape};
 use crate::equilibrium::overlap_of_size;
 use crate::error::Unsolved;
 use crate::gap::{AnyGap, Reach, Tilted, extent, least};
 use crate::geometry::Rect;
-use crate::grid::Grid;
+use crate::grid::{Grid, Kernel};
 use crate::homogeneity::{self, Degree};
 use crate::recognise::{Recognised, recognise};
 use crate::settings::{Method, Settings};
@@ -198,12 +198,15 @@ fn grid_steps(
         Some(cells) => steps
             .push(format!("{cells} cells along the longer side, prescribed; two coarser grids for the error estimate")),
         None => {
+            // Means over cells alone give an energy that converges smoothly.
+            let degree = degree.filter(|_| settings.kernel == Kernel::Galerkin);
             let how = match degree {
                 Some(_) => "the energy of the grids, extrapolated",
                 None => "the force of the last three grids",
             };
             steps.push(format!(
-                "cells doubled from 16 until the error of the force is below {:e}, by {how}; at sharp edges a line through many grids",
+                "cells doubled from {} until the error of the force is below {:e}, by {how}; at sharp edges a line through many grids",
+                coarsest(degree),
                 settings.tolerance
             ));
         }

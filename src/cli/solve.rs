@@ -29,7 +29,8 @@ pub(super) struct Solve {
     /// Write a line a state of loading as CSV; - prints it alone
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
-    /// Write the pressure field as NumPy array, [j, i] = cell (i, j); the JSON then names the file, unless "pressure" is in "output"
+    /// Write the pressure field as NumPy array, [j, i] = cell (i, j); the JSON then names the file, unless "pressure" is in
+    /// "output"
     #[arg(long, value_name = "FILE.npy")]
     field: Option<PathBuf>,
     /// Bracket the force from below and above

@@ -134,7 +134,7 @@ pub trait Gap: Send + Sync {
         None
     }
 
-    /// The planes `[slope_x, slope_y, offset]` whose highest the gap is everywhere; `None` for any other.
+    /// The planes `[slope_x, slope_y, offset]` whose highest the gap is everywhere; `None` where the gap does not tell.
     fn planes(&self) -> Option<&[[f64; 3]]> {
         None
     }

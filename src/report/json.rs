@@ -27,8 +27,9 @@
 //! degree (`null` for a flat), the bound is (Q + discs)/(1 - level/depth)^(1 + 1/k) above and (Q - discs)/(1 + level/depth)^(1 + 1/k)
 //! below. The fields come with that of the pressure; `contact-patch check` takes them.
 //!
-//! A field is `{origin, spacing, shape, values}`, with `file` in place of `values` where those are in an array beside the result: `shape` = [nx, ny] cells, `origin` the lower left corner of cell (0, 0),
-//! `spacing` the sides of a cell; cell (i, j) is `values[j nx + i]`, with its centre at origin + (i + 1/2, j + 1/2) spacing.
+//! A field is `{origin, spacing, shape, values}`, with `file` in place of `values` where those are in an array beside the
+//! result: `shape` = [nx, ny] cells, `origin` the lower left corner of cell (0, 0), `spacing` the sides of a cell; cell (i, j)
+//! is `values[j nx + i]`, with its centre at origin + (i + 1/2, j + 1/2) spacing.
 
 use serde::ser::{Serialize, SerializeMap, SerializeSeq, Serializer};
 
