@@ -6,50 +6,87 @@ use rustfft::num_complex::Complex;
 
 use super::symbol::Real;
 
-/// Columns transformed together: their rows then share cache lines.
-pub(super) const BLOCK: usize = 8;
+/// Side of the squares in which rows become columns: a side is a whole number of cache lines.
+pub(super) const TILE: usize = 8;
 
 /// Rows handed over together: what passes between rows and columns then comes in pieces of several cache lines.
-pub(super) const GROUP: usize = 4;
+pub(super) const GROUP: usize = 32;
 
-/// Room between columns side by side, in numbers: lengths that are powers of two would share their place in the cache.
-pub(super) const ASIDE: usize = 8;
+/// Distance of sequences of `n` numbers that are worked on side by side: lengths that are powers of two would share their place
+/// in the cache, and each is to begin with a cache line.
+pub(super) fn apart(n: usize) -> usize {
+    (n.div_ceil(TILE) | 1) * TILE
+}
+
+/// Numbers that begin with a cache line; grown as needed.
+#[derive(Debug)]
+pub(super) struct Lines<T>(Vec<T>);
+
+/// Bytes of a cache line.
+const LINE: usize = 64;
+
+impl<T> Default for Lines<T> {
+    fn default() -> Self {
+        Self(Vec::new())
+    }
+}
+
+impl<T: Copy + Default> Lines<T> {
+    /// So many of them, with what was left in them.
+    pub(super) fn of(&mut self, n: usize) -> &mut [T] {
+        let spare = LINE / size_of::<T>();
+        if self.0.len() < n + spare {
+            self.0.resize(n + spare, T::default());
+        }
+        // Where the allocation cannot be aligned the numbers are as good, only slower.
+        let skip = self.0.as_ptr().align_offset(LINE);
+        let skip = if skip <= spare { skip } else { 0 };
+        &mut self.0[skip..skip + n]
+    }
+}
 
 /// Room for the transforms of a [`super::convolution::Convolution`], grown as needed, kept from product to product.
 #[derive(Debug)]
 pub(super) struct Room<T> {
-    /// Blocks of columns; in each, rows of [`BLOCK`] numbers.
-    pub(super) blocks: Vec<Complex<T>>,
+    /// The columns between the passes.
+    pub(super) columns: Lines<Complex<T>>,
     pub(super) lanes: Vec<Lane<T>>,
 }
 
 /// Room that one thread needs.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Lane<T> {
-    pub(super) row: Vec<T>,
-    pub(super) spectrum: Vec<Complex<T>>,
-    pub(super) columns: Vec<Complex<T>>,
-    pub(super) fft: Vec<Complex<T>>,
+    pub(super) row: Lines<T>,
+    /// Spectra of a group of rows.
+    pub(super) spectra: Lines<Complex<T>>,
+    pub(super) column: Lines<Complex<T>>,
+    pub(super) fft: Lines<Complex<T>>,
+}
+
+impl<T> Default for Lane<T> {
+    fn default() -> Self {
+        Self { row: Lines::default(), spectra: Lines::default(), column: Lines::default(), fft: Lines::default() }
+    }
 }
 
 impl<T> Default for Room<T> {
     fn default() -> Self {
-        Self { blocks: Vec::new(), lanes: Vec::new() }
+        Self { columns: Lines::default(), lanes: Vec::new() }
     }
 }
 
 impl<T> Room<T> {
     /// Bytes held.
     pub(super) fn bytes(&self) -> usize {
-        size_of::<Complex<T>>() * self.blocks.capacity()
+        size_of::<Complex<T>>() * self.columns.0.capacity()
     }
 }
 
-/// Calls `work` for groups of `rows` with their places in all blocks, the groups shared out among the lanes: with the lane, the
-/// rows, the parts of the blocks that the lane may write to and where in them the rows begin.
+/// Calls `work` for groups of `rows` with their places in all columns, `pitch` apart, the groups shared out among the lanes: with the
+/// lane, the rows, the parts of the columns that the lane may write to and where in them the rows begin.
 pub(super) fn share_rows<T: Real>(
     lanes: &mut [Lane<T>],
-    blocks: &mut [Complex<T>],
+    columns: &mut [Complex<T>],
     pitch: usize,
     rows: Range<usize>,
     work: impl Fn(&mut Lane<T>, Range<usize>, &mut [&mut [Complex<T>]], usize) + Sync,
@@ -58,8 +95,8 @@ pub(super) fn share_rows<T: Real>(
     if lanes.len() > 1 {
         let each = rows.len().div_ceil(lanes.len());
         let mut shares: Vec<Vec<&mut [Complex<T>]>> = lanes.iter().map(|_| Vec::new()).collect();
-        for block in blocks.chunks_exact_mut(pitch) {
-            let rows = block[rows.start * BLOCK..rows.end * BLOCK].chunks_mut(each * BLOCK);
+        for column in columns.chunks_exact_mut(pitch) {
+            let rows = column[rows.clone()].chunks_mut(each);
             shares.iter_mut().zip(rows).for_each(|(share, part)| share.push(part));
         }
         rayon::scope(|scope| {
@@ -68,7 +105,7 @@ pub(super) fn share_rows<T: Real>(
                 let last = (first + each).min(rows.end);
                 scope.spawn(move |_| {
                     for j in (first..last).step_by(GROUP) {
-                        work(lane, j..(j + GROUP).min(last), &mut parts, (j - first) * BLOCK);
+                        work(lane, j..(j + GROUP).min(last), &mut parts, j - first);
                     }
                 });
             }
@@ -76,9 +113,9 @@ pub(super) fn share_rows<T: Real>(
         return;
     }
     if let Some(lane) = lanes.first_mut() {
-        let mut parts: Vec<&mut [Complex<T>]> = blocks.chunks_exact_mut(pitch).collect();
+        let mut parts: Vec<&mut [Complex<T>]> = columns.chunks_exact_mut(pitch).collect();
         for j in rows.clone().step_by(GROUP) {
-            work(lane, j..(j + GROUP).min(rows.end), &mut parts, j * BLOCK);
+            work(lane, j..(j + GROUP).min(rows.end), &mut parts, j);
         }
     }
 }

@@ -9,6 +9,7 @@
 //! overlap. It is recomputed from the pressure, which is not negative anywhere, before an answer is given. The displacement
 //! is returned for the box of the overlapping cells and is zero around it, where nothing can penetrate.
 
+mod columns;
 mod convolution;
 mod faces;
 mod fixed;
@@ -18,6 +19,7 @@ mod level;
 mod monotone;
 mod nested;
 mod operator;
+mod rows;
 mod solver;
 mod symbol;
 mod window;
@@ -249,14 +251,14 @@ impl Operators {
     fn new(table: &InfluenceTable, shape: [usize; 2], mirrored: bool, double: bool) -> Self {
         let scale = InfluenceTable::scale(table.spacing()) / table.get(0, 0);
         let symbol = operator::compliance(table, scale, shape, mirrored);
-        let compliance = double.then(|| Convolution::new(shape, &symbol, mirrored));
-        let (single, norm) = (Convolution::new(shape, &symbol, mirrored), symbol.norm());
+        let compliance = double.then(|| Convolution::new(shape, &symbol));
+        let (single, norm) = (Convolution::new(shape, &symbol), symbol.norm());
         drop(symbol);
         let mut symbol = operator::preconditioner(table, scale, shape, mirrored);
-        let preconditioner = Convolution::new(shape, &symbol, mirrored);
+        let preconditioner = Convolution::new(shape, &symbol);
         let periodic = (shape[0] * shape[1] > fixed::SMALL).then(|| {
             symbol.values.iter_mut().for_each(|s| *s = 1.0 / *s);
-            Convolution::new(shape, &symbol, mirrored)
+            Convolution::new(shape, &symbol)
         });
         Self { compliance, single, preconditioner, periodic, norm }
     }

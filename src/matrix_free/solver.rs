@@ -81,7 +81,7 @@ impl Kept {
         // Room to grow, and lengths whose transforms are fast.
         let wide = [0, 1].map(|k| {
             let extent = window.extent[k] + window.extent[k] / 16 + 2;
-            let half = operator::good_length(extent.div_ceil(2), false);
+            let half = operator::good_length(extent.div_ceil(2));
             // Of the parity that was there: the middle stays where it is.
             2 * half - window.extent[k] % 2
         });

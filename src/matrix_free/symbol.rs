@@ -7,7 +7,7 @@ use realfft::RealFftPlanner;
 use rustfft::num_complex::Complex;
 use rustfft::{FftNum, FftPlanner};
 
-use super::lanes::{ASIDE, BLOCK};
+use super::lanes::apart;
 
 /// A precision to compute in.
 pub(super) trait Real: FftNum + Mul<Output = Self> + MulAssign + Default {
@@ -17,6 +17,12 @@ pub(super) trait Real: FftNum + Mul<Output = Self> + MulAssign + Default {
 
     /// The nearest number of this precision.
     fn of(value: f64) -> Self;
+
+    /// exp(i pi `half_turns`).
+    fn turn(half_turns: f64) -> Complex<Self> {
+        let (sin, cos) = (std::f64::consts::PI * half_turns).sin_cos();
+        Complex { re: Self::of(cos), im: Self::of(sin) }
+    }
 }
 
 type Planners<T> = RefCell<(RealFftPlanner<T>, FftPlanner<T>)>;
@@ -46,15 +52,22 @@ impl Real for f32 {
     }
 }
 
+/// Pairs of columns of a symbol that are transformed together: their rows then share cache lines.
+const PAIRS: usize = 8;
+
 /// The transform of an even kernel: real and even, so a quarter of it. Column k holds its rows next to each other.
 pub(super) struct Symbol {
     /// Lengths of the whole transform.
     pub(super) length: [usize; 2],
+    /// The second half of every field that it multiplies the transform of is zero.
+    pub(super) padded: bool,
+    /// The fields have a mirror at the lower edge of their rows and are held by their upper half.
+    pub(super) mirrored: bool,
     pub(super) values: Vec<f64>,
 }
 
 impl Symbol {
-    /// The transform of the kernel whose row j, offsets i = 0..=length_x/2, is what `fill` puts in place of zeros.
+    /// The transform, for fields neither padded nor mirrored, of the kernel whose row j, offsets i = 0..=length_x/2, is what `fill` puts in place of zeros.
     pub(super) fn of(length: [usize; 2], fill: impl Fn(usize, &mut [f64])) -> Self {
         let [mx, my] = length;
         let zero = Complex::default();
@@ -81,18 +94,18 @@ impl Symbol {
         }
         // Two real even columns make one complex transform.
         let mut values = vec![0.0; columns * half];
-        let mut work = vec![zero; BLOCK * (my + ASIDE)];
-        for first in (0..columns).step_by(2 * BLOCK) {
-            let pairs = (columns - first).div_ceil(2).min(BLOCK);
+        let mut work = vec![zero; PAIRS * apart(my)];
+        for first in (0..columns).step_by(2 * PAIRS) {
+            let pairs = (columns - first).div_ceil(2).min(PAIRS);
             for j in 0..half {
                 let row = &rows[j * columns..(j + 1) * columns][first..];
-                for (pair, column) in row.chunks(2).zip(work.chunks_exact_mut(my + ASIDE)) {
+                for (pair, column) in row.chunks(2).zip(work.chunks_exact_mut(apart(my))) {
                     let value = Complex { re: pair[0], im: pair.get(1).copied().unwrap_or(0.0) };
                     column[j] = value;
                     column[(my - j) % my] = value;
                 }
             }
-            for (c, column) in work.chunks_exact_mut(my + ASIDE).enumerate().take(pairs) {
+            for (c, column) in work.chunks_exact_mut(apart(my)).enumerate().take(pairs) {
                 across.process_with_scratch(&mut column[..my], &mut scratch);
                 let k = first + 2 * c;
                 for (l, value) in column[..half].iter().enumerate() {
@@ -103,7 +116,7 @@ impl Symbol {
                 }
             }
         }
-        Self { length, values }
+        Self { length, padded: false, mirrored: false, values }
     }
 
     /// The largest magnitude: the 2-norm of the convolution, or a bound of it.
