@@ -7,7 +7,7 @@
 //! the symbol over 2K points, the product is diagonal in the cosine transform of K points (DCT-II), which is a transform of
 //! K points of v_j = x_2j, v_(K-1-j) = x_(2j+1) (Makhoul, IEEE Trans. ASSP 28 (1980) 27). In terms of V
 //!
-//!   V'_l = s_l V_l + d_l t_l V_(K-l),   s, d = (S_l +- S_(K-l))/2,   t_l = exp(i pi l/K):
+//!   V'_l = s_l V_l + c_l V_(K-l),   s_l = (S_l + S_(K-l))/2,   c_l = (S_l - S_(K-l))/2 exp(i pi l/K),   c_(K-l) = conj c_l:
 //!
 //! half the rows, columns of half the length. Padded to K = 2L points, the even l are those of a DCT-II over L points, the odd l
 //! those of a DCT-IV: the same v over L points, times w_j and with the sign of x_(2j+1) changed.
@@ -18,7 +18,6 @@ use std::sync::Arc;
 use rustfft::Fft;
 use rustfft::num_complex::Complex;
 
-use super::lanes::{Lines, apart};
 use super::symbol::Real;
 
 /// Products of columns with a symbol over L points, or over 2L with zeros behind.
@@ -28,10 +27,10 @@ pub(super) struct Columns<T> {
     mirrored: bool,
     forward: Arc<dyn Fft<T>>,
     inverse: Arc<dyn Fft<T>>,
-    /// w_j of the module's header, with their sign where there is a mirror; empty without padding.
+    /// w_j of the module's header, with their sign where there is a mirror; empty where it is not split.
     twiddles: Vec<Complex<T>>,
-    /// t_l of the even l and of the odd ones; empty without a mirror.
-    turns: [Vec<Complex<T>>; 2],
+    /// exp(i pi l/K) of the module's header; empty without a mirror.
+    turns: Vec<Complex<f64>>,
 }
 
 /// The frequencies of one transform that belong together: l and L - l of the even ones, l and L - 1 - l of the odd ones.
@@ -44,23 +43,21 @@ struct Pairs {
 }
 
 impl<T: Real> Columns<T> {
-    /// Over `length` points; `padded`: over twice as many, the second half zero; `mirrored`: the upper half of twice as many rows.
-    pub(super) fn new(length: usize, padded: bool, mirrored: bool) -> Self {
+    /// Over `length` points; `split`: over twice as many, the second half zero; `mirrored`: the upper half of twice as many rows.
+    pub(super) fn new(length: usize, split: bool, mirrored: bool) -> Self {
         let (forward, inverse) =
             T::with_planners(|_, complex| (complex.plan_fft_forward(length), complex.plan_fft_inverse(length)));
-        let ends = if padded { length } else { 0 };
+        let ends = if split { length } else { 0 };
         let twiddles = (0..ends).map(|j| {
             let w = T::turn(-(j as f64) / length as f64);
             if mirrored && j >= length.div_ceil(2) { -w } else { w }
         });
-        let turns = [0, 1].map(|odd| {
-            let ends = if mirrored { length } else { 0 };
-            (0..ends).map(|k| T::turn((2 * k + odd) as f64 / (2 * length) as f64)).collect()
-        });
+        let points = if split { 2 * length } else { length };
+        let turns = (0..if mirrored { points } else { 0 }).map(|l| f64::turn(l as f64 / points as f64)).collect();
         Self { length, mirrored, forward, inverse, twiddles: twiddles.collect(), turns }
     }
 
-    fn padded(&self) -> bool {
+    fn split(&self) -> bool {
         !self.twiddles.is_empty()
     }
 
@@ -71,95 +68,90 @@ impl<T: Real> Columns<T> {
 
     /// Numbers of the symbol that a column needs.
     pub(super) fn numbers(&self) -> usize {
-        let classes = if self.padded() { 2 } else { 1 };
-        let each = if self.mirrored { 2 } else { 1 };
+        let classes = if self.split() { 2 } else { 1 };
+        let each = if self.mirrored { 3 } else { 1 };
         (0..classes).map(|odd| each * self.pairs(odd).numbers).sum()
     }
 
-    /// Appends the symbol of a column, S_l for all l up to half its period, as [`Self::product`] wants it: S_l of the even
-    /// and of the odd l, or s_l and d_l where there is a mirror; times `norm`.
-    pub(super) fn arrange(&self, symbol: &[f64], norm: f64, to: &mut Vec<T>) {
-        let classes = if self.padded() { 2 } else { 1 };
+    /// The symbol of a column, S_l for all l up to half its period, as [`Self::product`] wants it: S_l of the even
+    /// and of the odd l, or s_l and c_l where there is a mirror; times `norm`.
+    pub(super) fn arrange(&self, symbol: &[f64], norm: f64, mut to: &mut [T]) {
+        let classes = if self.split() { 2 } else { 1 };
         for odd in 0..classes {
-            for l in (0..self.pairs(odd).numbers).map(|k| classes * k + odd) {
-                let at = norm * symbol[l];
-                if !self.mirrored {
-                    to.push(T::of(at));
-                } else if l == 0 {
-                    to.extend([T::of(at), T::of(0.0)]);
-                } else {
-                    let image = norm * symbol[classes * self.length - l];
-                    to.extend([T::of(0.5 * (at + image)), T::of(0.5 * (at - image))]);
-                }
+            let at = symbol[odd..].iter().step_by(classes).map(|s| norm * s);
+            let numbers = self.pairs(odd).numbers;
+            if !self.mirrored {
+                let (here, rest) = to.split_at_mut(numbers);
+                here.iter_mut().zip(at).for_each(|(to, at)| *to = T::of(at));
+                to = rest;
+                continue;
             }
+            let images = symbol[..=classes * self.length - odd].iter().rev().step_by(classes).map(|s| norm * s);
+            let turns = self.turns[odd..].iter().step_by(classes);
+            let (here, rest) = to.split_at_mut(3 * numbers);
+            for (to, ((at, image), turn)) in here.as_chunks_mut().0.iter_mut().zip(at.zip(images).zip(turns)) {
+                let c = turn * (0.5 * (at - image));
+                *to = [0.5 * (at + image), c.re, c.im].map(T::of);
+            }
+            if odd == 0 {
+                // V_K is V_0.
+                here[..3].copy_from_slice(&[norm * symbol[0], 0.0, 0.0].map(T::of));
+            }
+            to = rest;
         }
     }
 
-    /// Numbers that a column must have room for.
-    pub(super) fn height(&self) -> usize {
-        self.length
+    /// Room that [`Self::product`] needs: points of a column, and scratch.
+    pub(super) fn room(&self) -> [usize; 2] {
+        let parts = if self.split() { 2 } else { 1 };
+        let fft = self.forward.get_inplace_scratch_len().max(self.inverse.get_inplace_scratch_len());
+        [parts * self.length, fft]
     }
 
-    /// Puts the rows `wanted` of the product in place of the rows `given` of the column. The other rows are lost.
+    /// Puts the rows `wanted` of the product in place of the rows `given` of a column, whose first number is in row `base`.
+    #[expect(clippy::too_many_arguments, reason = "a column, its symbol, where they lie, and room")]
     pub(super) fn product(
         &self,
         column: &mut [Complex<T>],
         symbol: &[T],
         given: &Range<usize>,
         wanted: &Range<usize>,
-        room: &mut Lines<Complex<T>>,
-        fft: &mut Lines<Complex<T>>,
-    ) {
-        let pitch = apart(self.length);
-        let (odd, spread) = room.of(2 * pitch).split_at_mut(pitch);
-        let (odd, spread) = (&mut odd[..self.length], &mut spread[..self.length]);
-        let fft = fft.of(self.forward.get_inplace_scratch_len().max(self.inverse.get_inplace_scratch_len()));
-        if self.mirrored {
-            self.lay(column, given, spread);
-            self.multiply(spread, odd, symbol, 0..self.length, fft);
-            self.take(spread, wanted, column);
-        } else {
-            let column = &mut column[..self.length];
-            column[..given.start].fill(Complex::default());
-            column[given.end..].fill(Complex::default());
-            self.multiply(column, odd, symbol, wanted.clone(), fft);
-        }
-    }
-
-    /// The product in the places `wanted` of a column that is laid out for its transform.
-    fn multiply(
-        &self,
-        even: &mut [Complex<T>],
-        odd: &mut [Complex<T>],
-        symbol: &[T],
-        wanted: Range<usize>,
+        base: usize,
+        both: &mut [Complex<T>],
         fft: &mut [Complex<T>],
     ) {
+        let (even, odd) = both.split_at_mut(self.length);
+        self.lay(&column[given.start - base..given.end - base], given.start, even);
         for ((to, x), w) in odd.iter_mut().zip(&*even).zip(&self.twiddles) {
             *to = x * w;
         }
-        self.forward.process_with_scratch(even, fft);
-        let symbol = self.scale(even, symbol, 0);
-        self.inverse.process_with_scratch(even, fft);
-        if self.padded() {
-            self.forward.process_with_scratch(odd, fft);
-            self.scale(odd, symbol, 1);
-            self.inverse.process_with_scratch(odd, fft);
-            let (even, odd) = (&mut even[wanted.clone()], &odd[wanted.clone()]);
-            for ((x, y), w) in even.iter_mut().zip(odd).zip(&self.twiddles[wanted]) {
-                *x = *x + y * w.conj();
-            }
+        self.forward.process_with_scratch(both, fft);
+        let mut symbol = symbol;
+        for (class, part) in both.chunks_exact_mut(self.length).enumerate() {
+            symbol = self.scale(part, symbol, class);
         }
+        self.inverse.process_with_scratch(both, fft);
+        let (even, odd) = both.split_at_mut(self.length);
+        for ((x, y), w) in even.iter_mut().zip(odd).zip(&self.twiddles) {
+            *x = *x + *y * w.conj();
+        }
+        self.take(even, wanted.start, &mut column[wanted.start - base..wanted.end - base]);
     }
 
-    /// Rows of a column with a mirror in their places, zeros elsewhere.
-    fn lay(&self, column: &[Complex<T>], given: &Range<usize>, spread: &mut [Complex<T>]) {
-        let (my, zero, rows) = (self.length, Complex::default(), &column[..given.end]);
-        let (even, odd) = (given.start.next_multiple_of(2), given.start | 1);
+    /// Rows from `first` on in their places, zeros elsewhere.
+    fn lay(&self, rows: &[Complex<T>], first: usize, spread: &mut [Complex<T>]) {
+        let (my, end, zero) = (self.length, first + rows.len(), Complex::default());
+        if !self.mirrored {
+            spread[..first].fill(zero);
+            spread[first..end].copy_from_slice(rows);
+            spread[end..].fill(zero);
+            return;
+        }
+        let (even, odd) = (first.next_multiple_of(2), first | 1);
         spread[..even / 2].fill(zero);
-        spread[given.end.div_ceil(2)..my - given.end / 2].fill(zero);
+        spread[end.div_ceil(2)..my - end / 2].fill(zero);
         spread[my - odd / 2..].fill(zero);
-        let from = |first: usize| rows[first.min(rows.len())..].iter().step_by(2);
+        let from = |row: usize| rows[(row - first).min(rows.len())..].iter().step_by(2);
         for (to, from) in spread[even / 2..].iter_mut().zip(from(even)) {
             *to = *from;
         }
@@ -169,14 +161,17 @@ impl<T: Real> Columns<T> {
     }
 
     /// The way back of [`Self::lay`].
-    fn take(&self, spread: &[Complex<T>], wanted: &Range<usize>, column: &mut [Complex<T>]) {
-        let (even, odd) = (wanted.start.next_multiple_of(2), wanted.start | 1);
-        let rows = &mut column[..wanted.end];
-        let end = rows.len();
-        for (from, to) in spread[even / 2..].iter().zip(rows[even.min(end)..].iter_mut().step_by(2)) {
+    fn take(&self, spread: &[Complex<T>], first: usize, rows: &mut [Complex<T>]) {
+        if !self.mirrored {
+            rows.copy_from_slice(&spread[first..first + rows.len()]);
+            return;
+        }
+        let (even, odd, count) = (first.next_multiple_of(2), first | 1, rows.len());
+        for (from, to) in spread[even / 2..].iter().zip(rows[(even - first).min(count)..].iter_mut().step_by(2)) {
             *to = *from;
         }
-        for (from, to) in spread[..self.length - odd / 2].iter().rev().zip(rows[odd.min(end)..].iter_mut().step_by(2)) {
+        let odds = rows[(odd - first).min(count)..].iter_mut().step_by(2);
+        for (from, to) in spread[..self.length - odd / 2].iter().rev().zip(odds) {
             *to = *from;
         }
     }
@@ -195,19 +190,19 @@ impl<T: Real> Columns<T> {
             }
             return rest;
         }
-        let (symbol, rest) = symbol.split_at(2 * numbers);
+        let (symbol, rest) = symbol.split_at(3 * numbers);
         let (low, high) = column.split_at_mut(self.length - count);
         if first == 1 {
             low[0] = low[0] * symbol[0];
         }
         if low.len() > first + count {
-            low[first + count] = low[first + count] * symbol[2 * (first + count)];
+            low[first + count] = low[first + count] * symbol[3 * (first + count)];
         }
-        let (low, pairs, turns) = (&mut low[first..], &symbol[2 * first..], &self.turns[odd][first..]);
-        for (((a, b), sd), t) in low.iter_mut().zip(high.iter_mut().rev()).zip(pairs.chunks_exact(2)).zip(turns) {
-            let (old_a, old_b) = (*a, *b);
-            *a = old_a * sd[0] + t * old_b * sd[1];
-            *b = old_b * sd[0] + t.conj() * old_a * sd[1];
+        let (pairs, _) = symbol[3 * first..].as_chunks();
+        for ((a, b), [s, re, im]) in low[first..].iter_mut().zip(high.iter_mut().rev()).zip(pairs) {
+            let (old_a, old_b, c) = (*a, *b, Complex { re: *re, im: *im });
+            *a = old_a * *s + c * old_b;
+            *b = old_b * *s + c.conj() * old_a;
         }
         rest
     }

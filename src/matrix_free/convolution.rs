@@ -34,15 +34,15 @@ impl<T> std::fmt::Debug for Convolution<T> {
 impl<T: Real> Convolution<T> {
     /// Over `shape` cells.
     pub(super) fn new(shape: [usize; 2], symbol: &Symbol) -> Self {
-        let Symbol { length, padded, mirrored, ref values } = *symbol;
-        let [over_x, over_y] = [length[0], if mirrored { length[1] / 2 } else { length[1] }];
-        let parts = if padded { 2 } else { 1 };
-        let (rows, columns) = (Rows::new(over_x / parts, padded), Columns::new(over_y / parts, padded, mirrored));
-        let norm = 1.0 / (over_x as f64 * over_y as f64);
+        let Symbol { length, split, mirrored, ref values } = *symbol;
+        let over = [length[0], if mirrored { length[1] / 2 } else { length[1] }];
+        let [width, height] = [0, 1].map(|k| if split[k] { over[k] / 2 } else { over[k] });
+        let (rows, columns) = (Rows::new(width, split[0]), Columns::new(height, split[1], mirrored));
+        let norm = 1.0 / (over[0] as f64 * over[1] as f64);
         let height = length[1] / 2 + 1;
-        let mut arranged = Vec::with_capacity(rows.columns() * columns.numbers());
-        for k in rows.frequencies() {
-            columns.arrange(&values[k * height..(k + 1) * height], norm, &mut arranged);
+        let mut arranged = vec![T::of(0.0); rows.columns() * columns.numbers()];
+        for (k, arranged) in rows.frequencies().zip(arranged.chunks_exact_mut(columns.numbers())) {
+            columns.arrange(&values[k * height..(k + 1) * height], norm, arranged);
         }
         Self { shape, length, rows, columns, symbol: arranged }
     }
@@ -73,30 +73,36 @@ impl<T: Real> Convolution<T> {
             u[wanted.start * nx..wanted.end * nx].fill(T::of(0.0));
             return;
         }
-        let columns = self.rows.columns();
-        let (width, pitch) = (apart(columns), apart(self.columns.height()));
+        let base = given.start.min(wanted.start);
+        let (columns, height) = (self.rows.columns(), given.end.max(wanted.end) - base);
+        let (width, pitch) = (apart(columns), apart(height));
+        let (row_room, column_room) = (self.rows.room(), self.columns.room());
         room.lanes.resize_with(lanes, Lane::default);
         let Room { columns: turned, lanes } = room;
         let turned = turned.of(columns * pitch);
 
-        share_rows(lanes, turned, pitch, given.clone(), |lane, rows, parts, at| {
-            let Lane { row, spectra, fft, .. } = lane;
-            let spectra = spectra.of(rows.len() * width);
+        share_rows(lanes, turned, pitch, given.start - base..given.end - base, |lane, rows, parts, at| {
+            let (row, spectra, fft) =
+                (lane.row.of(row_room[0]), lane.spectra.of(rows.len() * width), lane.fft.of(row_room[1]));
             for (j, spectrum) in rows.clone().zip(spectra.chunks_exact_mut(width)) {
-                self.rows.there(&p[j * nx..][..nx], &mut spectrum[..columns], row, fft);
+                self.rows.there(&p[(base + j) * nx..][..nx], &mut spectrum[..columns], row, fft);
             }
             to_columns(spectra, width, parts, at..at + rows.len());
         });
         let size = self.columns.numbers();
-        share(lanes, turned, pitch, |lane, k, column| {
-            let symbol = &self.symbol[k * size..(k + 1) * size];
-            self.columns.product(column, symbol, &given, &wanted, &mut lane.column, &mut lane.fft);
+        share(lanes, turned, TILE * pitch, |lane, tile, columns| {
+            let (both, fft) = (lane.column.of(column_room[0]), lane.fft.of(column_room[1]));
+            for (column, symbol) in
+                columns.chunks_exact_mut(pitch).zip(self.symbol[tile * TILE * size..].chunks_exact(size))
+            {
+                self.columns.product(column, symbol, &given, &wanted, base, both, fft);
+            }
         });
         let turned = &*turned;
         share(lanes, &mut u[wanted.start * nx..wanted.end * nx], GROUP * nx, |lane, group, rows| {
-            let Lane { row, spectra, fft, .. } = lane;
-            let (first, here) = (wanted.start + group * GROUP, rows.len() / nx);
-            let spectra = spectra.of(here * width);
+            let (first, here) = (wanted.start - base + group * GROUP, rows.len() / nx);
+            let (row, spectra, fft) =
+                (lane.row.of(row_room[0]), lane.spectra.of(here * width), lane.fft.of(row_room[1]));
             to_rows(turned, pitch, first..first + here, spectra, width);
             for (u, spectrum) in rows.chunks_exact_mut(nx).zip(spectra.chunks_exact_mut(width)) {
                 self.rows.back(&mut spectrum[..columns], u, row, fft);
@@ -115,7 +121,7 @@ fn to_columns<T: Real>(spectra: &[Complex<T>], width: usize, columns: &mut [&mut
                 let to = &mut column[rows.clone()];
                 match <&mut [_; TILE]>::try_from(&mut *to) {
                     Ok(to) => *to = std::array::from_fn(|t| from[t * width + k]),
-                    Err(_) => to.iter_mut().zip(from[k..].iter().step_by(width)).for_each(|(to, from)| *to = *from),
+                    Err(_) => to.iter_mut().enumerate().for_each(|(t, to)| *to = from[t * width + k]),
                 }
             }
         }
@@ -126,17 +132,20 @@ fn to_columns<T: Real>(spectra: &[Complex<T>], width: usize, columns: &mut [&mut
 fn to_rows<T: Real>(columns: &[Complex<T>], pitch: usize, at: Range<usize>, spectra: &mut [Complex<T>], width: usize) {
     for (c, columns) in columns.chunks(TILE * pitch).enumerate() {
         for j in (0..at.len()).step_by(TILE) {
-            let rows = at.start + j..at.end.min(at.start + j + TILE);
-            let mut tile = [Complex::default(); TILE * TILE];
-            for (k, column) in columns.chunks_exact(pitch).enumerate() {
-                let to = tile[k..].iter_mut().step_by(TILE);
-                to.zip(&column[rows.clone()]).for_each(|(to, from)| *to = *from);
+            let here = TILE.min(at.len() - j);
+            let mut tile = [[Complex::default(); TILE]; TILE];
+            for (k, column) in columns.chunks_exact(pitch).take(TILE).enumerate() {
+                // There is room behind the last rows, and behind the last columns.
+                if let Some(from) = column[at.start + j..].first_chunk::<TILE>() {
+                    tile.iter_mut().zip(from).for_each(|(to, from)| to[k] = *from);
+                } else {
+                    tile.iter_mut().zip(&column[at.start + j..]).for_each(|(to, from)| to[k] = *from);
+                }
             }
-            // The last columns may be fewer; there is room behind them.
-            for (spectrum, row) in
-                spectra[j * width..].chunks_exact_mut(width).zip(tile.chunks_exact(TILE)).take(rows.len())
-            {
-                spectrum[c * TILE..][..TILE].copy_from_slice(row);
+            for (t, row) in tile.iter().enumerate().take(here) {
+                if let Some(to) = spectra[(j + t) * width + c * TILE..].first_chunk_mut() {
+                    *to = *row;
+                }
             }
         }
     }

@@ -10,24 +10,31 @@ use super::lanes::Room;
 use super::symbol::{Real, Symbol};
 use crate::influence::InfluenceTable;
 
+/// Work beside a transform, for each of its points, over that of one of its passes.
+const BESIDE: f64 = 6.0;
+
 /// A number not below `n` whose transforms are fast: of 2^a 3^b 5^c 7^d the one that costs least, as measured. Next to those of 2 and
 /// 3 those with one factor of 5 or 7 take a fifth longer, all others (odd ones, 25, 125) up to twice as long.
 pub(super) fn good_length(n: usize) -> usize {
     let n = n.max(1);
-    let cost = |m: usize| {
-        let without =
-            |m: usize, p: usize| std::iter::successors(Some(m), |m| m.is_multiple_of(p).then(|| m / p)).last();
-        let (odd, twos) = (m >> m.trailing_zeros(), m.trailing_zeros());
-        let rest = without(odd, 3).unwrap_or(odd);
-        let slow = match rest {
-            1 if twos >= 2 || m <= 3 => 1.0,
-            5 | 7 if twos >= 3 => 1.2,
-            _ if without(rest, 5).and_then(|m| without(m, 7)) == Some(1) => 1.8,
-            _ => f64::INFINITY,
-        };
-        slow * m as f64 * ((m + 1) as f64).log2()
+    let without = |mut m: usize, p: usize| {
+        while m.is_multiple_of(p) {
+            m /= p;
+        }
+        m
     };
-    (n..=n + n / 2 + 1).min_by(|a, b| cost(*a).total_cmp(&cost(*b))).unwrap_or(n)
+    let cost = |m: usize| {
+        let rest = without(m >> m.trailing_zeros(), 3);
+        let slow = match (rest, m.trailing_zeros()) {
+            (1, 2..) => 1.0,
+            (5 | 7, 3..) => 1.2,
+            _ if without(without(rest, 5), 7) == 1 => 1.8,
+            _ => return None,
+        };
+        Some(m as f64 * (slow * ((m + 1) as f64).log2() + BESIDE))
+    };
+    let costs = (n..=n + n / 2 + 1).filter_map(|m| Some((m, cost(m)?)));
+    costs.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(n, |(m, _)| m)
 }
 
 /// As [`good_length`], of rows, whose transforms are of half their length.
@@ -35,12 +42,19 @@ fn good_width(n: usize) -> usize {
     2 * good_length(n.div_ceil(2))
 }
 
+/// Above so many cells a padded transform is done as two of half the length; of fewer the work beside the transforms is more than
+/// what that saves.
+const WHOLE: usize = 64;
+
 /// Symbol of the displacement by pressure over `shape` cells (the upper half of twice as many rows when `mirrored`),
 /// coefficients times `scale`.
 pub(super) fn compliance(table: &InfluenceTable, scale: f64, shape: [usize; 2], mirrored: bool) -> Symbol {
     let halves = if mirrored { 2 } else { 1 };
     let rows = halves * shape[1];
-    let length = [2 * good_width(shape[0]), 2 * halves * good_length(shape[1])];
+    let split = shape.map(|n| n > WHOLE);
+    let width = if split[0] { 2 * good_width(shape[0]) } else { good_width(2 * shape[0]) };
+    let height = if split[1] { 2 * good_length(shape[1]) } else { good_length(2 * shape[1]) };
+    let length = [width, halves * height];
     let symbol = Symbol::of(length, |j, row| {
         if j < rows {
             for (to, from) in row.iter_mut().zip(&table.row(j)[..shape[0]]) {
@@ -48,7 +62,7 @@ pub(super) fn compliance(table: &InfluenceTable, scale: f64, shape: [usize; 2], 
             }
         }
     });
-    Symbol { padded: true, mirrored, ..symbol }
+    Symbol { split, mirrored, ..symbol }
 }
 
 /// Symbol of the approximate inverse of [`compliance`].

@@ -17,7 +17,6 @@ use realfft::{ComplexToReal, RealToComplex};
 use rustfft::Fft;
 use rustfft::num_complex::Complex;
 
-use super::lanes::Lines;
 use super::symbol::Real;
 
 /// Transforms of real rows over L points, or over 2L with zeros behind.
@@ -39,13 +38,13 @@ struct Odd<T> {
 }
 
 impl<T: Real> Rows<T> {
-    /// Over `length` points, an even number; `padded`: over twice as many, the second half zero.
-    pub(super) fn new(length: usize, padded: bool) -> Self {
+    /// Over `length` points, an even number; `split`: over twice as many, the second half zero.
+    pub(super) fn new(length: usize, split: bool) -> Self {
         T::with_planners(|real, complex| Self {
             length,
             forward: real.plan_fft_forward(length),
             inverse: real.plan_fft_inverse(length),
-            odd: padded.then(|| Odd {
+            odd: split.then(|| Odd {
                 forward: complex.plan_fft_forward(length / 2),
                 inverse: complex.plan_fft_inverse(length / 2),
                 twiddles: (0..length / 2).map(|j| T::turn(-(j as f64) / length as f64)).collect(),
@@ -66,9 +65,17 @@ impl<T: Real> Rows<T> {
         if self.odd.is_some() { self.length + 1 } else { self.length / 2 + 1 }
     }
 
+    /// Room that [`Self::there`] and [`Self::back`] need: points of a row, and scratch.
+    pub(super) fn room(&self) -> [usize; 2] {
+        let odd = self
+            .odd
+            .as_ref()
+            .map_or(0, |odd| odd.forward.get_inplace_scratch_len().max(odd.inverse.get_inplace_scratch_len()));
+        [self.length, odd.max(self.forward.get_scratch_len()).max(self.inverse.get_scratch_len())]
+    }
+
     /// The spectrum of `x` with zeros behind it.
-    pub(super) fn there(&self, x: &[T], spectrum: &mut [Complex<T>], row: &mut Lines<T>, fft: &mut Lines<Complex<T>>) {
-        let row = row.of(self.length);
+    pub(super) fn there(&self, x: &[T], spectrum: &mut [Complex<T>], row: &mut [T], fft: &mut [Complex<T>]) {
         row[..x.len()].copy_from_slice(x);
         row[x.len()..].fill(T::of(0.0));
         let (even, spectrum) = spectrum.split_at_mut(self.length / 2 + 1);
@@ -77,29 +84,22 @@ impl<T: Real> Rows<T> {
             for (((to, a), b), w) in spectrum.iter_mut().zip(low).zip(high).zip(&odd.twiddles) {
                 *to = Complex { re: *a * w.re + *b * w.im, im: *a * w.im - *b * w.re };
             }
-            odd.forward.process_with_scratch(spectrum, fft.of(odd.forward.get_inplace_scratch_len()));
+            odd.forward.process_with_scratch(spectrum, fft);
         }
-        let done = self.forward.process_with_scratch(row, even, fft.of(self.forward.get_scratch_len()));
+        let done = self.forward.process_with_scratch(row, even, fft);
         debug_assert!(done.is_ok());
     }
 
     /// The beginning of the row that has this spectrum, which is lost, times the number of points.
-    pub(super) fn back(
-        &self,
-        spectrum: &mut [Complex<T>],
-        x: &mut [T],
-        row: &mut Lines<T>,
-        fft: &mut Lines<Complex<T>>,
-    ) {
+    pub(super) fn back(&self, spectrum: &mut [Complex<T>], x: &mut [T], row: &mut [T], fft: &mut [Complex<T>]) {
         let half = self.length / 2;
-        let row = row.of(self.length);
         let (even, spectrum) = spectrum.split_at_mut(half + 1);
         // Zero up to rounding; the transform wants it exactly.
         (even[0].im, even[half].im) = (T::of(0.0), T::of(0.0));
-        let done = self.inverse.process_with_scratch(even, row, fft.of(self.inverse.get_scratch_len()));
+        let done = self.inverse.process_with_scratch(even, row, fft);
         debug_assert!(done.is_ok());
         if let Some(odd) = &self.odd {
-            odd.inverse.process_with_scratch(spectrum, fft.of(odd.inverse.get_inplace_scratch_len()));
+            odd.inverse.process_with_scratch(spectrum, fft);
             let (low, high) = x.split_at_mut(half.min(x.len()));
             let parts = || spectrum.iter().zip(&odd.twiddles);
             for ((x, y), (h, w)) in low.iter_mut().zip(&*row).zip(parts()) {

@@ -59,15 +59,15 @@ const PAIRS: usize = 8;
 pub(super) struct Symbol {
     /// Lengths of the whole transform.
     pub(super) length: [usize; 2],
-    /// The second half of every field that it multiplies the transform of is zero.
-    pub(super) padded: bool,
+    /// Along x and y: the second half of every field is zero, and the transform is done as two of half its length.
+    pub(super) split: [bool; 2],
     /// The fields have a mirror at the lower edge of their rows and are held by their upper half.
     pub(super) mirrored: bool,
     pub(super) values: Vec<f64>,
 }
 
 impl Symbol {
-    /// The transform, for fields neither padded nor mirrored, of the kernel whose row j, offsets i = 0..=length_x/2, is what `fill` puts in place of zeros.
+    /// The transform, for fields neither split nor mirrored, of the kernel whose row j, offsets i = 0..=length_x/2, is what `fill` puts in place of zeros.
     pub(super) fn of(length: [usize; 2], fill: impl Fn(usize, &mut [f64])) -> Self {
         let [mx, my] = length;
         let zero = Complex::default();
@@ -116,7 +116,7 @@ impl Symbol {
                 }
             }
         }
-        Self { length, padded: false, mirrored: false, values }
+        Self { length, split: [false; 2], mirrored: false, values }
     }
 
     /// The largest magnitude: the 2-norm of the convolution, or a bound of it.
