@@ -41,10 +41,15 @@ fn raw(n: usize) -> impl FnMut() {
     }
 }
 
-/// Median ratio of the times of two calls, taken in turn, and the least time of the first: what else the machine does then
-/// lengthens both.
+/// Median ratio of the times of two calls (wall clock), taken in turn, and the least time of the first: what else the machine does
+/// then lengthens both.
 fn in_turn(mut first: impl FnMut(), mut second: impl FnMut()) -> (f64, f64) {
-    let mut pairs: Vec<_> = (0..15).map(|_| (seconds(1, 0.03, &mut first), seconds(1, 0.03, &mut second))).collect();
+    let time = |call: &mut dyn FnMut()| {
+        let clock = Instant::now();
+        call();
+        clock.elapsed().as_secs_f64()
+    };
+    let mut pairs: Vec<_> = (0..41).map(|_| (time(&mut first), time(&mut second))).collect();
     let least = pairs.iter().fold(f64::INFINITY, |least, (first, _)| least.min(*first));
     pairs.sort_by(|(a, b), (c, d)| (b / a).total_cmp(&(d / c)));
     let (first, second) = pairs[pairs.len() / 2];
