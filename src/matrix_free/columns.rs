@@ -121,9 +121,16 @@ impl<T: Real> Columns<T> {
         fft: &mut [Complex<T>],
     ) {
         let (even, odd) = both.split_at_mut(self.length);
-        self.lay(&column[given.start - base..given.end - base], given.start, even);
-        for ((to, x), w) in odd.iter_mut().zip(&*even).zip(&self.twiddles) {
-            *to = x * w;
+        let rows = &column[given.start - base..given.end - base];
+        // Where the rows lie in the column.
+        let places = if self.mirrored { 0..self.length } else { given.clone() };
+        self.lay(rows, given.start, even);
+        if self.split() {
+            odd[..places.start].fill(Complex::default());
+            odd[places.end..].fill(Complex::default());
+            for ((to, x), w) in odd[places.clone()].iter_mut().zip(&even[places.clone()]).zip(&self.twiddles[places]) {
+                *to = x * w;
+            }
         }
         self.forward.process_with_scratch(both, fft);
         let mut symbol = symbol;
@@ -132,10 +139,19 @@ impl<T: Real> Columns<T> {
         }
         self.inverse.process_with_scratch(both, fft);
         let (even, odd) = both.split_at_mut(self.length);
-        for ((x, y), w) in even.iter_mut().zip(odd).zip(&self.twiddles) {
-            *x = *x + *y * w.conj();
+        let rows = &mut column[wanted.start - base..wanted.end - base];
+        if self.split() && !self.mirrored {
+            // Both at once, on the way out.
+            let (even, odd) = (&even[wanted.clone()], &odd[wanted.clone()]);
+            for (((to, x), y), w) in rows.iter_mut().zip(even).zip(odd).zip(&self.twiddles[wanted.clone()]) {
+                *to = x + *y * w.conj();
+            }
+        } else {
+            for ((x, y), w) in even.iter_mut().zip(odd).zip(&self.twiddles) {
+                *x = *x + *y * w.conj();
+            }
+            self.take(even, wanted.start, rows);
         }
-        self.take(even, wanted.start, &mut column[wanted.start - base..wanted.end - base]);
     }
 
     /// Rows from `first` on in their places, zeros elsewhere.
