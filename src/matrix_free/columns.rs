@@ -29,17 +29,6 @@ pub(super) struct Columns<T> {
     inverse: Arc<dyn Fft<T>>,
     /// w_j of the module's header, with their sign where there is a mirror; empty where it is not split.
     twiddles: Vec<Complex<T>>,
-    /// exp(i pi l/K) of the module's header; empty without a mirror.
-    turns: Vec<Complex<f64>>,
-}
-
-/// The frequencies of one transform that belong together: l and L - l of the even ones, l and L - 1 - l of the odd ones.
-struct Pairs {
-    /// Where they begin: the even frequency 0 stands alone.
-    first: usize,
-    count: usize,
-    /// Numbers of the symbol that one transform needs, pairs and singles.
-    numbers: usize,
 }
 
 impl<T: Real> Columns<T> {
@@ -52,43 +41,52 @@ impl<T: Real> Columns<T> {
             let w = T::turn(-(j as f64) / length as f64);
             if mirrored && j >= length.div_ceil(2) { -w } else { w }
         });
-        let points = if split { 2 * length } else { length };
-        let turns = (0..if mirrored { points } else { 0 }).map(|l| f64::turn(l as f64 / points as f64)).collect();
-        Self { length, mirrored, forward, inverse, twiddles: twiddles.collect(), turns }
+        Self { length, mirrored, forward, inverse, twiddles: twiddles.collect() }
     }
 
     fn split(&self) -> bool {
         !self.twiddles.is_empty()
     }
 
-    fn pairs(&self, odd: usize) -> Pairs {
+    /// Transforms of a column: of the even frequencies, and of the odd ones where it is split.
+    fn classes(&self) -> usize {
+        if self.split() { 2 } else { 1 }
+    }
+
+    /// The frequencies of one transform that belong together, l and L - l of the even ones, l and L - 1 - l of the odd ones: the
+    /// first that is not its own image, and how many pairs. The others of L stand alone.
+    fn pairs(&self, odd: usize) -> (usize, usize) {
         let first = 1 - odd;
-        Pairs { first, count: (self.length - first) / 2, numbers: (self.length - first).div_ceil(2) + first }
+        (first, (self.length - first) / 2)
+    }
+
+    /// Numbers of the symbol for a frequency or a pair.
+    fn each(&self) -> usize {
+        if self.mirrored { 3 } else { 1 }
     }
 
     /// Numbers of the symbol that a column needs.
     pub(super) fn numbers(&self) -> usize {
-        let classes = if self.split() { 2 } else { 1 };
-        let each = if self.mirrored { 3 } else { 1 };
-        (0..classes).map(|odd| each * self.pairs(odd).numbers).sum()
+        (0..self.classes()).map(|odd| self.each() * (self.length - self.pairs(odd).1)).sum()
     }
 
-    /// The symbol of a column, S_l for all l up to half its period, as [`Self::product`] wants it: S_l of the even
+    /// The symbol of columns, S_l for all l up to half their period, as [`Self::product`] wants it: of each S_l of the even
     /// and of the odd l, or s_l and c_l where there is a mirror; times `norm`.
-    pub(super) fn arrange(&self, symbol: &[f64], norm: f64, mut to: &mut [T]) {
-        let classes = if self.split() { 2 } else { 1 };
-        for odd in 0..classes {
+    pub(super) fn arrange<'a>(&self, symbol: impl Iterator<Item = &'a [f64]>, norm: f64, columns: usize) -> Vec<T> {
+        let (classes, points) = (self.classes(), self.classes() * self.length);
+        let turns: Vec<Complex<f64>> =
+            (0..if self.mirrored { points } else { 0 }).map(|l| f64::turn(l as f64 / points as f64)).collect();
+        let mut arranged = vec![T::of(0.0); columns * self.numbers()];
+        let mut rest = &mut arranged[..];
+        for (symbol, odd) in symbol.flat_map(|symbol| (0..classes).map(move |odd| (symbol, odd))) {
+            let here = rest.split_off_mut(..self.each() * (self.length - self.pairs(odd).1)).unwrap_or_default();
             let at = symbol[odd..].iter().step_by(classes).map(|s| norm * s);
-            let numbers = self.pairs(odd).numbers;
             if !self.mirrored {
-                let (here, rest) = to.split_at_mut(numbers);
                 here.iter_mut().zip(at).for_each(|(to, at)| *to = T::of(at));
-                to = rest;
                 continue;
             }
-            let images = symbol[..=classes * self.length - odd].iter().rev().step_by(classes).map(|s| norm * s);
-            let turns = self.turns[odd..].iter().step_by(classes);
-            let (here, rest) = to.split_at_mut(3 * numbers);
+            let images = symbol[..=points - odd].iter().rev().step_by(classes).map(|s| norm * s);
+            let turns = turns[odd..].iter().step_by(classes);
             for (to, ((at, image), turn)) in here.as_chunks_mut().0.iter_mut().zip(at.zip(images).zip(turns)) {
                 let c = turn * (0.5 * (at - image));
                 *to = [0.5 * (at + image), c.re, c.im].map(T::of);
@@ -97,15 +95,14 @@ impl<T: Real> Columns<T> {
                 // V_K is V_0.
                 here[..3].copy_from_slice(&[norm * symbol[0], 0.0, 0.0].map(T::of));
             }
-            to = rest;
         }
+        arranged
     }
 
     /// Room that [`Self::product`] needs: points of a column, and scratch.
     pub(super) fn room(&self) -> [usize; 2] {
-        let parts = if self.split() { 2 } else { 1 };
         let fft = self.forward.get_inplace_scratch_len().max(self.inverse.get_inplace_scratch_len());
-        [parts * self.length, fft]
+        [self.classes() * self.length, fft]
     }
 
     /// Puts the rows `wanted` of the product in place of the rows `given` of a column, whose first number is in row `base`.
@@ -194,10 +191,10 @@ impl<T: Real> Columns<T> {
 
     /// Frequencies, even or odd, times their symbol, which is the beginning of `symbol`; gives back the rest of it.
     fn scale<'a>(&self, column: &mut [Complex<T>], symbol: &'a [T], odd: usize) -> &'a [T] {
-        let Pairs { first, count, numbers } = self.pairs(odd);
+        let (first, count) = self.pairs(odd);
+        let (low, high) = column.split_at_mut(self.length - count);
+        let (symbol, rest) = symbol.split_at(self.each() * low.len());
         if !self.mirrored {
-            let (symbol, rest) = symbol.split_at(numbers);
-            let (low, high) = column.split_at_mut(numbers);
             for (value, s) in low.iter_mut().zip(symbol) {
                 *value = *value * *s;
             }
@@ -206,8 +203,6 @@ impl<T: Real> Columns<T> {
             }
             return rest;
         }
-        let (symbol, rest) = symbol.split_at(3 * numbers);
-        let (low, high) = column.split_at_mut(self.length - count);
         if first == 1 {
             low[0] = low[0] * symbol[0];
         }

@@ -39,12 +39,9 @@ impl<T: Real> Convolution<T> {
         let [width, height] = [0, 1].map(|k| if split[k] { over[k] / 2 } else { over[k] });
         let (rows, columns) = (Rows::new(width, split[0]), Columns::new(height, split[1], mirrored));
         let norm = 1.0 / (over[0] as f64 * over[1] as f64);
-        let height = length[1] / 2 + 1;
-        let mut arranged = vec![T::of(0.0); rows.columns() * columns.numbers()];
-        for (k, arranged) in rows.frequencies().zip(arranged.chunks_exact_mut(columns.numbers())) {
-            columns.arrange(&values[k * height..(k + 1) * height], norm, arranged);
-        }
-        Self { shape, length, rows, columns, symbol: arranged }
+        let values: Vec<_> = values.chunks_exact(length[1] / 2 + 1).collect();
+        let symbol = columns.arrange(rows.frequencies().map(|k| values[k]), norm, rows.columns());
+        Self { shape, length, rows, columns, symbol }
     }
 
     /// Number of cells along x and y.

@@ -67,8 +67,8 @@ pub(super) fn compliance(table: &InfluenceTable, scale: f64, shape: [usize; 2], 
 
 /// Symbol of the approximate inverse of [`compliance`].
 pub(super) fn preconditioner(table: &InfluenceTable, scale: f64, shape: [usize; 2], mirrored: bool) -> Symbol {
-    let rows = if mirrored { 2 * good_length(shape[1]) } else { good_length(shape[1]) };
-    let length = [good_width(shape[0]), rows];
+    let halves = if mirrored { 2 } else { 1 };
+    let length = [good_width(shape[0]), halves * good_length(shape[1])];
     let last = table.shape()[1] - 1;
     let mut symbol = Symbol::of(length, |j, row| {
         if j <= last {
@@ -304,16 +304,15 @@ mod tests {
             let (mut u, mut v) = (vec![0.0; nx * 2 * m], vec![0.0; nx * m]);
             full.apply(&unfolded, 0..2 * m, &mut u, 0..2 * m, &mut Scratch::new());
             half.product(&p, given.clone(), &mut v, wanted.clone(), &mut Scratch::new());
-            let most = u.iter().fold(1.0, |m: f64, u| m.max(u.abs()));
             for k in wanted.start * nx..wanted.end * nx {
-                assert!((v[k] - u[nx * m + k]).abs() < 1e-14 * most, "{shape:?} {k}: {} {}", v[k], u[nx * m + k]);
+                assert!((v[k] - u[nx * m + k]).abs() < 1e-12, "{shape:?} {k}: {} {}", v[k], u[nx * m + k]);
             }
             let single: Convolution<f32> =
                 Convolution::new(shape, &compliance(&table, InfluenceTable::scale(h), shape, true));
             let (p, mut w): (Vec<f32>, _) = (p.iter().map(|&p| p as f32).collect(), vec![0.0; nx * m]);
             single.product(&p, given, &mut w, wanted.clone(), &mut Scratch::new());
             for k in wanted.start * nx..wanted.end * nx {
-                assert!((f64::from(w[k]) - v[k]).abs() < 2e-6 * most);
+                assert!((f64::from(w[k]) - v[k]).abs() < 1e-4);
             }
         }
     }

@@ -54,15 +54,18 @@ impl<T: Real> Rows<T> {
 
     /// Frequencies of a row, in the order in which they stand in a spectrum.
     pub(super) fn frequencies(&self) -> impl Iterator<Item = usize> {
-        let (half, whole) = (self.length / 2, 2 * self.length);
-        let step = if self.odd.is_some() { 2 } else { 1 };
-        let odd = if self.odd.is_some() { half } else { 0 };
-        (0..=half).map(move |k| step * k).chain((0..odd).map(move |k| (4 * k + 1).min(whole - 4 * k - 1)))
+        let (odd, whole) = (self.odd_columns(), 2 * self.length);
+        let step = if odd == 0 { 1 } else { 2 };
+        (0..=self.length / 2).map(move |k| step * k).chain((0..odd).map(move |k| (4 * k + 1).min(whole - 4 * k - 1)))
+    }
+
+    fn odd_columns(&self) -> usize {
+        self.odd.as_ref().map_or(0, |odd| odd.twiddles.len())
     }
 
     /// Numbers of a spectrum.
     pub(super) fn columns(&self) -> usize {
-        if self.odd.is_some() { self.length + 1 } else { self.length / 2 + 1 }
+        self.length / 2 + 1 + self.odd_columns()
     }
 
     /// Room that [`Self::there`] and [`Self::back`] need: points of a row, and scratch.

@@ -1,7 +1,7 @@
 //! The transform of an even kernel, and the planners of either precision.
 
 use std::cell::RefCell;
-use std::ops::{Mul, MulAssign};
+use std::ops::Mul;
 
 use realfft::RealFftPlanner;
 use rustfft::num_complex::Complex;
@@ -10,7 +10,7 @@ use rustfft::{FftNum, FftPlanner};
 use super::lanes::apart;
 
 /// A precision to compute in.
-pub(super) trait Real: FftNum + Mul<Output = Self> + MulAssign + Default {
+pub(super) trait Real: FftNum + Mul<Output = Self> + Default {
     /// Calls with the planners of this thread. Twiddle factors outlive an operator: small problems would spend most of
     /// their time on them.
     fn with_planners<R>(work: impl FnOnce(&mut RealFftPlanner<Self>, &mut FftPlanner<Self>) -> R) -> R;
@@ -67,7 +67,8 @@ pub(super) struct Symbol {
 }
 
 impl Symbol {
-    /// The transform, for fields neither split nor mirrored, of the kernel whose row j, offsets i = 0..=length_x/2, is what `fill` puts in place of zeros.
+    /// The transform, for fields neither split nor mirrored, of the kernel whose row j, offsets i = 0..=length_x/2, is what `fill`
+    /// puts in place of zeros.
     pub(super) fn of(length: [usize; 2], fill: impl Fn(usize, &mut [f64])) -> Self {
         let [mx, my] = length;
         let zero = Complex::default();
