@@ -19,9 +19,9 @@ impl Discrete {
     /// The overlap of `gap` at this depth, cell by cell.
     #[must_use]
     pub fn sample(gap: &dyn Gap, depth: f64, grid: Grid, kernel: Kernel) -> Self {
-        let overlap = (0..grid.len())
-            .map(|k| {
-                let (i, j) = (k % grid.shape[0], k / grid.shape[0]);
+        let mut overlap = Vec::with_capacity(grid.len());
+        for j in 0..grid.shape[1] {
+            overlap.extend((0..grid.shape[0]).map(|i| {
                 let gap_there = match kernel {
                     Kernel::Galerkin => gap.mean(&grid.cell(i, j)),
                     Kernel::Collocation => {
@@ -30,8 +30,8 @@ impl Discrete {
                     }
                 };
                 depth - gap_there
-            })
-            .collect();
+            }));
+        }
         Self { grid, kernel, overlap }
     }
 

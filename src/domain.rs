@@ -72,7 +72,7 @@ impl<'a> Door<'a> {
 fn lowest(gap: &dyn Gap, within: &Rect) -> f64 {
     let [cx, cy] = gap.centre();
     let lattice = Grid::over(within, [33, 33]);
-    (0..lattice.len()).map(|k| lattice.centre_of(k)).map(|[x, y]| gap.gap(x, y)).fold(gap.gap(cx, cy), f64::min)
+    lattice.centres().map(|[x, y]| gap.gap(x, y)).fold(gap.gap(cx, cy), f64::min)
 }
 
 /// Cells along both sides of a box: `longest` along the longer one, at least half as many along the other.
@@ -133,7 +133,7 @@ fn located(door: &Door, look: &Look) -> Result<Rect, Unsolved> {
         };
         let grid = problem.grid;
         let [hx, hy] = grid.spacing;
-        let loaded = (0..grid.len()).filter(|&k| pressure[k] > 0.0).map(|k| grid.centre_of(k));
+        let loaded = grid.centres().zip(&pressure).filter(|(_, p)| **p > 0.0).map(|(at, _)| at);
         let Some(contact) = Rect::holding(loaded) else { return Ok(window) };
         // The centre of the outermost cell, half a cell to its border, and more for what the coarse grid cannot see.
         let margin = Rect {

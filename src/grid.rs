@@ -51,6 +51,12 @@ impl Grid {
         self.centre(index % self.shape[0], index / self.shape[0])
     }
 
+    /// Centres of all cells, x fastest.
+    pub fn centres(&self) -> impl Iterator<Item = [f64; 2]> {
+        let grid = *self;
+        (0..grid.shape[1]).flat_map(move |j| (0..grid.shape[0]).map(move |i| grid.centre(i, j)))
+    }
+
     /// Cell (i, j) as a rectangle.
     #[must_use]
     pub fn cell(&self, i: usize, j: usize) -> Rect {

@@ -221,7 +221,7 @@ pub(crate) fn stiffness_matrix(
     arm: impl Fn([f64; 2]) -> [f64; 2],
 ) -> Result<[[f64; 3]; 3], Unsolved> {
     let grid = &state.problem.grid;
-    let arms: Vec<[f64; 2]> = (0..grid.len()).map(|k| arm(grid.centre_of(k))).collect();
+    let arms: Vec<[f64; 2]> = grid.centres().map(arm).collect();
     let rates = [vec![1.0; grid.len()], arms.iter().map(|a| a[0]).collect(), arms.iter().map(|a| a[1]).collect()];
     let mut matrix = [[0.0; 3]; 3];
     for (column, rate) in rates.iter().enumerate() {

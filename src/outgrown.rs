@@ -7,7 +7,7 @@ use crate::grid::Grid;
 
 /// A larger box, when contact touches a border with overlap beyond it, or a point outside penetrates.
 pub(crate) fn outgrown(door: &Door, window: &Rect, grid: &Grid, pressure: &[f64]) -> Option<Rect> {
-    let loaded = Rect::holding((0..grid.len()).filter(|&k| pressure[k] > 0.0).map(|k| grid.centre_of(k)))?;
+    let loaded = Rect::holding(grid.centres().zip(pressure).filter(|(_, p)| **p > 0.0).map(|(at, _)| at))?;
     let mut wanted = *window;
     for axis in 0..2 {
         // On a coarse grid the outermost cells may well be under pressure.
@@ -41,7 +41,7 @@ fn penetrating_outside(door: &Door, window: &Rect, grid: &Grid, pressure: &[f64]
     let lattice = Grid::over(&door.reach, [count(w, grid.spacing[0]), count(h, grid.spacing[1])]);
     let area = grid.cell_area();
     let loaded: Vec<([f64; 2], f64)> =
-        (0..grid.len()).filter(|&k| pressure[k] > 0.0).map(|k| (grid.centre_of(k), pressure[k] * area)).collect();
+        grid.centres().zip(pressure).filter(|(_, p)| **p > 0.0).map(|(at, p)| (at, p * area)).collect();
     let gathered = std::cell::LazyCell::new(|| gathered(&loaded, window));
     let under = |loads: &[([f64; 2], f64)], [x, y]: [f64; 2]| {
         loads.iter().map(|([a, b], q)| q / (x - a).hypot(y - b)).sum::<f64>() / std::f64::consts::PI
@@ -56,8 +56,8 @@ fn penetrating_outside(door: &Door, window: &Rect, grid: &Grid, pressure: &[f64]
         boxes.iter().map(|(r, q)| q / farthest(r)).sum::<f64>() / std::f64::consts::PI
     };
     let whole = blocks.iter().copied().reduce(|(a, p), (b, q)| (a.union(&b), p + q));
-    (0..lattice.len())
-        .map(|k| lattice.centre_of(k))
+    lattice
+        .centres()
         .filter(|p| !window.contains(*p))
         .filter(|&[x, y]| {
             let f = door.depth - door.gap.gap(x, y);

@@ -10,16 +10,24 @@ use crate::grid::Kernel;
 /// Offsets of square cells that the series does not reach.
 const NEAR: usize = far::SERIES as usize;
 
-/// Coefficients of square cells near each other, row by row: the dear ones, computed once.
-fn near_squares(kernel: Kernel) -> &'static [[f64; NEAR]; NEAR] {
-    static KNOWN: [OnceLock<[[f64; NEAR]; NEAR]>; 2] = [const { OnceLock::new() }; 2];
+/// What tables of square cells have in common.
+struct Squares {
+    series: Series,
+    /// Coefficients of cells near each other, row by row: the dear ones.
+    near: [[f64; NEAR]; NEAR],
+}
+
+/// Computed once.
+fn squares(kernel: Kernel) -> &'static Squares {
+    static KNOWN: [OnceLock<Squares>; 2] = [const { OnceLock::new() }; 2];
     KNOWN[usize::from(kernel == Kernel::Galerkin)].get_or_init(|| {
         let h = [1.0; 2];
         let series = Series::new(kernel, h);
         let mut corners = Corners::default();
         let mut of =
             |i: usize, j: usize| coefficient_by(&series, kernel, h, [i.max(j) as i64, i.min(j) as i64], &mut corners);
-        std::array::from_fn(|j| std::array::from_fn(|i| of(i, j)))
+        let near = std::array::from_fn(|j| std::array::from_fn(|i| of(i, j)));
+        Squares { series, near }
     })
 }
 
@@ -50,13 +58,13 @@ impl InfluenceTable {
     pub fn new(kernel: Kernel, spacing: [f64; 2], shape: [usize; 2]) -> Self {
         let [nx, ny] = shape;
         let (h, _) = scaled(spacing);
-        let series = Series::new(kernel, h);
         let mut values = vec![0.0; nx * ny];
         let mut corners = Corners::default();
         let square = h[0] == h[1];
+        let known = square.then(|| squares(kernel));
+        let series = known.map_or_else(|| Series::new(kernel, h), |known| known.series.clone());
         // The series holds outside a circle; inside, one offset at a time. Of a square cell one octant is enough.
         let inside = far::SERIES;
-        let known = square.then(|| near_squares(kernel));
         for j in 0..ny {
             let y = j as f64 * h[1];
             let row = &mut values[j * nx..(j + 1) * nx];
@@ -65,7 +73,7 @@ impl InfluenceTable {
             let octant = if square { j.min(nx) } else { 0 };
             for (i, value) in row.iter_mut().enumerate().take(near).skip(octant) {
                 *value = match known {
-                    Some(known) => known[j][i],
+                    Some(known) => known.near[j][i],
                     None => coefficient_by(&series, kernel, h, [i as i64, j as i64], &mut corners),
                 };
             }

@@ -153,22 +153,19 @@ impl<T: Real> Columns<T> {
 
     /// Rows from `first` on in their places, zeros elsewhere.
     fn lay(&self, rows: &[Complex<T>], first: usize, spread: &mut [Complex<T>]) {
-        let (my, end, zero) = (self.length, first + rows.len(), Complex::default());
+        if rows.len() < self.length {
+            spread.fill(Complex::default());
+        }
         if !self.mirrored {
-            spread[..first].fill(zero);
-            spread[first..end].copy_from_slice(rows);
-            spread[end..].fill(zero);
+            spread[first..first + rows.len()].copy_from_slice(rows);
             return;
         }
         let (even, odd) = (first.next_multiple_of(2), first | 1);
-        spread[..even / 2].fill(zero);
-        spread[end.div_ceil(2)..my - end / 2].fill(zero);
-        spread[my - odd / 2..].fill(zero);
         let from = |row: usize| rows[(row - first).min(rows.len())..].iter().step_by(2);
         for (to, from) in spread[even / 2..].iter_mut().zip(from(even)) {
             *to = *from;
         }
-        for (to, from) in spread[..my - odd / 2].iter_mut().rev().zip(from(odd)) {
+        for (to, from) in spread[..self.length - odd / 2].iter_mut().rev().zip(from(odd)) {
             *to = *from;
         }
     }

@@ -45,7 +45,7 @@ impl<T: Copy + Default> Lines<T> {
     }
 }
 
-/// Room for the transforms of a [`super::convolution::Convolution`], grown as needed, kept from product to product.
+/// Room for the transforms of a [`super::transforms::Transforms`], grown as needed, kept from product to product.
 #[derive(Debug)]
 pub(super) struct Room<T> {
     /// The columns between the passes.

@@ -22,6 +22,7 @@ mod operator;
 mod rows;
 mod solver;
 mod symbol;
+mod transforms;
 mod window;
 
 use crate::discrete::{Discrete, DiscreteSolution};
@@ -33,7 +34,7 @@ pub use nested::{halved, solve_nested};
 pub use operator::{Operator, Scratch};
 pub use solver::Solver;
 
-use convolution::Convolution;
+use convolution::{Convolution, FEW, Sums};
 use level::{Level, NEAR, State};
 use window::Window;
 
@@ -250,6 +251,9 @@ struct Operators {
 impl Operators {
     fn new(table: &InfluenceTable, shape: [usize; 2], mirrored: bool, double: bool) -> Self {
         let scale = InfluenceTable::scale(table.spacing()) / table.get(0, 0);
+        if shape[0] * shape[1] <= FEW {
+            return Self::few(table, scale, shape, mirrored, double);
+        }
         let symbol = operator::compliance(table, scale, shape, mirrored);
         let compliance = double.then(|| Convolution::new(shape, &symbol));
         let (single, norm) = (Convolution::new(shape, &symbol), symbol.norm());
@@ -261,6 +265,18 @@ impl Operators {
             Convolution::new(shape, &symbol)
         });
         Self { compliance, single, preconditioner, periodic, norm }
+    }
+
+    /// By sums.
+    fn few(table: &InfluenceTable, scale: f64, shape: [usize; 2], mirrored: bool, double: bool) -> Self {
+        let kernel = |i: usize, j: usize| scale * table.row(j)[i];
+        let rows = 0..if mirrored { 2 * shape[1] } else { shape[1] };
+        let norm = 4.0 * rows.map(|j| (0..shape[0]).map(|i| kernel(i, j)).sum::<f64>()).sum::<f64>();
+        let compliance = double.then(|| Convolution::Sums(Sums::new(shape, mirrored, kernel)));
+        let single = Convolution::Sums(Sums::new(shape, mirrored, kernel));
+        let inverse = operator::preconditioner(table, scale, shape, mirrored).kernel();
+        let preconditioner = Convolution::Sums(Sums::new(shape, mirrored, |i, j| inverse.at(i, j)));
+        Self { compliance, single, preconditioner, periodic: None, norm }
     }
 }
 

@@ -8,6 +8,7 @@ use std::ops::Range;
 use super::convolution::Convolution;
 use super::lanes::Room;
 use super::symbol::{Real, Symbol};
+use super::transforms::Transforms;
 use crate::influence::InfluenceTable;
 
 /// Work beside a transform, for each of its points, over that of one of its passes.
@@ -87,7 +88,7 @@ pub(super) fn preconditioner(table: &InfluenceTable, scale: f64, shape: [usize; 
 
 /// A symmetric convolution over a box of cells.
 #[derive(Clone)]
-pub struct Operator(Convolution<f64>);
+pub struct Operator(Transforms<f64>);
 
 /// Room for the transforms of an [`Operator`]; owned by the caller, grown as needed, kept from product to product.
 #[derive(Debug, Default)]
@@ -179,7 +180,7 @@ impl Operator {
     #[must_use]
     pub fn compliance(table: &InfluenceTable, spacing: [f64; 2], shape: [usize; 2]) -> Self {
         let symbol = compliance(table, InfluenceTable::scale(spacing), shape, false);
-        Self(Convolution::new(shape, &symbol))
+        Self(Transforms::new(shape, &symbol))
     }
 
     /// Its approximate inverse: the inverse of the periodic convolution with the same coefficients on a grid that is not
@@ -187,7 +188,7 @@ impl Operator {
     #[must_use]
     pub fn preconditioner(table: &InfluenceTable, spacing: [f64; 2], shape: [usize; 2]) -> Self {
         let symbol = preconditioner(table, InfluenceTable::scale(spacing), shape, false);
-        Self(Convolution::new(shape, &symbol))
+        Self(Transforms::new(shape, &symbol))
     }
 
     /// Number of cells along x and y.
@@ -205,12 +206,14 @@ impl Operator {
     /// Writes the rows `wanted` of K * p to `u`; the rest of `u` is left as it is. Only the rows `given` of `p` are read:
     /// the others must be zero. Fields have the operator's shape, x fastest.
     pub fn apply(&self, p: &[f64], given: Range<usize>, u: &mut [f64], wanted: Range<usize>, scratch: &mut Scratch) {
-        self.0.product(p, given, u, wanted, scratch);
+        let lanes = scratch.lanes();
+        self.0.apply(p, given, u, wanted, &mut scratch.double, lanes);
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::convolution::Sums;
     use super::*;
     use crate::grid::Kernel;
 
@@ -258,6 +261,36 @@ mod tests {
             assert!((whole[k] - part[k]).abs() < 1e-13);
         }
         assert_eq!(part[0], 0.0);
+    }
+
+    #[test]
+    fn sums_are_the_transforms() {
+        for (shape, h, mirrored, given, wanted) in [
+            ([5, 4], [1.0, 1.0], false, 0..4, 0..4),
+            ([5, 4], [1.0, 1.0], true, 0..4, 0..4),
+            ([13, 7], [1.0, 1.0], true, 2..7, 0..6),
+            ([20, 11], [1.0, 1.7], false, 3..4, 2..9),
+            ([1, 1], [1.0, 1.0], true, 0..1, 0..1),
+            ([1, 9], [1.0, 0.2], true, 0..9, 0..9),
+        ] {
+            let [nx, ny] = shape;
+            let table = InfluenceTable::new(Kernel::Galerkin, h, [nx, 2 * ny]);
+            let p: Vec<f64> =
+                (0..nx * ny).map(|k| if given.contains(&(k / nx)) { ((k * 7919) % 13) as f64 - 3.0 } else { 0.0 }).collect();
+            let direct = Sums::new(shape, mirrored, |i, j| table.row(j)[i]);
+            let inverse = preconditioner(&table, 1.0, shape, mirrored);
+            let kernel = inverse.kernel();
+            let approximate = Sums::new(shape, mirrored, |i, j| kernel.at(i, j));
+            for (sums, symbol) in [(direct, compliance(&table, 1.0, shape, mirrored)), (approximate, inverse)] {
+                let [mut u, mut v] = [0, 1].map(|_| vec![7.0; nx * ny]);
+                let mut scratch = Scratch::new();
+                Convolution::Sums(sums).product(&p, given.clone(), &mut u, wanted.clone(), &mut scratch);
+                Convolution::new(shape, &symbol).product(&p, given.clone(), &mut v, wanted.clone(), &mut scratch);
+                for (k, (u, v)) in u.iter().zip(&v).enumerate() {
+                    assert!((u - v).abs() < 1e-12, "{shape:?} {mirrored} {k}: {u} {v}");
+                }
+            }
+        }
     }
 
     #[test]

@@ -120,8 +120,31 @@ impl Symbol {
         Self { length, split: [false; 2], mirrored: false, values }
     }
 
+    /// The kernel that has this symbol.
+    pub(super) fn kernel(&self) -> Kernel {
+        let [mx, my] = self.length;
+        let points = (mx * my) as f64;
+        let back = Self::of(self.length, |l, row| {
+            for (to, from) in row.iter_mut().zip(self.values.iter().skip(l).step_by(my / 2 + 1)) {
+                *to = from / points;
+            }
+        });
+        Kernel(back)
+    }
+
     /// The largest magnitude: the 2-norm of the convolution, or a bound of it.
     pub(super) fn norm(&self) -> f64 {
         self.values.iter().fold(0.0, |m: f64, s| m.max(s.abs()))
+    }
+}
+
+/// An even kernel, over a period in each direction.
+pub(super) struct Kernel(Symbol);
+
+impl Kernel {
+    /// At these offsets, less than a period.
+    pub(super) fn at(&self, i: usize, j: usize) -> f64 {
+        let [mx, my] = self.0.length;
+        self.0.values[i.min(mx - i) * (my / 2 + 1) + j.min(my - j)]
     }
 }

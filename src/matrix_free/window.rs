@@ -1,5 +1,7 @@
 //! The box around the cells that overlap, cut out of the grid of the problem.
 
+use std::ops::Range;
+
 use super::Cells;
 use crate::discrete::Discrete;
 use crate::influence::InfluenceTable;
@@ -54,11 +56,12 @@ impl Window {
     /// Whether all cells are like their images in a mirror in the middle of the window.
     pub(super) fn symmetric(&self, shape: [usize; 2], alike: impl Fn(usize, usize) -> bool) -> bool {
         let [nx, ny] = self.extent;
-        (0..ny / 2).all(|j| {
-            (0..nx).all(|i| match (self.index(shape, i, j), self.index(shape, i, ny - 1 - j)) {
-                (Some(cell), Some(image)) => alike(cell, image),
+        (0..ny / 2).all(|j| match [j, ny - 1 - j].map(|j| self.row(shape, j)) {
+            [Some(row), Some(image)] => row.zip(image).all(|(cell, image)| alike(cell, image)),
+            _ => (0..nx).all(|i| match [j, ny - 1 - j].map(|j| self.index(shape, i, j)) {
+                [Some(cell), Some(image)] => alike(cell, image),
                 _ => false,
-            })
+            }),
         })
     }
 
@@ -85,6 +88,12 @@ impl Window {
         Some(y * width + x)
     }
 
+    /// Places of row j of the window, where they lie side by side in a field on a grid of this shape.
+    fn row(&self, shape: [usize; 2], j: usize) -> Option<Range<usize>> {
+        let ends = if self.transposed { None } else { self.index(shape, 0, j).zip(self.index(shape, self.extent[0] - 1, j)) };
+        ends.map(|(first, last)| first..last + 1)
+    }
+
     /// Cells that are solved for.
     pub(super) fn shape(&self) -> [usize; 2] {
         [self.extent[0], if self.mirrored { self.extent[1] / 2 } else { self.extent[1] }]
@@ -97,10 +106,13 @@ impl Window {
         let mut part = Vec::with_capacity(nx * ny);
         let at = |i: usize, j: usize| self.index(shape, i, j).map_or(outside, |k| field[k]);
         for upper in height - ny..height {
-            let ends = [self.index(shape, 0, upper), self.index(shape, nx - 1, upper)];
-            match ends {
-                _ if self.mirrored => part.extend((0..nx).map(|i| 0.5 * (at(i, upper) + at(i, height - 1 - upper)))),
-                [Some(first), Some(last)] if !self.transposed => part.extend_from_slice(&field[first..=last]),
+            let lower = height - 1 - upper;
+            match [upper, lower].map(|j| self.row(shape, j)) {
+                [Some(row), Some(image)] if self.mirrored => {
+                    part.extend(field[row].iter().zip(&field[image]).map(|(a, b)| 0.5 * (a + b)));
+                }
+                [Some(row), _] if !self.mirrored => part.extend_from_slice(&field[row]),
+                _ if self.mirrored => part.extend((0..nx).map(|i| 0.5 * (at(i, upper) + at(i, lower)))),
                 _ => part.extend((0..nx).map(|i| at(i, upper))),
             }
         }
@@ -114,7 +126,12 @@ impl Window {
         let below = height - self.shape()[1];
         for j in 0..height {
             let row = if j >= below { j - below } else { below - 1 - j };
-            for (i, &value) in part[row * nx..(row + 1) * nx].iter().enumerate() {
+            let values = &part[row * nx..(row + 1) * nx];
+            if let Some(places) = self.row(shape, j) {
+                field[places].copy_from_slice(values);
+                continue;
+            }
+            for (i, &value) in values.iter().enumerate() {
                 if let Some(k) = self.index(shape, i, j) {
                     field[k] = value;
                 }
