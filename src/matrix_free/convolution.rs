@@ -50,7 +50,7 @@ impl<T: Real> Convolution<T> {
 pub(super) const FEW: usize = 256;
 
 /// Sums done side by side.
-const LANES: usize = 8;
+const LANES: usize = 16;
 
 /// Every coefficient from row to row: of a small box they stay in the nearest cache.
 #[derive(Debug)]

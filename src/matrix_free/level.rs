@@ -96,15 +96,20 @@ impl Level<'_> {
     /// Adds to the residual on the face what it will be more by near the cells that leave.
     pub(super) fn foresee(&self, p: &[f64], cells: Range<usize>, face: &[f32], residual: &mut [f32]) {
         let [width, height] = self.shape();
+        let rows = cells.start / width..cells.end / width;
         let reach = |at: usize, end: usize| at.saturating_sub(NEAR - 1)..(at + NEAR).min(end);
         for (k, _) in p[cells.clone()].iter().zip(face).enumerate().filter(|(_, (p, m))| **m == 0.0 && **p != 0.0) {
             let k = cells.start + k;
             let (i, j, p) = (k % width, k / width, p[k] as f32);
             let mut add = |row: usize, offset: usize| {
-                for x in reach(i, width) {
-                    if let Some(1.0) = (row * width + x).checked_sub(cells.start).and_then(|at| face.get(at)).copied() {
-                        residual[row * width + x] += p * self.near[offset][x.abs_diff(i)];
-                    }
+                if !rows.contains(&row) {
+                    return;
+                }
+                let along = reach(i, width);
+                let face = &face[(row - rows.start) * width..][along.clone()];
+                let residual = &mut residual[row * width..][along.clone()];
+                for ((x, r), m) in along.zip(residual).zip(face) {
+                    *r += m * p * self.near[offset][x.abs_diff(i)];
                 }
             };
             reach(j, height).for_each(|row| add(row, row.abs_diff(j)));
