@@ -275,8 +275,9 @@ mod tests {
         ] {
             let [nx, ny] = shape;
             let table = InfluenceTable::new(Kernel::Galerkin, h, [nx, 2 * ny]);
-            let p: Vec<f64> =
-                (0..nx * ny).map(|k| if given.contains(&(k / nx)) { ((k * 7919) % 13) as f64 - 3.0 } else { 0.0 }).collect();
+            let p: Vec<f64> = (0..nx * ny)
+                .map(|k| if given.contains(&(k / nx)) { ((k * 7919) % 13) as f64 - 3.0 } else { 0.0 })
+                .collect();
             let direct = Sums::new(shape, mirrored, |i, j| table.row(j)[i]);
             let inverse = preconditioner(&table, 1.0, shape, mirrored);
             let kernel = inverse.kernel();

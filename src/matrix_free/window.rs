@@ -90,7 +90,8 @@ impl Window {
 
     /// Places of row j of the window, where they lie side by side in a field on a grid of this shape.
     fn row(&self, shape: [usize; 2], j: usize) -> Option<Range<usize>> {
-        let ends = if self.transposed { None } else { self.index(shape, 0, j).zip(self.index(shape, self.extent[0] - 1, j)) };
+        let ends =
+            if self.transposed { None } else { self.index(shape, 0, j).zip(self.index(shape, self.extent[0] - 1, j)) };
         ends.map(|(first, last)| first..last + 1)
     }
 
