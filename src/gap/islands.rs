@@ -14,11 +14,8 @@ const FULL: f64 = 0.3;
 /// another; the whole box when there is but one.
 pub(crate) fn islands(gap: &dyn Gap, depth: f64, reach: &Rect) -> Vec<Rect> {
     let lattice = Grid::over(reach, [LOOKS; 2]);
-    let inside = |&k: &usize| {
-        let [x, y] = lattice.centre_of(k);
-        gap.gap(x, y) < depth
-    };
-    let filled = (0..lattice.len()).filter(inside).count() as f64 > FULL * lattice.len() as f64;
+    let enough = (FULL * lattice.len() as f64) as usize;
+    let filled = lattice.centres().filter(|[x, y]| gap.gap(*x, *y) < depth).nth(enough).is_some();
     let pieces = if filled { None } else { gap.pieces(depth) };
     pieces.map(merged).filter(|pieces| pieces.len() > 1).unwrap_or_else(|| vec![*reach])
 }

@@ -24,6 +24,9 @@ pub struct Polyhedron {
     ridges: Ridges,
 }
 
+/// So many planes are looked at all; of more, where they form a fan, those next to the point.
+const FEW: usize = 12;
+
 impl Polyhedron {
     /// Planes as `[slope_x, slope_y, offset]`, at least one.
     ///
@@ -105,8 +108,7 @@ impl Polyhedron {
 
     fn highest(&self, x: f64, y: f64) -> &[f64; 3] {
         let height = |p: &[f64; 3]| p[0] * x + p[1] * y + p[2];
-        // With few faces it is quicker to look at them all.
-        if let Some((faces, _)) = self.fan.filter(|&(faces, _)| faces > 12) {
+        if let Some((faces, _)) = self.fan.filter(|&(faces, _)| faces > FEW) {
             // The face whose sector holds the point; neighbours guard against rounding.
             let k = (y.atan2(x) / TAU * faces as f64).round() as i64;
             let face = |k: i64| &self.planes[k.rem_euclid(faces as i64) as usize];
@@ -138,8 +140,12 @@ fn lowest_point(planes: &[[f64; 3]], ridges: &Ridges, window: &Rect) -> [f64; 2]
 
 impl Gap for Polyhedron {
     fn gap(&self, x: f64, y: f64) -> f64 {
-        let p = self.highest(x, y);
-        p[0] * x + p[1] * y + p[2]
+        let height = |p: &[f64; 3]| p[0] * x + p[1] * y + p[2];
+        if self.planes.len() > FEW {
+            return height(self.highest(x, y));
+        }
+        let higher = |top: f64, here: f64| if here > top { here } else { top };
+        self.planes[1..].iter().map(height).fold(height(&self.planes[0]), higher)
     }
 
     fn gradient(&self, x: f64, y: f64) -> Option<[f64; 2]> {
