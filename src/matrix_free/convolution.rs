@@ -1,5 +1,5 @@
-//! The convolution of a field over a box of cells with an even kernel, in either precision: by transforms, or of few cells by the
-//! sums themselves, which are then a tenth of the work.
+//! The convolution of a field over a box of cells with an even kernel, in either precision: by transforms, or, of few cells, by the
+//! sums themselves. They skip what carries nothing, and need no symbol: measured up to 200 cells, less than half the work.
 
 use std::ops::Range;
 
@@ -61,7 +61,8 @@ pub(super) struct Sums<T> {
 }
 
 impl<T: Real> Sums<T> {
-    /// Over `shape` cells, the upper half of twice as many rows when `mirrored`, of a kernel of offsets in cells.
+    /// Over `shape` cells, no more than [`FEW`], the upper half of twice as many rows when `mirrored`, of a kernel of offsets in
+    /// cells.
     pub(super) fn new(shape: [usize; 2], mirrored: bool, kernel: impl Fn(usize, usize) -> f64) -> Self {
         let [nx, ny] = shape;
         let wide = 2 * nx - 1;
