@@ -33,6 +33,10 @@ const STEPPED: usize = 512;
 /// 1.42 times more than they tell, measured on 60 minima of flat and other punches).
 const BESIDE_STEPS: f64 = 1.5;
 
+/// The same on a prescribed grid, fine enough or not, where it ends at steps or at edges of the material (by up to 1.5 times more
+/// than three grids tell, measured on 300 grids of minima like these and of flat punches).
+const AT_EDGES_AS_GIVEN: f64 = 2.0;
+
 /// A contact refined until the force is good enough.
 #[derive(Debug, Clone)]
 pub(crate) struct Refined {
@@ -155,10 +159,14 @@ impl Ascent<'_> {
         if self.law.is_none() {
             error = error.max(self.doubt(&state)?);
         }
-        if edges::met(self.door, &state) == Some(Edge::End) {
+        let edge = edges::met(self.door, &state);
+        if self.law.is_none() && edge.is_some() {
+            error *= AT_EDGES_AS_GIVEN;
+        }
+        if edge == Some(Edge::End) {
             // P grows with the size of a patch: half as much as the area, and as much again for the edges themselves.
-            let area =
-                state.solution.pressure.iter().filter(|&&p| p > 0.0).count() as f64 * state.problem.grid.cell_area();
+            let pressed = state.solution.pressure.iter().filter(|&&p| p > 0.0).count();
+            let area = pressed as f64 * state.problem.grid.cell_area();
             error = error.max(force * (Border::of(self.door, &state).left_out / area).abs());
         }
         // Who prescribes the grid wants the force of that grid.

@@ -92,6 +92,25 @@ fn a_step_of_the_gap_is_an_edge() {
 }
 
 #[test]
+fn prescribed_grids_state_what_steps_and_edges_cost_them() {
+    // Discs of radius 0.6, one above a bowl that the depth does not reach, one that leans: 2 E* a d either way.
+    let above = || {
+        let disc = AnyGap::new(Flat::new(Outline::disc(0.6).unwrap()));
+        let bowl = AnyGap::new(|x: f64, y: f64| 0.9 + 0.125 * ((x - 0.05).powi(2) + y * y));
+        AnyGap::new(Minimum::new(vec![disc, bowl]).unwrap())
+    };
+    let leaning = || AnyGap::new(Tilted::new(AnyGap::new(Flat::new(Outline::disc(0.6).unwrap())), [0.2, 0.1]));
+    for (name, gap) in [("above", above()), ("leaning", leaning())] {
+        for cells in (20..120).step_by(7) {
+            let settings = Settings { method: Method::Fft, cells: Some(cells), ..Settings::default() };
+            let state = solved(gap.clone(), Load::Depth(1.0), settings).unwrap();
+            let (off, said) = ((state.force / 1.2 - 1.0).abs(), state.force_error.unwrap());
+            assert!(off <= said && said < 5.0 / cells as f64, "{name}, {cells} cells: off {off:e}, said {said:e}");
+        }
+    }
+}
+
+#[test]
 fn a_tilt_about_the_middle_of_a_square_changes_no_force_but_turns_it_back() {
     // f = d + t (x - c): by symmetry P as without the tilt, and int p (x - c) = K t with one K for all directions.
     let (d, centre) = (1.0, [0.3, -0.2]);
