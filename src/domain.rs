@@ -133,7 +133,7 @@ fn located(door: &Door, look: &Look) -> Result<Rect, Unsolved> {
         };
         let grid = problem.grid;
         let [hx, hy] = grid.spacing;
-        let loaded = grid.centres().zip(&pressure).filter(|(_, p)| **p > 0.0).map(|(at, _)| at);
+        let loaded = grid.loaded(&pressure).map(|(at, _)| at);
         let Some(contact) = Rect::holding(loaded) else { return Ok(window) };
         // The centre of the outermost cell, half a cell to its border, and more for what the coarse grid cannot see.
         let margin = Rect {

@@ -52,9 +52,14 @@ impl Grid {
     }
 
     /// Centres of all cells, x fastest.
-    pub fn centres(&self) -> impl Iterator<Item = [f64; 2]> {
+    pub fn centres(&self) -> impl Iterator<Item = [f64; 2]> + use<> {
         let grid = *self;
         (0..grid.shape[1]).flat_map(move |j| (0..grid.shape[0]).map(move |i| grid.centre(i, j)))
+    }
+
+    /// Centres of the cells under pressure, and their pressures.
+    pub fn loaded<'a>(&self, pressure: &'a [f64]) -> impl Iterator<Item = ([f64; 2], f64)> + use<'a> {
+        self.centres().zip(pressure.iter().copied()).filter(|(_, p)| *p > 0.0)
     }
 
     /// Cell (i, j) as a rectangle.

@@ -7,7 +7,7 @@ use crate::grid::Grid;
 
 /// A larger box, when contact touches a border with overlap beyond it, or a point outside penetrates.
 pub(crate) fn outgrown(door: &Door, window: &Rect, grid: &Grid, pressure: &[f64]) -> Option<Rect> {
-    let loaded = Rect::holding(grid.centres().zip(pressure).filter(|(_, p)| **p > 0.0).map(|(at, _)| at))?;
+    let loaded = Rect::holding(grid.loaded(pressure).map(|(at, _)| at))?;
     let mut wanted = *window;
     for axis in 0..2 {
         // On a coarse grid the outermost cells may well be under pressure.
@@ -40,8 +40,7 @@ fn penetrating_outside(door: &Door, window: &Rect, grid: &Grid, pressure: &[f64]
     let count = |size: f64, spacing: f64| ((size / spacing).ceil() as usize).clamp(1, OUTSIDE);
     let lattice = Grid::over(&door.reach, [count(w, grid.spacing[0]), count(h, grid.spacing[1])]);
     let area = grid.cell_area();
-    let loaded: Vec<([f64; 2], f64)> =
-        grid.centres().zip(pressure).filter(|(_, p)| **p > 0.0).map(|(at, p)| (at, p * area)).collect();
+    let loaded: Vec<([f64; 2], f64)> = grid.loaded(pressure).map(|(at, p)| (at, p * area)).collect();
     let gathered = std::cell::LazyCell::new(|| gathered(&loaded, window));
     let under = |loads: &[([f64; 2], f64)], [x, y]: [f64; 2]| {
         loads.iter().map(|([a, b], q)| q / (x - a).hypot(y - b)).sum::<f64>() / std::f64::consts::PI

@@ -162,7 +162,7 @@ pub(super) fn sound(pressure: &Pressure) -> bool {
 }
 
 pub(super) fn loaded(pressure: &Pressure) -> impl Iterator<Item = [f64; 2]> + '_ {
-    (0..pressure.grid.len()).filter(|&k| pressure.values[k] > 0.0).map(|k| pressure.grid.centre_of(k))
+    pressure.grid.loaded(&pressure.values).map(|(at, _)| at)
 }
 
 /// Violations of a condition.
@@ -204,10 +204,7 @@ pub(super) fn violations(
     }
     if above && let Reach::Within(reach) = extent(gap, depth) {
         let (inside, lattice) = (grid.extent(), Grid::over(&reach, [BEYOND; 2]));
-        let points: Vec<[f64; 2]> = (0..lattice.len())
-            .map(|k| lattice.centre_of(k))
-            .filter(|p| !inside.contains(*p) && overlap(*p) > 0.0)
-            .collect();
+        let points: Vec<[f64; 2]> = lattice.centres().filter(|p| !inside.contains(*p) && overlap(*p) > 0.0).collect();
         looked.points += points.len();
         for (point, u) in points.iter().zip(summation.at(&points)) {
             let v = overlap(*point) - u;

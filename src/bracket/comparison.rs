@@ -102,11 +102,8 @@ impl Comparisons<'_> {
         let (touch, sure) = first_touch(self.gap, self.depth);
         let mut best = self.around(middle, touch, sure);
         let lattice = Grid::over(&self.reach, [LATTICE; 2]);
-        let samples: Vec<([f64; 2], f64)> = (0..lattice.len())
-            .map(|k| lattice.centre_of(k))
-            .map(|p| (p, self.gap.gap(p[0], p[1])))
-            .filter(|s| s.1 < self.depth)
-            .collect();
+        let samples: Vec<([f64; 2], f64)> =
+            lattice.centres().map(|p| (p, self.gap.gap(p[0], p[1]))).filter(|s| s.1 < self.depth).collect();
         for simple in self.candidates(middle, axes) {
             let above = |s: f64| {
                 let trial = simple.scaled(s);
@@ -231,7 +228,7 @@ impl Comparisons<'_> {
             return (c, at, true);
         }
         let lattice = Grid::over(&self.reach, [SAMPLED; 2]);
-        let points = (0..lattice.len()).map(|k| lattice.centre_of(k)).map(|p| (difference(p), p));
+        let points = lattice.centres().map(|p| (difference(p), p));
         let (c, at) = points.fold((f64::NEG_INFINITY, lattice.centre_of(0)), |a, b| if b.0 > a.0 { b } else { a });
         // What lies between the points: as much again as the steps of the lattice around the highest one.
         let [hx, hy] = lattice.spacing;

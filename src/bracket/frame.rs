@@ -118,8 +118,7 @@ impl<'a> Frame<'a> {
         let origin = given.extent().centre();
         let [cx, cy] = gap.centre();
         let lattice = Grid::over(&reach, [33, 33]);
-        let points =
-            (0..given.len()).map(|k| given.centre_of(k)).chain((0..lattice.len()).map(|k| lattice.centre_of(k)));
+        let points = given.centres().chain(lattice.centres());
         let deepest = points.map(|[x, y]| depth - gap.gap(x, y)).fold(depth - gap.gap(cx, cy), f64::max);
         let height = if deepest > 0.0 { deepest } else { depth.abs().max(f64::MIN_POSITIVE) };
         let scaled = Scaled { gap, origin, length, depth: height };

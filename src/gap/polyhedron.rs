@@ -24,9 +24,6 @@ pub struct Polyhedron {
     ridges: Ridges,
 }
 
-/// So many planes are looked at all; of more, where they form a fan, those next to the point.
-const FEW: usize = 12;
-
 impl Polyhedron {
     /// Planes as `[slope_x, slope_y, offset]`, at least one.
     ///
@@ -106,23 +103,24 @@ impl Polyhedron {
         self.fan.filter(|_| self.flat == 0.0)
     }
 
-    fn highest(&self, x: f64, y: f64) -> &[f64; 3] {
-        let height = |p: &[f64; 3]| p[0] * x + p[1] * y + p[2];
-        if let Some((faces, _)) = self.fan.filter(|&(faces, _)| faces > FEW) {
+    /// The highest plane, behind its height.
+    #[inline]
+    fn highest(&self, x: f64, y: f64) -> (f64, &[f64; 3]) {
+        let at = |p| -> (f64, &[f64; 3]) {
+            let [a, b, c]: &[f64; 3] = p;
+            (a * x + b * y + c, p)
+        };
+        let higher = |top: (f64, _), here: (f64, _)| if here.0 > top.0 { here } else { top };
+        // With few faces it is quicker to look at them all.
+        if let Some((faces, _)) = self.fan.filter(|&(faces, _)| faces > 12) {
             // The face whose sector holds the point; neighbours guard against rounding.
             let k = (y.atan2(x) / TAU * faces as f64).round() as i64;
             let face = |k: i64| &self.planes[k.rem_euclid(faces as i64) as usize];
-            return [face(k - 1), face(k + 1)]
-                .into_iter()
-                .chain(&self.planes[faces..])
-                .fold(face(k), |a, b| if height(b) > height(a) { b } else { a });
+            let others = [face(k - 1), face(k + 1)].into_iter().chain(&self.planes[faces..]);
+            return others.map(at).fold(at(face(k)), higher);
         }
         let (first, others) = self.planes.split_first().expect("at least one plane");
-        let higher = |top: (f64, _), p| {
-            let here = height(p);
-            if here > top.0 { (here, p) } else { top }
-        };
-        others.iter().fold((height(first), first), higher).1
+        others.iter().map(at).fold(at(first), higher)
     }
 }
 
@@ -140,16 +138,11 @@ fn lowest_point(planes: &[[f64; 3]], ridges: &Ridges, window: &Rect) -> [f64; 2]
 
 impl Gap for Polyhedron {
     fn gap(&self, x: f64, y: f64) -> f64 {
-        let height = |p: &[f64; 3]| p[0] * x + p[1] * y + p[2];
-        if self.planes.len() > FEW {
-            return height(self.highest(x, y));
-        }
-        let higher = |top: f64, here: f64| if here > top { here } else { top };
-        self.planes[1..].iter().map(height).fold(height(&self.planes[0]), higher)
+        self.highest(x, y).0
     }
 
     fn gradient(&self, x: f64, y: f64) -> Option<[f64; 2]> {
-        let p = self.highest(x, y);
+        let p = self.highest(x, y).1;
         Some([p[0], p[1]])
     }
 
@@ -251,9 +244,9 @@ impl Gap for Polyhedron {
         }
         // The region of one plane is convex: highest at the corners, highest throughout.
         let [x, y] = cell.centre();
-        let top = self.highest(x, y);
+        let (height, top) = self.highest(x, y);
         if cell.corners().iter().all(|c| self.gap(c[0], c[1]) <= top[0] * c[0] + top[1] * c[1] + top[2]) {
-            return top[0] * x + top[1] * y + top[2];
+            return height;
         }
         mean::by_quadrature(|x, y| self.gap(x, y), cell)
     }

@@ -3,7 +3,6 @@
 
 use std::ops::Range;
 
-use super::lanes::Room;
 use super::symbol::{Real, Symbol};
 use super::transforms::Transforms;
 
@@ -25,23 +24,6 @@ impl<T: Real> Convolution<T> {
         match self {
             Self::Sums(sums) => sums.shape,
             Self::Transforms(transforms) => transforms.shape(),
-        }
-    }
-
-    /// Writes the rows `wanted` of K * p to `u`; the rest of `u` is left as it is. Only the rows `given` of `p` are read:
-    /// the others must be zero. Fields have the shape of the convolution, x fastest.
-    pub(super) fn apply(
-        &self,
-        p: &[T],
-        given: Range<usize>,
-        u: &mut [T],
-        wanted: Range<usize>,
-        room: &mut Room<T>,
-        lanes: usize,
-    ) {
-        match self {
-            Self::Sums(sums) => sums.apply(p, given, u, wanted),
-            Self::Transforms(transforms) => transforms.apply(p, given, u, wanted, room, lanes),
         }
     }
 }
@@ -83,7 +65,8 @@ impl<T: Real> Sums<T> {
         Self { shape, coefficients }
     }
 
-    fn apply(&self, p: &[T], given: Range<usize>, u: &mut [T], wanted: Range<usize>) {
+    /// As [`Transforms::apply`].
+    pub(super) fn apply(&self, p: &[T], given: Range<usize>, u: &mut [T], wanted: Range<usize>) {
         let [nx, ny] = self.shape;
         let (wide, zero) = (2 * nx - 1, T::of(0.0));
         // What presses, and the coefficient from it to the first cell.

@@ -164,7 +164,10 @@ impl<T: Roomy> Convolution<T> {
         scratch: &mut Scratch,
     ) {
         let lanes = scratch.lanes();
-        self.apply(p, given, u, wanted, T::room(scratch), lanes);
+        match self {
+            Self::Sums(sums) => sums.apply(p, given, u, wanted),
+            Self::Transforms(transforms) => transforms.apply(p, given, u, wanted, T::room(scratch), lanes),
+        }
     }
 }
 

@@ -47,8 +47,7 @@ impl Section {
     pub fn through(contact: &Contact, solution: &Solution) -> Option<Self> {
         let field = coarsened(solution.pressure.field.as_ref()?);
         let grid = field.grid;
-        let loaded: Vec<([f64; 2], f64)> =
-            field.values.iter().enumerate().filter(|(_, p)| **p > 0.0).map(|(k, &p)| (grid.centre_of(k), p)).collect();
+        let loaded: Vec<([f64; 2], f64)> = grid.loaded(&field.values).collect();
         let total: f64 = loaded.iter().map(|(_, p)| p).sum();
         if !(total > 0.0) {
             return None;
