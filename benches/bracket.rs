@@ -11,7 +11,7 @@ mod timing;
 use std::hint::black_box;
 
 use contact_patch::bracket::{self, BracketSettings, ForceBracket};
-use contact_patch::gap::{AnyGap, Cone, Paraboloid, Placed, Polyhedron};
+use contact_patch::gap::{AnyGap, Cone, Paraboloid, Place, Polyhedron};
 use contact_patch::geometry::Rect;
 use contact_patch::{Discrete, EffectiveModulus, Grid, Kernel, Pressure, matrix_free};
 use timing::seconds;
@@ -27,7 +27,7 @@ fn cases() -> [(&'static str, AnyGap, Rect, f64); 5] {
         ("paraboloid", AnyGap::new(Paraboloid::new([1.0, 1.0]).expect("radii")), around(1.1), 4.0 / 3.0),
         ("cone", AnyGap::new(Cone::with_slope(1.0).expect("a slope")), around(0.72), std::f64::consts::FRAC_2_PI),
         ("3 faces", pyramid(3), three, 0.882_412),
-        ("3, turned", AnyGap::new(Placed::new(pyramid(3), [0.0; 2], 0.3).expect("an angle")), turned, 0.882_412),
+        ("3, turned", AnyGap::new(pyramid(3).placed([0.0; 2], 0.3).expect("an angle")), turned, 0.882_412),
         ("4 faces", pyramid(4), around(0.95), 0.737_616),
     ]
 }

@@ -18,9 +18,9 @@ use nalgebra::{Matrix2, SymmetricEigen};
 use crate::closed_form::{Ellipse, tilt_stiffness};
 use crate::error::{Unsolved, Verdict};
 use crate::fabrikant::{Approximation, Family};
-use crate::gap::{AnyGap, Gap, Reach, Tilted, extent, least};
+use crate::gap::AnyGap;
 use crate::geometry;
-use crate::homogeneity::{self, Degree};
+use crate::overlap::least;
 use crate::quadrature::GaussLegendre;
 
 /// Depths of one panel.
@@ -80,8 +80,8 @@ struct Sum {
 impl Sought<'_> {
     /// What needs no other boundary: a homogeneous gap's.
     pub fn for_nothing(&self) -> Option<Work> {
-        let k = degree(self.gap, self.depth)?.inverse();
-        let (force, about, centroid) = (self.found.force, self.gap.centre(), self.found.centroid);
+        let k = self.gap.known().degree()?.inverse();
+        let (force, about, centroid) = (self.found.force, self.gap.known().centre, self.found.centroid);
         let size = self.found.area.sqrt();
         let nearer = (1.0 + k) / (1.0 + 2.0 * k);
         let still = (0..2).all(|m| (centroid[m] - about[m]).abs() <= 1e-9 * size);
@@ -148,18 +148,18 @@ impl Sought<'_> {
     /// The moments from the energy of contacts tilted about the centroid.
     fn by_turning(&self, work: &Work) -> Result<Work, Unsolved> {
         let (force, centroid) = (self.found.force, self.found.centroid);
-        let overlap = self.depth - least(&**self.gap).1;
+        let overlap = self.depth - least(self.gap).1;
         let turn = TURN * overlap / (self.found.area / std::f64::consts::PI).sqrt();
         let mut states = work.states;
         let mut first_moment = [0.0; 2];
         for m in 0..2 {
             let mut energy = |turn: f64| -> Result<f64, Unsolved> {
                 let tilt = if m == 0 { [turn, 0.0] } else { [0.0, turn] };
-                let gap = AnyGap::new(Tilted::new(self.gap.clone(), tilt));
+                let gap = self.gap.tilted(tilt);
                 let depth = self.depth - turn * centroid[m];
                 let found = (self.at)(&gap, depth)?;
                 states += 1;
-                match degree(&gap, depth) {
+                match gap.known().degree() {
                     Some(degree) => Ok(found.force * depth / (2.0 + degree.inverse())),
                     None => {
                         let sum = self.sum(&gap, depth, found.force)?;
@@ -177,7 +177,7 @@ impl Sought<'_> {
 
     /// The sum over depths from first touch to `depth`, where the force is `force`.
     fn sum(&self, gap: &AnyGap, depth: f64, force: f64) -> Result<Sum, Unsolved> {
-        let first_touch = least(&**gap).1;
+        let first_touch = least(gap).1;
         let overlap = depth - first_touch;
         let rule = GaussLegendre::new(NODES);
         let (mut panels, mut states, mut before) = (1, 0, f64::INFINITY);
@@ -221,14 +221,6 @@ impl Sought<'_> {
         let ([x, y], k) = (self.found.centroid, stiffness);
         let xy = tilting[(1, 2)] + k * x * y;
         [[k, k * x, k * y], [k * x, tilting[(1, 1)] + k * x * x, xy], [k * y, xy, tilting[(2, 2)] + k * y * y]]
-    }
-}
-
-/// The degree of a gap that is homogeneous as far as the contact at this depth can reach.
-fn degree(gap: &AnyGap, depth: f64) -> Option<Degree> {
-    match extent(gap, depth) {
-        Reach::Within(reach) => homogeneity::degree(gap, &reach),
-        _ => None,
     }
 }
 

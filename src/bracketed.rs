@@ -5,11 +5,12 @@ use std::time::Instant;
 use crate::Contact;
 use crate::bracket::{self, BracketSettings, DepthBracket, Evidence, ForceBracket};
 use crate::contact::Load;
-use crate::domain::{Door, locate};
+use crate::domain::locate;
 use crate::error::Unsolved;
-use crate::gap::{AnyGap, Tilted};
+use crate::gap::AnyGap;
 use crate::grid::{Grid, Pressure};
 use crate::one_grid::at_resolution;
+use crate::overlap::Overlap;
 use crate::settings::{Method, Settings};
 use crate::solution::Solution;
 
@@ -32,12 +33,9 @@ pub(crate) fn with_bracket(
     if solution.force <= 0.0 {
         return Ok(solution);
     }
-    let gap = match solution.tilt {
-        [0.0, 0.0] => contact.gap().clone(),
-        tilt => AnyGap::new(Tilted::new(contact.gap().clone(), tilt)),
-    };
+    let gap = contact.tilted_gap(solution.tilt);
     let bracket = match settings.method {
-        Method::Ritz | Method::Fabrikant => bracket::approximate(&*gap, contact.modulus(), solution.depth)?,
+        Method::Ritz | Method::Fabrikant => bracket::approximate(&gap, contact.modulus(), solution.depth)?,
         _ => match on_grids(contact, &gap, &mut solution, settings) {
             Ok(Some(bracket)) => bracket,
             Ok(None) => return Ok(solution),
@@ -49,7 +47,7 @@ pub(crate) fn with_bracket(
         },
     };
     if let Load::Force(force) = load {
-        solution.depth_bracket = Some(DepthBracket::under(&*gap, solution.depth, force, &bracket));
+        solution.depth_bracket = Some(DepthBracket::under(&gap, solution.depth, force, &bracket));
         solution.remarks.push("the bracket of the force is that at the depth given".to_owned());
     } else if !bracket.contains(solution.force) {
         let side = if solution.force < bracket.lower() { "below" } else { "above" };
@@ -67,20 +65,21 @@ fn on_grids(
     solution: &mut Solution,
     settings: &Settings,
 ) -> Result<Option<ForceBracket>, Unsolved> {
-    let Some(door) = Door::enter(gap, solution.depth)? else { return Ok(None) };
-    let mut window = locate(&door)?;
+    let Some(overlap) = Overlap::of(gap, solution.depth)? else { return Ok(None) };
+    let scaled = overlap.scaled();
+    let mut window = locate(&scaled)?;
     let [mut cells, last] = settings.cells.map_or(GRIDS, |cells| [cells; 2]);
     let look = BracketSettings { threads: settings.threads, ..BracketSettings::default() };
-    let unit_pressure = contact.modulus().e_star() * door.gap.depth / door.gap.length;
+    let unit_pressure = contact.modulus().e_star() * scaled.units.height / scaled.units.length;
     let mut best: Option<ForceBracket> = None;
     loop {
         let started = Instant::now();
-        let state = at_resolution(&door, &mut window, cells, settings, Method::Fft)?;
+        let state = at_resolution(&scaled, &mut window, cells, settings, Method::Fft)?;
         let grid = state.problem.grid;
-        let spacing = grid.spacing.map(|h| h * door.gap.length);
-        let grid = Grid { origin: door.gap.outward(grid.origin), spacing, ..grid };
+        let spacing = grid.spacing.map(|h| h * scaled.units.length);
+        let grid = Grid { origin: scaled.units.outward(grid.origin), spacing, ..grid };
         let values = state.solution.pressure.iter().map(|p| p * unit_pressure).collect();
-        let found = bracket::sharp(&**gap, contact.modulus(), solution.depth, &Pressure { grid, values }, &look)?;
+        let found = bracket::sharp(gap, contact.modulus(), solution.depth, &Pressure { grid, values }, &look)?;
         let seconds = started.elapsed().as_secs_f64();
         if best.as_ref().is_none_or(|b| found.relative_width() < b.relative_width()) {
             best = Some(found);

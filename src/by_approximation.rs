@@ -4,7 +4,8 @@ use crate::Contact;
 use crate::approximate_work;
 use crate::error::{Unsolved, Verdict};
 use crate::fabrikant::{self, Approximation, Error, Family};
-use crate::gap::{AnyGap, Gap, Reach, extent, islands, least};
+use crate::gap::AnyGap;
+use crate::overlap::{Overlap, least};
 use crate::settings::{BoundaryFamily, Method, Settings};
 use crate::solution::{Cost, Patch, PressureSummary, Solution};
 
@@ -21,7 +22,7 @@ pub(crate) fn solution(
     settings: &Settings,
     with_matrix: bool,
 ) -> Result<Solution, Unsolved> {
-    if depth <= least(&**gap).1 {
+    if depth <= least(gap).1 {
         return Ok(Solution::apart(settings.method, depth, tilt));
     }
     let fine = fabrikant::Settings {
@@ -69,10 +70,7 @@ fn boundary(
     fine: &fabrikant::Settings,
 ) -> Result<(Approximation, usize), Unsolved> {
     let modulus = contact.modulus();
-    let apart = match extent(&**gap, depth) {
-        Reach::Within(reach) => islands(&**gap, depth, &reach).len(),
-        _ => 1,
-    };
+    let apart = Overlap::of(gap, depth)?.map_or(1, |overlap| overlap.components().len());
     if apart > 1 && settings.method == Method::Fabrikant {
         let reason = format!("the bodies overlap in {apart} separate places: one boundary cannot hold them");
         return Err(Unsolved::new(Verdict::NotStarShaped, reason));
@@ -125,7 +123,7 @@ fn family_of(boundary: BoundaryFamily) -> Family {
 }
 
 fn dimensional(contact: &Contact, depth: f64, tilt: [f64; 2], settings: &Settings, found: Approximation) -> Solution {
-    let reference = contact.gap().reference();
+    let reference = contact.gap().known().reference;
     let polyline = found.boundary.polyline();
     let max_radius = polyline.iter().map(|p| (p[0] - reference[0]).hypot(p[1] - reference[1])).fold(0.0, f64::max);
     let mut remarks = vec![format!("boundary: {:?}", found.family)];

@@ -1,14 +1,15 @@
 //! The closed form of whatever the gap turns out to be.
 
-use crate::Contact;
+use std::f64::consts::FRAC_PI_2;
+
 use crate::closed_form::{ClosedForm, FlatPunch, Hertz, Power, Quadratic, Sneddon, Sphere};
-use crate::error::{InputError, Unsolved, Verdict};
-use crate::gap::{AnyGap, Gap, Reach, extent};
+use crate::contact::Contact;
+use crate::error::{Unsolved, Verdict};
+use crate::gap::{self, AnyGap, Axis, Face, Gap, Generatrix};
 use crate::geometry::Rect;
 use crate::grid::{Grid, Pressure};
-use crate::homogeneity::{self, Degree};
 use crate::material::EffectiveModulus;
-use crate::recognise::{Recognised, recognise};
+use crate::overlap::Overlap;
 use crate::settings::{Method, Settings};
 use crate::solution::{Cost, Patch, PressureSummary, Solution};
 
@@ -23,90 +24,100 @@ pub struct Formula {
     pub left_out: Vec<String>,
 }
 
-/// The contact at this depth (and tilt: pass a [`crate::gap::Tilted`] gap); `Ok(None)` when the bodies do not touch.
+/// The contact at this overlap.
 ///
 /// # Errors
-/// `NoClosedForm` when the gap is none of the known shapes or its contact not one of theirs; `Unbounded` when it has no end.
-pub fn at_depth(gap: &AnyGap, modulus: EffectiveModulus, depth: f64) -> Result<Option<Formula>, Unsolved> {
-    let reach = match extent(gap, depth) {
-        Reach::Within(reach) => reach,
-        Reach::Nowhere => return Ok(None),
-        Reach::Unbounded | Reach::Unknown => {
-            return Err(Unsolved::new(Verdict::Unbounded, "the gap stays below the depth however far one looks"));
-        }
-    };
-    let refused = |e: InputError| Unsolved::new(Verdict::NoClosedForm, e.to_string());
-    let no_grid = "the grid: no cell is needed".to_owned();
-    match recognise(gap, depth, &reach) {
-        Recognised::Quadratic { centre, lowest, curvatures: [a, b], rotation } => {
-            let (sin, cos) = rotation.sin_cos();
-            let form = Quadratic {
-                xx: 0.5 * (a * cos * cos + b * sin * sin),
-                xy: (a - b) * sin * cos,
-                yy: 0.5 * (a * sin * sin + b * cos * cos),
-            };
-            let round = (a - b).abs() <= 1e-12 * b;
-            // In principal axes the small curvature keeps its digits; the turn is put back afterwards.
-            let hertz =
-                if round { Hertz::of_quadratic(modulus, form) } else { Hertz::new(modulus, [1.0 / a, 1.0 / b]) };
-            let contact = hertz.and_then(|h| h.at_depth(depth - lowest)).map_err(refused)?;
-            let contact = contact.placed(centre, if round { 0.0 } else { rotation });
-            let found = format!("a quadratic form with curvatures {a:.6e} and {b:.6e} (Hertz)");
-            Ok(Some(Formula { contact: at(contact, depth), found, left_out: vec![no_grid] }))
-        }
-        Recognised::FlatEllipse { centre, lowest, slope, semi_axes, rotation } => {
-            let punch = FlatPunch::ellipse(modulus, semi_axes).map_err(refused)?;
-            let (sin, cos) = rotation.sin_cos();
-            let tilt = [-cos * slope[0] - sin * slope[1], sin * slope[0] - cos * slope[1]];
-            let contact = punch.at_tilted_depth(depth - lowest, tilt)?.placed(centre, rotation);
-            let found = format!("a flat ellipse with semi-axes {:.6e} and {:.6e}", semi_axes[0], semi_axes[1]);
-            Ok(Some(Formula { contact: at(contact, depth), found, left_out: vec![no_grid] }))
-        }
-        Recognised::Revolution { centre } => revolution(gap, modulus, depth, centre, &reach).map(Some),
-        Recognised::General => {
-            let reason = "the gap is neither quadratic, nor of revolution, nor a flat ellipse";
+/// `NoClosedForm` when the gap is not known to be one of the shapes that have one, or its contact is not one of theirs.
+pub(crate) fn of(overlap: &Overlap, modulus: EffectiveModulus) -> Result<Formula, Unsolved> {
+    let (known, depth) = (overlap.known(), overlap.depth);
+    if let Some(form) = known.quadratic.and_then(|q| q.lowest().map(|lowest| q.about(lowest))) {
+        return quadratic(&form, modulus, depth);
+    }
+    if let Some((face, semi_axes)) =
+        known.face.as_ref().and_then(|face| face.outline.semi_axes().map(|axes| (face, axes)))
+    {
+        return flat_ellipse(face, semi_axes, modulus, depth);
+    }
+    match known.axis {
+        Some(axis) => revolution(overlap, axis, modulus),
+        None => {
+            let reason = "the gap is not known to be quadratic, of revolution, or a flat ellipse";
             Err(Unsolved::new(Verdict::NoClosedForm, reason))
         }
     }
 }
 
-/// A form counts depth from its own first touch; the user from the reference point of the gap.
-fn at(mut contact: ClosedForm, depth: f64) -> ClosedForm {
-    contact.depth = depth;
-    contact
+fn refused(error: impl std::fmt::Display) -> Unsolved {
+    Unsolved::new(Verdict::NoClosedForm, error.to_string())
 }
 
-fn revolution(
-    gap: &AnyGap,
-    modulus: EffectiveModulus,
-    depth: f64,
-    centre: [f64; 2],
-    reach: &Rect,
-) -> Result<Formula, Unsolved> {
-    let refused = |e: InputError| Unsolved::new(Verdict::NoClosedForm, e.to_string());
-    let lowest = gap.gap(centre[0], centre[1]);
-    if let Some(Degree::Power(n)) = homogeneity::degree(gap, reach).filter(|_| gap.centre() == centre) {
-        let r = 0.5 * reach.size()[0];
-        let coefficient = gap.gap(centre[0] + r, centre[1]) / r.powf(n);
-        if let Ok(power) = Power::new(modulus, coefficient, n) {
-            let contact = power.at_depth(depth).map_err(refused)?.placed(centre, 0.0);
-            let found = format!("a power law {coefficient:.6e} r^{n}");
-            let left_out = vec!["the grid: no cell is needed".to_owned()];
-            return Ok(Formula { contact: at(contact, depth), found, left_out });
+/// A form counts depth from its own first touch; the user from the reference point of the gap.
+fn formula(mut contact: ClosedForm, depth: f64, found: String, left_out: &str) -> Formula {
+    contact.depth = depth;
+    Formula { contact, found, left_out: vec![left_out.to_owned()] }
+}
+
+const NO_GRID: &str = "the grid: no cell is needed";
+
+/// Hertz (1882) at any axis ratio; `form` is expanded about its lowest point.
+fn quadratic(form: &gap::Quadratic, modulus: EffectiveModulus, depth: f64) -> Result<Formula, Unsolved> {
+    let [xx, xy, yy] = form.hessian;
+    // Principal curvatures. The determinant is shared by both: nothing is lost of the smaller one.
+    let turn = 0.5 * (2.0 * xy).atan2(xx - yy);
+    let b = 0.5 * (xx + yy) + (0.5 * (xx - yy)).hypot(xy);
+    let a = ((xx * yy - xy * xy) / b).min(b);
+    // The direction of the larger curvature is that of `turn`; the contact is longest across it.
+    let rotation = if xy == 0.0 { if xx <= yy { 0.0 } else { FRAC_PI_2 } } else { turn + FRAC_PI_2 };
+    let round = form.is_round() || (b - a).abs() <= 4.0 * f64::EPSILON * b;
+    let hertz = if round {
+        Hertz::of_quadratic(modulus, Quadratic { xx: 0.5 * xx, xy: 0.0, yy: 0.5 * xx })
+    } else {
+        // In principal axes the small curvature keeps its digits; the turn is put back afterwards.
+        Hertz::new(modulus, [1.0 / a, 1.0 / b])
+    };
+    let contact = hertz.and_then(|h| h.at_depth(depth - form.value)).map_err(refused)?;
+    let contact = contact.placed(form.about, if round { 0.0 } else { rotation });
+    let found = format!("a quadratic form with curvatures {a:.6e} and {b:.6e} (Hertz)");
+    Ok(formula(contact, depth, found, NO_GRID))
+}
+
+fn flat_ellipse(face: &Face, semi_axes: [f64; 2], modulus: EffectiveModulus, depth: f64) -> Result<Formula, Unsolved> {
+    let punch = FlatPunch::ellipse(modulus, semi_axes).map_err(refused)?;
+    let ((sin, cos), slope) = (face.turn.sin_cos(), face.slope);
+    let tilt = [-cos * slope[0] - sin * slope[1], sin * slope[0] - cos * slope[1]];
+    let contact = punch.at_tilted_depth(depth - face.value, tilt).map_err(|e| refused(e.reason))?;
+    let contact = contact.placed(face.at, face.turn);
+    let found = format!("a flat ellipse with semi-axes {:.6e} and {:.6e}", semi_axes[0], semi_axes[1]);
+    Ok(formula(contact, depth, found, NO_GRID))
+}
+
+fn revolution(overlap: &Overlap, axis: Axis, modulus: EffectiveModulus) -> Result<Formula, Unsolved> {
+    let (gap, depth, [x, y]) = (&overlap.gap, overlap.depth, axis.at);
+    match axis.generatrix {
+        Generatrix::Power { coefficient, exponent, lowest } => {
+            let power = Power::new(modulus, coefficient, exponent).and_then(|p| p.at_depth(depth - lowest));
+            let contact = power.map_err(refused)?.placed(axis.at, 0.0);
+            let found = format!("a power law {coefficient:.6e} r^{exponent}");
+            return Ok(formula(contact, depth, found, NO_GRID));
         }
+        Generatrix::Sphere { radius, lowest } => {
+            let sphere = Sphere::new(modulus, radius).and_then(|s| s.at_depth(depth - lowest)).map_err(refused)?;
+            let found = format!("a sphere of radius {radius:.6e}");
+            return Ok(formula(sphere.placed(axis.at, 0.0), depth, found, NO_GRID));
+        }
+        Generatrix::General => {}
     }
-    if let Some(radius) = sphere_radius(gap, centre, lowest, 0.5 * reach.size()[0], depth - lowest) {
-        let contact = Sphere::new(modulus, radius).and_then(|s| s.at_depth(depth - lowest)).map_err(refused)?;
-        let found = format!("a sphere of radius {radius:.6e}");
-        let left_out = vec!["the grid: no cell is needed".to_owned()];
-        return Ok(Formula { contact: at(contact.placed(centre, 0.0), depth), found, left_out });
+    let lowest = gap.gap(x, y);
+    if !(lowest < depth) {
+        return Err(refused("the contact does not begin at the axis"));
     }
     let mut kinks = Vec::new();
-    gap.ray_kinks(centre, [1.0, 0.0], &mut kinks);
+    gap.ray_kinks(axis.at, [1.0, 0.0], &mut kinks);
     kinks.retain(|&r| r.is_finite() && r > 0.0);
-    let farthest = reach.corners().map(|[x, y]| (x - centre[0]).hypot(y - centre[1])).into_iter().fold(0.0, f64::max);
-    let rim = end_of_material(gap, centre, farthest);
-    let (own, [x, y]) = (gap.clone(), centre);
+    let corners = overlap.reach.corners();
+    let farthest = corners.map(|c| (c[0] - x).hypot(c[1] - y)).into_iter().fold(0.0, f64::max);
+    let rim = end_of_material(gap, axis.at, farthest);
+    let own = gap.clone();
     let has_slope = (1..8).all(|k| gap.gradient(x + farthest * 0.1 * f64::from(k), y).is_some());
     let sneddon = if has_slope {
         let slope = move |r: f64| own.gradient(x + r, y).map_or(f64::NAN, |g| g[0]);
@@ -114,32 +125,14 @@ fn revolution(
     } else {
         Sneddon::of_gap(modulus, move |r: f64| own.gap(x + r, y) - lowest, &kinks, rim)
     };
-    let contact = sneddon.map_err(refused)?.at_depth(depth - lowest)?.placed(centre, 0.0);
-    Ok(Formula {
-        contact: at(contact, depth),
-        found: "a gap of revolution whose contact is a disc (Sneddon 1965)".to_owned(),
-        left_out: vec!["the surface grid: two integrals along the radius are enough".to_owned()],
-    })
-}
-
-/// R of a gap of revolution that is R - sqrt(R^2 - r^2), as far as the contact can reach.
-fn sphere_radius(gap: &dyn Gap, [x, y]: [f64; 2], lowest: f64, reach: f64, overlap: f64) -> Option<f64> {
-    let profile = |r: f64| gap.gap(x + r, y) - lowest;
-    // (R - g)^2 = R^2 - r^2.
-    let g = profile(0.5 * reach);
-    let radius = 0.5 * (0.25 * reach * reach / g + g);
-    let off = |k: i32| {
-        let rho = reach * f64::from(k) / 64.0 / radius;
-        let sphere = radius * rho * rho / (1.0 + ((1.0 - rho) * (1.0 + rho)).max(0.0).sqrt());
-        (profile(reach * f64::from(k) / 64.0) - sphere).abs()
-    };
-    // The rim of a whole ball, where the slope has no end, is left to rounding.
-    let round = reach <= radius * (1.0 + 1e-12) && (0..64).all(|k| off(k) <= 1e-12 * overlap);
-    (radius.is_finite() && round).then_some(radius)
+    let contact = sneddon.map_err(refused)?.at_depth(depth - lowest).map_err(|e| refused(e.reason))?;
+    let found = "a gap of revolution whose contact is a disc (Sneddon 1965)".to_owned();
+    let left_out = "the surface grid: two integrals along the radius are enough";
+    Ok(formula(contact.placed(axis.at, 0.0), depth, found, left_out))
 }
 
 /// Radius at which the material ends, infinite when it does not within the reach.
-fn end_of_material(gap: &dyn Gap, [x, y]: [f64; 2], farthest: f64) -> f64 {
+fn end_of_material(gap: &AnyGap, [x, y]: [f64; 2], farthest: f64) -> f64 {
     let solid = |r: f64| gap.gap(x + r, y) < f64::INFINITY;
     let (mut inside, mut outside) = (0.0, 2.0 * farthest);
     if solid(outside) {
@@ -157,7 +150,7 @@ fn end_of_material(gap: &dyn Gap, [x, y]: [f64; 2], farthest: f64) -> f64 {
 /// The state at a depth and tilt (`gap` is the contact's gap under that tilt), in the user's units.
 ///
 /// # Errors
-/// As [`at_depth`].
+/// As [`of`].
 pub(crate) fn solution(
     contact: &Contact,
     gap: &AnyGap,
@@ -165,12 +158,13 @@ pub(crate) fn solution(
     tilt: [f64; 2],
     settings: &Settings,
 ) -> Result<Solution, Unsolved> {
-    let Some(Formula { contact: form, found, mut left_out }) = at_depth(gap, contact.modulus(), depth)? else {
+    let Some(overlap) = Overlap::of(gap, depth)? else {
         return Ok(Solution::apart(Method::ClosedForm, depth, tilt));
     };
+    let Formula { contact: form, found, mut left_out } = of(&overlap, contact.modulus())?;
     let ellipse = form.patch;
     let outputs = settings.outputs;
-    let reference = contact.gap().reference();
+    let reference = contact.gap().known().reference;
     let [a, b] = ellipse.semi_axes;
     let boundary = ellipse.boundary(BOUNDARY_POINTS);
     let farthest = boundary.iter().map(|p| (p[0] - reference[0]).hypot(p[1] - reference[1])).fold(0.0, f64::max);

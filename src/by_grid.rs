@@ -2,17 +2,17 @@
 
 use crate::Contact;
 use crate::discrete::Discrete;
-use crate::domain::{self, Door};
+use crate::domain;
 use crate::edges::{self, Edge};
 use crate::error::Unsolved;
 use crate::exact::{self, Refined};
-use crate::gap::{AnyGap, Gap, Reach, extent};
+use crate::gap::{AnyGap, Law};
 use crate::geometry::Rect;
 use crate::grid::{Grid, Pressure};
-use crate::homogeneity::{self, Degree};
 use crate::matrix_free;
 use crate::one_grid::{self, GridState};
 use crate::outgrown::outgrown;
+use crate::overlap::{Overlap, Scaled};
 use crate::patch;
 use crate::separate;
 use crate::settings::{Method, Settings};
@@ -31,36 +31,32 @@ pub(crate) fn solution(
     with_matrix: bool,
 ) -> Result<Solution, Unsolved> {
     let method = if settings.method == Method::Qp { Method::Qp } else { Method::Fft };
-    let Some(door) = Door::enter(gap, depth)? else {
+    let Some(overlap) = Overlap::of(gap, depth)? else {
         return Ok(Solution::apart(method, depth, tilt));
     };
-    let reach = Rect { min: door.gap.outward(door.reach.min), max: door.gap.outward(door.reach.max) };
-    if let Some(rectangles) = separate::rectangles(gap, depth, &reach, settings) {
+    if let Some(rectangles) = separate::rectangles(&overlap, settings) {
         return separate::solution(contact, gap, depth, tilt, settings, &rectangles, with_matrix);
     }
-    let degree = homogeneity::degree(gap, &reach);
-    let refined = exact::refined(&door, settings, method, degree)?;
-    let solution = dimensional(contact, &door, &refined, degree, depth, tilt, settings)?;
-    if with_matrix { with_stiffness_matrix(contact, &door, &refined, solution) } else { Ok(solution) }
+    let (law, scaled) = (gap.known().law, overlap.scaled());
+    let refined = exact::refined(&scaled, settings, method, law)?;
+    let solution = dimensional(contact, &scaled, &refined, law, depth, tilt, settings)?;
+    if with_matrix { with_stiffness_matrix(contact, &scaled, &refined, solution) } else { Ok(solution) }
 }
 
 /// Whether the contact at this depth is solved on several grids, which [`Held`] does not do.
 pub(crate) fn on_several_grids(contact: &Contact, depth: f64, settings: &Settings) -> bool {
-    match extent(contact.gap(), depth) {
-        Reach::Within(reach) => separate::rectangles(contact.gap(), depth, &reach, settings).is_some(),
-        _ => false,
-    }
+    matches!(Overlap::of(contact.gap(), depth), Ok(Some(overlap)) if separate::rectangles(&overlap, settings).is_some())
 }
 
 fn with_stiffness_matrix(
     contact: &Contact,
-    door: &Door,
+    scaled: &Scaled,
     refined: &Refined,
     solution: Solution,
 ) -> Result<Solution, Unsolved> {
-    let unit = contact.modulus().e_star() * door.gap.length;
+    let unit = contact.modulus().e_star() * scaled.units.length;
     let entries = |state: &GridState| {
-        let matrix = one_grid::stiffness_matrix(state, |p| door.gap.outward(p))?;
+        let matrix = one_grid::stiffness_matrix(state, |p| scaled.units.outward(p))?;
         Ok(std::array::from_fn::<f64, 9, _>(|n| matrix[n / 3][n % 3] * unit))
     };
     let entries = refined.limits(entries)?;
@@ -78,8 +74,8 @@ pub(crate) fn separately(
     tilt: [f64; 2],
     settings: &Settings,
 ) -> Result<Option<Solution>, Unsolved> {
-    let Reach::Within(reach) = extent(gap, depth) else { return Ok(None) };
-    let rectangles = separate::rectangles(gap, depth, &reach, settings);
+    let Some(overlap) = Overlap::of(gap, depth)? else { return Ok(None) };
+    let rectangles = separate::rectangles(&overlap, settings);
     let solved = |r: Vec<Rect>| separate::solution(contact, gap, depth, tilt, settings, &r, true);
     rectangles.map(solved).transpose()
 }
@@ -100,26 +96,25 @@ pub(crate) fn in_frame(
     frame: &mut Frame,
 ) -> Result<Solution, Unsolved> {
     let method = if settings.method == Method::Qp { Method::Qp } else { Method::Fft };
-    let Some(door) = Door::enter(gap, depth)? else {
+    let Some(overlap) = Overlap::of(gap, depth)? else {
         return Ok(Solution::apart(method, depth, tilt));
     };
-    let inward = |r: &Rect| Rect { min: door.gap.inward(r.min), max: door.gap.inward(r.max) };
-    let outward = |r: &Rect| Rect { min: door.gap.outward(r.min), max: door.gap.outward(r.max) };
+    let scaled = overlap.scaled();
     let window = match &frame.window {
-        Some(rect) => inward(rect),
-        None => domain::locate(&door)?.scaled(ROOM),
+        Some(rect) => scaled.units.rect_inward(rect),
+        None => domain::locate(&scaled)?.scaled(ROOM),
     };
     // Cells end where the material does.
-    let mut window = window.intersection(&door.reach).unwrap_or(window);
-    let state = one_grid::at_resolution(&door, &mut window, cells, settings, method)?;
-    frame.window = Some(outward(&window));
-    frame.sharp = edges::met(&door, &state) == Some(Edge::End);
-    let [spacing, lost] = edges::measure(&door, &state);
-    frame.measure = [spacing * door.gap.length, lost * door.gap.length * door.gap.length];
-    let error = if frame.alone { one_grid::other_kernel(&door, &state)? - state.force() } else { 0.0 };
+    let mut window = window.intersection(&scaled.reach).unwrap_or(window);
+    let state = one_grid::at_resolution(&scaled, &mut window, cells, settings, method)?;
+    frame.window = Some(scaled.units.rect_outward(&window));
+    frame.sharp = edges::met(&scaled, &state) == Some(Edge::End);
+    let [spacing, lost] = edges::measure(&scaled, &state);
+    frame.measure = [spacing * scaled.units.length, lost * scaled.units.length * scaled.units.length];
+    let error = if frame.alone { one_grid::other_kernel(&scaled, &state)? - state.force() } else { 0.0 };
     let refined = Refined::of(state, error.abs());
-    let solution = dimensional(contact, &door, &refined, None, depth, tilt, settings)?;
-    with_stiffness_matrix(contact, &door, &refined, solution)
+    let solution = dimensional(contact, &scaled, &refined, None, depth, tilt, settings)?;
+    with_stiffness_matrix(contact, &scaled, &refined, solution)
 }
 
 /// The grid that all tilts share.
@@ -143,34 +138,36 @@ impl Frame {
 }
 
 /// A solved grid with what it takes to go on from it to another depth.
-pub(crate) struct Held<'a> {
-    door: Door<'a>,
+pub(crate) struct Held {
+    scaled: Scaled,
     refined: Refined,
     /// Pressure that grows with the depth on the cells in contact; `None` where the state is the limit of many grids.
     growing: Option<Vec<f64>>,
 }
 
-impl<'a> Held<'a> {
+impl Held {
     /// The state at a depth of the untilted contact; `None` when the bodies do not touch.
     ///
     /// # Errors
     /// As [`solution`].
-    pub fn at_depth(contact: &'a Contact, depth: f64, settings: &Settings) -> Result<Option<Self>, Unsolved> {
+    pub fn at_depth(contact: &Contact, depth: f64, settings: &Settings) -> Result<Option<Self>, Unsolved> {
         let method = if settings.method == Method::Qp { Method::Qp } else { Method::Fft };
-        let Some(door) = Door::enter(contact.gap(), depth)? else { return Ok(None) };
-        let refined = exact::refined(&door, settings, method, None)?;
-        Ok(Some(Self::grown(door, refined)?))
+        let Some(overlap) = Overlap::of(contact.gap(), depth)? else { return Ok(None) };
+        let scaled = overlap.scaled();
+        let refined = exact::refined(&scaled, settings, method, None)?;
+        Ok(Some(Self::grown(scaled, refined)?))
     }
 
     /// A state good to a few percent: one coarse grid.
-    pub fn roughly(contact: &'a Contact, depth: f64, settings: &Settings) -> Result<Option<Self>, Unsolved> {
-        let Some(door) = Door::enter(contact.gap(), depth)? else { return Ok(None) };
-        let window = domain::locate(&door)?;
+    pub fn roughly(contact: &Contact, depth: f64, settings: &Settings) -> Result<Option<Self>, Unsolved> {
+        let Some(overlap) = Overlap::of(contact.gap(), depth)? else { return Ok(None) };
+        let scaled = overlap.scaled();
+        let window = domain::locate(&scaled)?;
         let grid = Grid::over(&window, domain::shape(&window, ROUGH_CELLS));
-        let problem = Discrete::sample(&door.gap, door.depth, grid, settings.kernel);
+        let problem = Discrete::sample(&scaled.gap, scaled.depth, grid, settings.kernel);
         let solution = domain::coarse(&problem)?;
         let state = GridState::of(Method::Fft, problem, solution);
-        Ok(Some(Self::grown(door, Refined::of(state, f64::INFINITY))?))
+        Ok(Some(Self::grown(scaled, Refined::of(state, f64::INFINITY))?))
     }
 
     /// The state at another depth on the same cells, from here; `None` when they do not hold its contact, or when it takes
@@ -178,22 +175,23 @@ impl<'a> Held<'a> {
     ///
     /// # Errors
     /// `IterationLimit`.
-    pub fn moved(&self, contact: &'a Contact, depth: f64, settings: &Settings) -> Result<Option<Self>, Unsolved> {
+    pub fn moved(&self, contact: &Contact, depth: f64, settings: &Settings) -> Result<Option<Self>, Unsolved> {
         let Some(growing) = &self.growing else { return Ok(None) };
         let Refined { state: before, force, error, .. } = &self.refined;
-        let Reach::Within(reach) = extent(contact.gap(), depth) else { return Ok(None) };
-        let scaled = self.door.gap;
-        let reach = Rect { min: scaled.inward(reach.min), max: scaled.inward(reach.max) };
+        let Some(overlap) = Overlap::of(contact.gap(), depth)? else { return Ok(None) };
+        let units = self.scaled.units;
         // A smaller reach takes no cell away.
-        let door = Door { gap: scaled, depth: depth / scaled.depth, reach: reach.union(&self.door.reach) };
-        let deeper = door.depth - self.door.depth;
+        let reach = units.rect_inward(&overlap.reach).union(&self.scaled.reach);
+        let certain = overlap.certain && self.scaled.certain;
+        let scaled = Scaled { depth: depth / units.height, reach, certain, ..self.scaled.clone() };
+        let deeper = scaled.depth - self.scaled.depth;
         let problem =
             Discrete { overlap: before.problem.overlap.iter().map(|f| f + deeper).collect(), ..before.problem.clone() };
         // To first order in the change, exactly.
         let start: Vec<f64> = before.solution.pressure.iter().zip(growing).map(|(p, m)| p + deeper * m).collect();
         let settings = matrix_free::Settings { threads: settings.threads, ..matrix_free::Settings::default() };
         let solution = matrix_free::solve(&problem, Some(&start), &settings)?;
-        if outgrown(&door, &problem.grid.extent(), &problem.grid, &solution.pressure).is_some() {
+        if outgrown(&scaled, &problem.grid.extent(), &problem.grid, &solution.pressure).is_some() {
             return Ok(None);
         }
         let state = GridState {
@@ -204,13 +202,13 @@ impl<'a> Held<'a> {
             ..before.clone()
         };
         let error = error / force * state.force();
-        Ok(Some(Self::grown(door, Refined::of(state, error))?))
+        Ok(Some(Self::grown(scaled, Refined::of(state, error))?))
     }
 
-    fn grown(door: Door<'a>, refined: Refined) -> Result<Self, Unsolved> {
+    fn grown(scaled: Scaled, refined: Refined) -> Result<Self, Unsolved> {
         let grow = || one_grid::growth(&refined.state, &vec![1.0; refined.state.problem.grid.len()]);
         let growing = if refined.ladder.is_none() { Some(grow()?) } else { None };
-        Ok(Self { door, refined, growing })
+        Ok(Self { scaled, refined, growing })
     }
 
     /// In the user's units.
@@ -222,8 +220,8 @@ impl<'a> Held<'a> {
             Some(growing) => growing.iter().sum::<f64>() * self.refined.state.problem.grid.cell_area(),
             None => self.refined.limits(|state| Ok([one_grid::stiffness(state)?]))?[0],
         };
-        let depth = self.door.depth * self.door.gap.depth;
-        Ok(in_users_units(contact, &self.door, &self.refined, stiffness, depth, [0.0; 2], settings))
+        let depth = self.scaled.depth * self.scaled.units.height;
+        Ok(in_users_units(contact, &self.scaled, &self.refined, stiffness, depth, [0.0; 2], settings))
     }
 }
 
@@ -236,24 +234,24 @@ const ROOM: f64 = 1.3;
 /// A solved grid in the user's units.
 pub(crate) fn dimensional(
     contact: &Contact,
-    door: &Door,
+    scaled: &Scaled,
     refined: &Refined,
-    degree: Option<Degree>,
+    law: Option<Law>,
     depth: f64,
     tilt: [f64; 2],
     settings: &Settings,
 ) -> Result<Solution, Unsolved> {
-    let stiffness = match degree {
-        // P ~ d^(1 + 1/k).
-        Some(degree) => (1.0 + degree.inverse()) * refined.force / door.depth,
+    let stiffness = match law {
+        // P ~ (d - g0)^(1 + 1/k).
+        Some(law) => (1.0 + law.degree.inverse()) * refined.force / scaled.above_lowest(),
         None => refined.limits(|state| Ok([one_grid::stiffness(state)?]))?[0],
     };
-    Ok(in_users_units(contact, door, refined, stiffness, depth, tilt, settings))
+    Ok(in_users_units(contact, scaled, refined, stiffness, depth, tilt, settings))
 }
 
 fn in_users_units(
     contact: &Contact,
-    door: &Door,
+    scaled: &Scaled,
     refined: &Refined,
     stiffness: f64,
     depth: f64,
@@ -261,15 +259,15 @@ fn in_users_units(
     settings: &Settings,
 ) -> Solution {
     let Refined { state, force, error, .. } = refined;
-    let (length, height, e_star) = (door.gap.length, door.gap.depth, contact.modulus().e_star());
+    let (length, height, e_star) = (scaled.units.length, scaled.units.height, contact.modulus().e_star());
     let unit_force = e_star * height * length;
     let grid = state.problem.grid;
     let values = &state.solution.pressure;
-    let reference = door.gap.inward(contact.gap().reference());
+    let reference = scaled.units.inward(contact.gap().known().reference);
     let patch_of = |state: &GridState| patch::of(&state.problem, &state.solution, reference);
     let mut patch = patch_of(state);
     let sums = |state: &GridState, patch: &Patch| {
-        let [x, y] = centre_of_load(state, door);
+        let [x, y] = centre_of_load(state, scaled);
         [state.energy(), x, y, patch.area, patch.max_radius]
     };
     let [energy, x, y, area, max_radius] = match &refined.ladder {
@@ -277,18 +275,21 @@ fn in_users_units(
         None => sums(state, &patch),
     };
     (patch.area, patch.max_radius) = (area * length * length, max_radius * length);
-    patch.centroid = patch.centroid.map(|c| door.gap.outward(c));
+    patch.centroid = patch.centroid.map(|c| scaled.units.outward(c));
     patch.boundary = if settings.outputs.patch {
         patch
             .boundary
-            .map(|loops| loops.into_iter().map(|l| l.into_iter().map(|p| door.gap.outward(p)).collect()).collect())
+            .map(|loops| loops.into_iter().map(|l| l.into_iter().map(|p| scaled.units.outward(p)).collect()).collect())
     } else {
         None
     };
     let strongest = (0..grid.len()).max_by(|&a, &b| values[a].total_cmp(&values[b])).unwrap_or(0);
     let unit_pressure = e_star * height / length;
-    let outward_grid =
-        Grid { origin: door.gap.outward(grid.origin), spacing: grid.spacing.map(|h| h * length), shape: grid.shape };
+    let outward_grid = Grid {
+        origin: scaled.units.outward(grid.origin),
+        spacing: grid.spacing.map(|h| h * length),
+        shape: grid.shape,
+    };
     let pressure = PressureSummary {
         max: Some(values[strongest] * unit_pressure),
         mean: (patch.area > 0.0).then(|| force * unit_force / patch.area),
@@ -331,7 +332,7 @@ fn in_users_units(
 }
 
 /// Where the resultant of the pressure acts, in the user's units.
-fn centre_of_load(state: &GridState, door: &Door) -> [f64; 2] {
+fn centre_of_load(state: &GridState, scaled: &Scaled) -> [f64; 2] {
     let grid = &state.problem.grid;
     let pressure = &state.solution.pressure;
     let total: f64 = pressure.iter().sum();
@@ -339,5 +340,5 @@ fn centre_of_load(state: &GridState, door: &Door) -> [f64; 2] {
         let [x, y] = grid.centre_of(k);
         [sx + p * x, sy + p * y]
     });
-    door.gap.outward(sums.map(|s| s / total))
+    scaled.units.outward(sums.map(|s| s / total))
 }

@@ -115,7 +115,7 @@ impl Contact {
             };
         }
         let gap = AnyGap::new(gap);
-        let [x, y] = gap.centre();
+        let [x, y] = gap.known().centre;
         if gap.gap(x, y).is_nan() {
             return Err(InputError::new(
                 "gap",
@@ -141,6 +141,11 @@ impl Contact {
     #[must_use]
     pub fn gap(&self) -> &AnyGap {
         &self.gap
+    }
+
+    /// The gap under a tilt (ax, ay) of the body.
+    pub(crate) fn tilted_gap(&self, tilt: [f64; 2]) -> AnyGap {
+        self.gap.tilted(tilt)
     }
 
     /// How the bodies are loaded.

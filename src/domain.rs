@@ -1,16 +1,16 @@
-//! The door and the domain: units in which a state of loading is solved, and a box that holds its contact without the
+//! The scaled and the domain: units in which a state of loading is solved, and a box that holds its contact without the
 //! user's help.
 //!
 //! The box starts as that of {f > 0}, outside of which no cell is ever loaded. A coarse solve on overlaps that are never
 //! too small shrinks it to the contact and a margin; the solver then verifies it ([`crate::outgrown`]).
 
 use crate::discrete::{Discrete, DiscreteSolution};
-use crate::error::{Unsolved, Verdict};
-use crate::gap::{Gap, Reach, Scaled, extent};
+use crate::error::Unsolved;
+use crate::gap::{Degree, Gap};
 use crate::geometry::Rect;
 use crate::grid::{Grid, Kernel};
-use crate::homogeneity::Degree;
 use crate::matrix_free;
+use crate::overlap::Scaled;
 use crate::symmetry::Symmetry;
 
 /// Cells along the longer side of the coarse grids.
@@ -32,49 +32,6 @@ struct Look {
 /// Shrinkings before the box is taken as it is: from a box 1e12 contacts wide down to one.
 const MOST_SHRINKINGS: usize = 40;
 
-/// A state of loading in the units of the solvers.
-#[derive(Clone, Copy)]
-pub(crate) struct Door<'a> {
-    /// The gap, in units of the largest overlap and of half the longer side of {f > 0}.
-    pub gap: Scaled<'a>,
-    /// The depth in the same units. Not 1 when the gap is not zero at its lowest point.
-    pub depth: f64,
-    /// A box around {f > 0}.
-    pub reach: Rect,
-}
-
-impl<'a> Door<'a> {
-    /// The state in units of its own; `None` when the bodies do not touch.
-    pub fn enter(gap: &'a dyn Gap, depth: f64) -> Result<Option<Self>, Unsolved> {
-        let reach = match extent(gap, depth) {
-            Reach::Within(rect) => rect,
-            Reach::Nowhere => return Ok(None),
-            Reach::Unbounded | Reach::Unknown => {
-                let reason =
-                    format!("the gap stays below the depth {depth:e} however far one looks: the contact has no end");
-                return Err(Unsolved::new(Verdict::Unbounded, reason));
-            }
-        };
-        let overlap = depth - lowest(gap, &reach);
-        let [w, h] = reach.size();
-        let length = 0.5 * w.max(h);
-        if !(overlap > 0.0 && length > 0.0) {
-            return Ok(None);
-        }
-        let origin = reach.centre();
-        let scaled = Scaled { gap, origin, length, depth: overlap };
-        let reach = Rect { min: scaled.inward(reach.min), max: scaled.inward(reach.max) };
-        Ok(Some(Self { gap: scaled, depth: depth / overlap, reach }))
-    }
-}
-
-/// Least gap found on a lattice over the box and at the gap's own centre.
-fn lowest(gap: &dyn Gap, within: &Rect) -> f64 {
-    let [cx, cy] = gap.centre();
-    let lattice = Grid::over(within, [33, 33]);
-    lattice.centres().map(|[x, y]| gap.gap(x, y)).fold(gap.gap(cx, cy), f64::min)
-}
-
 /// Cells along both sides of a box: `longest` along the longer one, at least half as many along the other.
 pub(crate) fn shape(window: &Rect, longest: usize) -> [usize; 2] {
     let [w, h] = window.size();
@@ -90,7 +47,7 @@ pub(crate) fn coarsest(degree: Option<Degree>) -> usize {
 
 /// The box made wide enough for square cells, `longest` along its longer side: their influence coefficients are known, and both
 /// directions are resolved alike. A box that may be fitted to edges of the material stays as it is.
-pub(crate) fn squared(door: &Door, window: &Rect, longest: usize) -> Rect {
+pub(crate) fn squared(scaled: &Scaled, window: &Rect, longest: usize) -> Rect {
     let size = window.size();
     let longer = usize::from(size[1] > size[0]);
     let shorter = 1 - longer;
@@ -102,27 +59,27 @@ pub(crate) fn squared(door: &Door, window: &Rect, longest: usize) -> Rect {
     let mut half = [0.5 * size[0], 0.5 * size[1]];
     half[shorter] = 0.5 * wanted;
     let square = Rect::around(window.centre(), half);
-    let all_material = square.corners().iter().all(|c| door.gap.gap(c[0], c[1]) < f64::INFINITY);
+    let all_material = square.corners().iter().all(|c| scaled.gap.gap(c[0], c[1]) < f64::INFINITY);
     if all_material { square } else { *window }
 }
 
 /// The box of the contact with a margin, from coarse solves.
-pub(crate) fn locate(door: &Door) -> Result<Rect, Unsolved> {
-    located(door, &Look { margin: 1.5, tolerance: 1e-3, square: false })
+pub(crate) fn locate(scaled: &Scaled) -> Result<Rect, Unsolved> {
+    located(scaled, &Look { margin: 1.5, tolerance: 1e-3, square: false })
 }
 
 /// A closer box, sooner found: for grids that begin anew should they outgrow it.
-pub(crate) fn locate_closely(door: &Door) -> Result<Rect, Unsolved> {
-    located(door, &Look { margin: 1.25, tolerance: 1e-2, square: true })
+pub(crate) fn locate_closely(scaled: &Scaled) -> Result<Rect, Unsolved> {
+    located(scaled, &Look { margin: 1.25, tolerance: 1e-2, square: true })
 }
 
-fn located(door: &Door, look: &Look) -> Result<Rect, Unsolved> {
-    let mut window = door.reach;
+fn located(scaled: &Scaled, look: &Look) -> Result<Rect, Unsolved> {
+    let mut window = scaled.reach;
     for _ in 0..MOST_SHRINKINGS {
         let mut longest = COARSE;
         let (problem, pressure) = loop {
-            let wide = if look.square { squared(door, &window, longest) } else { window };
-            let problem = optimistic(door, Grid::over(&wide, shape(&wide, longest)));
+            let wide = if look.square { squared(scaled, &window, longest) } else { window };
+            let problem = optimistic(scaled, Grid::over(&wide, shape(&wide, longest)));
             if problem.deepest() > 0.25 || longest >= 8 * COARSE {
                 let settings = matrix_free::Settings { tolerance: look.tolerance, ..matrix_free::Settings::default() };
                 let solved = matrix_free::solve_nested(&problem, &settings)?;
@@ -157,20 +114,20 @@ pub(crate) fn coarse(problem: &Discrete) -> Result<DiscreteSolution, Unsolved> {
 }
 
 /// The overlap of each cell as its largest at nine points: no cell that touches is missed where the gap is smooth.
-fn optimistic(door: &Door, grid: Grid) -> Discrete {
+fn optimistic(scaled: &Scaled, grid: Grid) -> Discrete {
     let ([hx, hy], [nx, ny]) = (grid.spacing, grid.shape);
     let wide = 2 * nx + 1;
     // Half a cell apart; those on a border belong to the cells on both sides of it.
     let mut points = Vec::with_capacity(wide * (2 * ny + 1));
     for j in 0..=2 * ny {
         let y = grid.origin[1] + 0.5 * j as f64 * hy;
-        points.extend((0..wide).map(|i| door.gap.gap(grid.origin[0] + 0.5 * i as f64 * hx, y)));
+        points.extend((0..wide).map(|i| scaled.gap.gap(grid.origin[0] + 0.5 * i as f64 * hx, y)));
     }
     let overlap = (0..grid.len()).map(|k| {
         let first = 2 * (k / nx) * wide + 2 * (k % nx);
         let rows = [first, first + wide, first + 2 * wide];
         let least = rows.iter().flat_map(|&row| &points[row..row + 3]).fold(f64::INFINITY, |m, &g| m.min(g));
-        door.depth - least
+        scaled.depth - least
     });
     Discrete { grid, kernel: Kernel::Collocation, overlap: overlap.collect() }
 }

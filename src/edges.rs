@@ -5,12 +5,12 @@
 //! the forces of seven or more, four to a doubling, does: the area by which each grid misses the material explains most of the
 //! jumps, the rest average out, and their size tells how well.
 
-use crate::domain::Door;
 use crate::error::{Unsolved, Verdict};
 use crate::extrapolate::{Estimate, Intercept};
 use crate::gap::Gap;
 use crate::geometry::Rect;
 use crate::one_grid::{GridState, at_resolution};
+use crate::overlap::Scaled;
 use crate::settings::{Method, Settings};
 
 /// Cells along the longer side of the first grid.
@@ -58,7 +58,7 @@ pub(crate) enum Edge {
 }
 
 /// The edge that the contact runs up to, if any: the end of the material before steps.
-pub(crate) fn met(door: &Door, state: &GridState) -> Option<Edge> {
+pub(crate) fn met(scaled: &Scaled, state: &GridState) -> Option<Edge> {
     let (grid, overlap) = (&state.problem.grid, &state.problem.overlap);
     let [nx, ny] = grid.shape;
     let step = STEP * state.problem.deepest();
@@ -71,7 +71,7 @@ pub(crate) fn met(door: &Door, state: &GridState) -> Option<Edge> {
         };
         let at = |cell: [i64; 2]| {
             let centre = |m: usize| grid.origin[m] + (cell[m] as f64 + 0.5) * grid.spacing[m];
-            on_grid(cell).map_or_else(|| door.depth - Gap::gap(&door.gap, centre(0), centre(1)), |k| overlap[k])
+            on_grid(cell).map_or_else(|| scaled.depth - Gap::gap(&scaled.gap, centre(0), centre(1)), |k| overlap[k])
         };
         let pressed = |cell: [i64; 2]| on_grid(cell).is_some_and(|k| state.solution.pressure[k] > 0.0);
         for along in [[1, 0], [-1, 0], [0, 1], [0, -1]] {
@@ -104,7 +104,7 @@ pub(crate) struct Border {
 }
 
 impl Border {
-    pub fn of(door: &Door, state: &GridState) -> Self {
+    pub fn of(scaled: &Scaled, state: &GridState) -> Self {
         let (grid, overlap) = (&state.problem.grid, &state.problem.overlap);
         let [nx, ny] = grid.shape;
         let near = |k: usize, holds: &dyn Fn(usize) -> bool| {
@@ -123,7 +123,7 @@ impl Border {
             } else {
                 continue;
             };
-            let share = share_of_material(door, &grid.cell(k % nx, k / nx));
+            let share = share_of_material(scaled, &grid.cell(k % nx, k / nx));
             border.aligned &= share == whole;
             border.left_out += (share - whole) * grid.cell_area();
         }
@@ -132,7 +132,7 @@ impl Border {
 }
 
 /// Share of a cell in which there is material that the depth reaches.
-fn share_of_material(door: &Door, cell: &Rect) -> f64 {
+fn share_of_material(scaled: &Scaled, cell: &Rect) -> f64 {
     let size = cell.size();
     let at = |n: usize| INSET + (1.0 - 2.0 * INSET) * n as f64 / (POINTS - 1) as f64;
     // The trapezium rule: points on the rim stand for half a cell of the lattice each way.
@@ -140,7 +140,7 @@ fn share_of_material(door: &Door, cell: &Rect) -> f64 {
     let (mut inside, mut all) = (0.0, 0.0);
     for (i, j) in (0..POINTS * POINTS).map(|k| (k % POINTS, k / POINTS)) {
         all += weight(i) * weight(j);
-        if Gap::gap(&door.gap, cell.min[0] + at(i) * size[0], cell.min[1] + at(j) * size[1]) < door.depth {
+        if Gap::gap(&scaled.gap, cell.min[0] + at(i) * size[0], cell.min[1] + at(j) * size[1]) < scaled.depth {
             inside += weight(i) * weight(j);
         }
     }
@@ -148,9 +148,9 @@ fn share_of_material(door: &Door, cell: &Rect) -> f64 {
 }
 
 /// The longer side of the cells, and the area they leave out: what an [`Intercept`] asks of a grid.
-pub(crate) fn measure(door: &Door, state: &GridState) -> [f64; 2] {
+pub(crate) fn measure(scaled: &Scaled, state: &GridState) -> [f64; 2] {
     let [hx, hy] = state.problem.grid.spacing;
-    [hx.max(hy), Border::of(door, state).left_out]
+    [hx.max(hy), Border::of(scaled, state).left_out]
 }
 
 /// The box with shares of a cell put to each side, others for each grid: edges along the cells would otherwise fall upon
@@ -219,7 +219,7 @@ impl Ladder {
 /// # Errors
 /// As the solvers; `ToleranceNotReached` when no grid is fine enough to see the contact.
 pub(crate) fn ladder(
-    door: &Door,
+    scaled: &Scaled,
     window: &mut Rect,
     aligned: bool,
     allowed: usize,
@@ -232,7 +232,7 @@ pub(crate) fn ladder(
         let (mut laid, cells) = if aligned { (*window, cells) } else { (moved(window, cells, k), cells + 1) };
         let first = laid;
         // Room for the shares of a cell.
-        let roomy = Door { gap: door.gap, depth: door.depth, reach: door.reach.union(&laid) };
+        let roomy = Scaled { reach: scaled.reach.union(&laid), ..scaled.clone() };
         let state = at_resolution(&roomy, &mut laid, cells, settings, method);
         if laid != first {
             *window = window.union(&laid);
@@ -244,7 +244,7 @@ pub(crate) fn ladder(
         if state.force() <= 0.0 {
             continue;
         }
-        grids.push(measure(door, &state));
+        grids.push(measure(scaled, &state));
         states.push(state);
         let Some(line) = Intercept::new(&grids) else { continue };
         let estimate = line.of(&states.iter().map(GridState::force).collect::<Vec<_>>());

@@ -4,7 +4,7 @@ use crate::by_grid::{self, Frame, Held};
 use crate::contact::Contact;
 use crate::equilibrium::Respond;
 use crate::error::{Unsolved, Verdict};
-use crate::respond::{respond, tilted};
+use crate::respond::respond;
 use crate::settings::{Method, Outputs, Settings};
 use crate::solution::{Cost, Solution};
 
@@ -17,7 +17,7 @@ pub(crate) struct Engine<'a> {
     pub frame: Frame,
     pub cells: usize,
     /// The last full grid of an untilted contact.
-    held: Option<Held<'a>>,
+    held: Option<Held>,
     /// Of all states so far.
     spent: Cost,
 }
@@ -82,7 +82,7 @@ impl Respond for Engine<'_> {
             None if !self.with_matrix => self.upright(depth, quick)?,
             None => {
                 // One grid for all tilts: what differs from one to the next would be noise to Newton's method.
-                let gap = tilted(self.contact, tilt);
+                let gap = self.contact.tilted_gap(tilt);
                 let frame = &mut self.frame;
                 match by_grid::separately(self.contact, &gap, depth, tilt, self.settings)? {
                     Some(apart) => apart,

@@ -8,7 +8,8 @@
 use nalgebra::{Matrix3, Vector3};
 
 use crate::error::{Unsolved, Verdict};
-use crate::gap::{AnyGap, Reach, extent, least};
+use crate::gap::{AnyGap, Reach};
+use crate::overlap::{least, reach_of};
 use crate::settings::Method;
 use crate::solution::Solution;
 
@@ -35,11 +36,11 @@ pub(crate) trait Respond {
 
 /// An overlap whose force is of this size: P = 2 E* a d on half the width a of {f > 0}.
 pub(crate) fn overlap_of_size(gap: &AnyGap, e_star: f64, force: f64) -> f64 {
-    let (_, least) = least(&**gap);
+    let (_, least) = least(gap);
     // Forces are of the size E* times length squared: begin with that length.
     let mut overlap = (force.abs() / e_star).sqrt();
     for _ in 0..24 {
-        match extent(gap, least + overlap) {
+        match reach_of(gap, least + overlap) {
             Reach::Within(reach) => {
                 let half = 0.25 * (reach.size()[0] + reach.size()[1]);
                 let next = (overlap * force.abs() / (2.0 * e_star * half)).sqrt();
@@ -50,7 +51,7 @@ pub(crate) fn overlap_of_size(gap: &AnyGap, e_star: f64, force: f64) -> f64 {
                 }
             }
             Reach::Nowhere => overlap *= 10.0,
-            Reach::Unbounded | Reach::Unknown => overlap *= 1e-3,
+            Reach::Unbounded { .. } | Reach::Unknown => overlap *= 1e-3,
         }
     }
     overlap

@@ -1,13 +1,14 @@
 //! The exact contact at one depth: grids that become finer until the force is known to the tolerance.
 
-use crate::domain::{Door, coarsest, locate, locate_closely, shape, squared};
+use crate::domain::{coarsest, locate, locate_closely, shape, squared};
 use crate::edges::{self, Border, Edge, Ladder};
 use crate::error::{Unsolved, Verdict};
 use crate::extrapolate::{self, Ends, Estimate};
+use crate::gap::{Degree, Gap, Law};
 use crate::geometry::Rect;
 use crate::grid::Kernel;
-use crate::homogeneity::{self, Degree};
 use crate::one_grid::{GridState, Way, of_shape, other_kernel};
+use crate::overlap::Scaled;
 use crate::settings::{Method, Settings};
 
 /// Cells along the longer side that no grid has more of.
@@ -80,12 +81,12 @@ impl Refined {
 /// The contact at one depth, on grids that double until the estimated error of the force is below the tolerance, or on
 /// the prescribed number of cells and half of it.
 pub(crate) fn refined(
-    door: &Door,
+    scaled: &Scaled,
     settings: &Settings,
     method: Method,
-    degree: Option<Degree>,
+    law: Option<Law>,
 ) -> Result<Refined, Unsolved> {
-    let best = as_far_as(FINEST, door, settings, method, degree)?;
+    let best = as_far_as(FINEST, scaled, settings, method, law)?;
     if settings.cells.is_some() || best.is_within(settings.tolerance) {
         return Ok(best);
     }
@@ -98,30 +99,30 @@ pub(crate) fn refined(
 /// can be had of them, whether or not that meets the tolerance.
 pub(crate) fn as_far_as(
     finest: usize,
-    door: &Door,
+    scaled: &Scaled,
     settings: &Settings,
     method: Method,
-    degree: Option<Degree>,
+    law: Option<Law>,
 ) -> Result<Refined, Unsolved> {
-    let degree = degree.filter(|_| settings.kernel == Kernel::Galerkin);
+    let degree = law.filter(|_| settings.kernel == Kernel::Galerkin).map(|law| law.degree);
     // Grids of energies begin anew in a larger box.
     let closely = settings.cells.is_none() && matches!(degree, Some(Degree::Power(_)));
-    let window = if closely { locate_closely(door)? } else { locate(door)? };
+    let window = if closely { locate_closely(scaled)? } else { locate(scaled)? };
     let (forces, energies) = (Vec::new(), Vec::new());
     let law = degree.map(|degree| {
         let ends = match degree {
             Degree::Flat => Ends::Edges,
-            Degree::Power(1.0) if homogeneity::is_of_planes(&door.gap, &window) => Ends::Corners,
+            Degree::Power(1.0) if scaled.gap.planes().is_some() || scaled.gap.ridges().is_some() => Ends::Corners,
             Degree::Power(_) => Ends::Unknown,
         };
         (degree, ends)
     });
-    let ascent = Ascent { door, settings, method, law, finest, window, forces, energies, spent: (0, 0) };
+    let ascent = Ascent { scaled, settings, method, law, finest, window, forces, energies, spent: (0, 0) };
     let best = match settings.cells {
         Some(cells) => ascent.prescribed(cells)?,
         None => ascent.free()?,
     };
-    // The door opens only when the bodies overlap somewhere, so they do touch.
+    // The scaled opens only when the bodies overlap somewhere, so they do touch.
     best.filter(|b| b.force > 0.0).ok_or_else(|| {
         let reason = "the bodies overlap, but no cell does as a whole: the grid is too coarse to see the contact";
         Unsolved::new(Verdict::ToleranceNotReached, reason)
@@ -130,7 +131,7 @@ pub(crate) fn as_far_as(
 
 /// Grids that become finer, and what they found.
 struct Ascent<'a> {
-    door: &'a Door<'a>,
+    scaled: &'a Scaled,
     settings: &'a Settings,
     method: Method,
     /// The homogeneity that gives the force from the energy, and how that converges.
@@ -159,7 +160,7 @@ impl Ascent<'_> {
         if self.law.is_none() {
             error = error.max(self.doubt(&state)?);
         }
-        let edge = edges::met(self.door, &state);
+        let edge = edges::met(self.scaled, &state);
         if self.law.is_none() && edge.is_some() {
             error *= AT_EDGES_AS_GIVEN;
         }
@@ -167,7 +168,7 @@ impl Ascent<'_> {
             // P grows with the size of a patch: half as much as the area, and as much again for the edges themselves.
             let pressed = state.solution.pressure.iter().filter(|&&p| p > 0.0).count();
             let area = pressed as f64 * state.problem.grid.cell_area();
-            error = error.max(force * (Border::of(self.door, &state).left_out / area).abs());
+            error = error.max(force * (Border::of(self.scaled, &state).left_out / area).abs());
         }
         // Who prescribes the grid wants the force of that grid.
         Ok(Some(Refined::of(state, error + (force - value).abs())))
@@ -176,7 +177,7 @@ impl Ascent<'_> {
     fn free(mut self) -> Result<Option<Refined>, Unsolved> {
         let smooth = matches!(self.law, Some((Degree::Power(_), _)));
         let coarsest = coarsest(self.law.map(|(degree, _)| degree));
-        self.window = squared(self.door, &self.window, coarsest);
+        self.window = squared(self.scaled, &self.window, coarsest);
         let (tolerance, finest) = (self.settings.tolerance, self.finest);
         let mut best: Option<Refined> = None;
         let (mut laid, mut full, mut restarts, mut next) = (self.window, false, 0, 0);
@@ -203,7 +204,7 @@ impl Ascent<'_> {
             if smooth && level > 0 && self.window != laid && restarts < MOST_RESTARTS {
                 // Grids of another box are of another family.
                 self.energies.clear();
-                self.window = squared(self.door, &self.window, coarsest);
+                self.window = squared(self.scaled, &self.window, coarsest);
                 (laid, full, restarts, next, best) = (self.window, false, restarts + 1, 0, None);
                 continue;
             }
@@ -220,13 +221,13 @@ impl Ascent<'_> {
                 error = error.max(self.doubt(&state)?);
             }
             // Three grids may agree on a limit that is not the punch's while its edges lie between two rows of cells.
-            let edge = if three && !smooth { edges::met(self.door, &state) } else { None };
+            let edge = if three && !smooth { edges::met(self.scaled, &state) } else { None };
             if edge == Some(Edge::Step) {
                 error *= BESIDE_STEPS;
             }
             let close = error <= tolerance * value && (two || three);
             let ends = edge == Some(Edge::End);
-            let aligned = ends && Border::of(self.door, &state).aligned;
+            let aligned = ends && Border::of(self.scaled, &state).aligned;
             let good = close && (aligned || !ends);
             if !good && ends {
                 return self.at_sharp_edges(aligned).map(Some);
@@ -254,7 +255,7 @@ impl Ascent<'_> {
         coarser: Option<&GridState>,
     ) -> Result<GridState, Unsolved> {
         let way = Way { tolerance, coarser, ..Way::precise(self.settings, self.method) };
-        let state = of_shape(self.door, &mut self.window, shape, way)?;
+        let state = of_shape(self.scaled, &mut self.window, shape, way)?;
         Ok(self.with_spent(state))
     }
 
@@ -272,7 +273,7 @@ impl Ascent<'_> {
         let force = state.force();
         self.forces.push(force);
         let limit = if let Some((degree, ends)) = self.law {
-            self.energies.push((2.0 + degree.inverse()) * state.energy() / self.door.depth);
+            self.energies.push((2.0 + degree.inverse()) * state.energy() / self.scaled.above_lowest());
             extrapolate::of_energies(&self.energies, ends)
         } else {
             extrapolate::of_forces(&self.forces)
@@ -284,13 +285,13 @@ impl Ascent<'_> {
     /// (measured on 800 closed forms), means by less.
     fn doubt(&self, state: &GridState) -> Result<f64, Unsolved> {
         let times = if self.settings.kernel == Kernel::Collocation { 1.5 } else { 1.0 };
-        Ok(times * (other_kernel(self.door, state)? - state.force()).abs())
+        Ok(times * (other_kernel(self.scaled, state)? - state.force()).abs())
     }
 
     /// The limit of grids fitted by a line; see [`edges`].
     fn at_sharp_edges(&mut self, aligned: bool) -> Result<Refined, Unsolved> {
-        let Self { door, settings, method, finest, .. } = *self;
-        let (ladder, limit) = edges::ladder(door, &mut self.window, aligned, finest, settings, method)?;
+        let Self { scaled, settings, method, finest, .. } = *self;
+        let (ladder, limit) = edges::ladder(scaled, &mut self.window, aligned, finest, settings, method)?;
         let (iterations, operator_products) = ladder.spent();
         let mut state = self.with_spent(GridState { iterations, operator_products, ..ladder.last().clone() });
         state.remarks.push(edges::remark(ladder.grids()));

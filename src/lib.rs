@@ -30,7 +30,7 @@
 //! | the same on millions of cells | [`matrix_free`] |
 //! | equations (10) to (25) of Barber & Billings | [`fabrikant`], [`ritz`] |
 //! | Hertz, Sneddon and other formulas | [`closed_form`] |
-//! | what a gap is, whatever it was written as | [`recognise`] |
+//! | what is known of a gap from the way it is written | [`gap::Known`] |
 //!
 #![doc = include_str!("theory.md")]
 
@@ -47,6 +47,7 @@ pub mod compare;
 mod contact;
 pub mod curve;
 mod discrete;
+mod displaced;
 mod domain;
 mod edges;
 mod engine;
@@ -58,12 +59,13 @@ pub mod fabrikant;
 pub mod gap;
 pub mod geometry;
 mod grid;
-mod homogeneity;
 pub mod influence;
 mod material;
 pub mod matrix_free;
+pub mod numeric;
 mod one_grid;
 mod outgrown;
+pub mod overlap;
 pub mod patch;
 mod plan;
 #[cfg(feature = "plot")]
@@ -71,7 +73,6 @@ pub mod plot;
 #[cfg(feature = "qp")]
 pub mod qp;
 pub mod quadrature;
-pub mod recognise;
 #[cfg(feature = "scene")]
 pub mod report;
 mod respond;

@@ -1,18 +1,19 @@
 //! The contact at one depth on one grid: box, cells, solver, stiffness.
 
 use crate::discrete::{Discrete, DiscreteSolution};
-use crate::domain::{Door, shape};
+use crate::domain::shape;
 use crate::error::{Unsolved, Verdict};
 use crate::geometry::Rect;
 use crate::grid::{Grid, Kernel};
 use crate::matrix_free;
 use crate::outgrown::outgrown;
+use crate::overlap::Scaled;
 use crate::settings::{Method, Settings};
 
 /// Times a box may grow before the contact is taken to have no end.
 const MOST_GROWTHS: usize = 12;
 
-/// A solved grid, in the units of the door.
+/// A solved grid, in the units of the scaled.
 #[derive(Debug, Clone)]
 pub(crate) struct GridState {
     pub method: Method,
@@ -67,18 +68,18 @@ impl Way<'_> {
 
 /// The contact at one depth with `cells` cells along the longer side of a box that holds it.
 pub(crate) fn at_resolution(
-    door: &Door,
+    scaled: &Scaled,
     window: &mut Rect,
     cells: usize,
     settings: &Settings,
     method: Method,
 ) -> Result<GridState, Unsolved> {
-    of_shape(door, window, |window| shape(window, cells), Way::precise(settings, method))
+    of_shape(scaled, window, |window| shape(window, cells), Way::precise(settings, method))
 }
 
 /// The contact at one depth on a grid of the shape that belongs to a box that holds it.
 pub(crate) fn of_shape(
-    door: &Door,
+    scaled: &Scaled,
     window: &mut Rect,
     shape: impl Fn(&Rect) -> [usize; 2],
     way: Way,
@@ -86,10 +87,10 @@ pub(crate) fn of_shape(
     let mut spent = (0, 0);
     for _ in 0..MOST_GROWTHS {
         let grid = Grid::over(window, shape(window));
-        let problem = Discrete::sample(&door.gap, door.depth, grid, way.kernel);
-        let state = solve(door, problem, way)?;
+        let problem = Discrete::sample(&scaled.gap, scaled.depth, grid, way.kernel);
+        let state = solve(scaled, problem, way)?;
         spent = (spent.0 + state.iterations, spent.1 + state.operator_products);
-        match outgrown(door, window, &state.problem.grid, &state.solution.pressure) {
+        match outgrown(scaled, window, &state.problem.grid, &state.solution.pressure) {
             None => return Ok(GridState { iterations: spent.0, operator_products: spent.1, ..state }),
             Some(larger) => *window = larger,
         }
@@ -101,26 +102,26 @@ pub(crate) fn of_shape(
 }
 
 /// The force on the same grid by the other kernel.
-pub(crate) fn other_kernel(door: &Door, state: &GridState) -> Result<f64, Unsolved> {
+pub(crate) fn other_kernel(scaled: &Scaled, state: &GridState) -> Result<f64, Unsolved> {
     let kernel = match state.problem.kernel {
         Kernel::Galerkin => Kernel::Collocation,
         Kernel::Collocation => Kernel::Galerkin,
     };
-    let problem = Discrete::sample(&door.gap, door.depth, state.problem.grid, kernel);
+    let problem = Discrete::sample(&scaled.gap, scaled.depth, state.problem.grid, kernel);
     let settings = matrix_free::Settings { tolerance: 1e-5, ..matrix_free::Settings::default() };
     let solution = matrix_free::solve(&problem, Some(&state.solution.pressure), &settings)?;
     Ok(solution.pressure.iter().sum::<f64>() * problem.grid.cell_area())
 }
 
 /// One grid by one method.
-fn solve(door: &Door, problem: Discrete, way: Way) -> Result<GridState, Unsolved> {
+fn solve(scaled: &Scaled, problem: Discrete, way: Way) -> Result<GridState, Unsolved> {
     let cells = problem.grid.len();
     let pruned = problem.overlap.iter().filter(|&&f| f <= 0.0).count();
     let mut left_out = vec![format!("{pruned} of {cells} cells: the undeformed bodies do not overlap there")];
     let mut remarks = Vec::new();
     let Way { method, threads, tolerance, .. } = way;
     let solution = match method {
-        Method::Qp => programme::solve(door, &problem, &mut left_out, &mut remarks)?,
+        Method::Qp => programme::solve(scaled, &problem, &mut left_out, &mut remarks)?,
         _ => {
             let settings = matrix_free::Settings { threads, tolerance, ..matrix_free::Settings::default() };
             match way.coarser.and_then(|coarser| start(coarser, &problem.grid)) {
@@ -142,11 +143,11 @@ fn start(coarser: &GridState, grid: &Grid) -> Option<Vec<f64>> {
 /// In place of the quadratic programme, when it was not built.
 #[cfg(not(feature = "qp"))]
 mod programme {
-    use super::{Discrete, DiscreteSolution, Door, Unsolved, Verdict};
+    use super::{Discrete, DiscreteSolution, Scaled, Unsolved, Verdict};
 
     /// The verdict that says so.
     pub fn solve(
-        _: &Door,
+        _: &Scaled,
         _: &Discrete,
         _: &mut Vec<String>,
         _: &mut Vec<String>,
@@ -158,7 +159,7 @@ mod programme {
 /// The quadratic programme on the cells that can touch.
 #[cfg(feature = "qp")]
 mod programme {
-    use super::{Discrete, DiscreteSolution, Door, Grid, Unsolved};
+    use super::{Discrete, DiscreteSolution, Grid, Scaled, Unsolved};
     use crate::qp::{self, QpSolution};
 
     /// Cells along the longer side below which no coarser grid is asked.
@@ -166,12 +167,12 @@ mod programme {
 
     /// Solves, and says what was left out on the way.
     pub fn solve(
-        door: &Door,
+        scaled: &Scaled,
         problem: &Discrete,
         left_out: &mut Vec<String>,
         remarks: &mut Vec<String>,
     ) -> Result<DiscreteSolution, Unsolved> {
-        let known = candidates(door, problem)?;
+        let known = candidates(scaled, problem)?;
         let QpSolution { solution, polished, symmetry } = qp::solve(problem, known.as_deref())?;
         if let Some(known) = known {
             let far = known.iter().zip(&problem.overlap).filter(|&(&k, &f)| !k && f > 0.0).count();
@@ -190,14 +191,14 @@ mod programme {
     }
 
     /// The cells that can touch, from a solve on cells twice as large: its contact and one of its cells around.
-    fn candidates(door: &Door, problem: &Discrete) -> Result<Option<Vec<bool>>, Unsolved> {
+    fn candidates(scaled: &Scaled, problem: &Discrete) -> Result<Option<Vec<bool>>, Unsolved> {
         let fine = &problem.grid;
         if fine.shape[0].max(fine.shape[1]) < FEWEST {
             return Ok(None);
         }
         let coarse = Grid::over(&fine.extent(), fine.shape.map(|n| n.div_ceil(2)));
-        let halved = Discrete::sample(&door.gap, door.depth, coarse, problem.kernel);
-        let known = candidates(door, &halved)?;
+        let halved = Discrete::sample(&scaled.gap, scaled.depth, coarse, problem.kernel);
+        let known = candidates(scaled, &halved)?;
         let touching = qp::solve_by_active_set(&halved, known.as_deref())?.solution.pressure;
         let near = |[i, j]: [usize; 2]| {
             let around = |n: usize, k: usize| n.saturating_sub(1)..(n + 2).min(coarse.shape[k]);

@@ -1,33 +1,33 @@
 //! Whether a box holds the whole contact.
 
-use crate::domain::Door;
 use crate::gap::Gap;
 use crate::geometry::Rect;
 use crate::grid::Grid;
+use crate::overlap::Scaled;
 
 /// A larger box, when contact touches a border with overlap beyond it, or a point outside penetrates.
-pub(crate) fn outgrown(door: &Door, window: &Rect, grid: &Grid, pressure: &[f64]) -> Option<Rect> {
+pub(crate) fn outgrown(scaled: &Scaled, window: &Rect, grid: &Grid, pressure: &[f64]) -> Option<Rect> {
     let loaded = Rect::holding(grid.loaded(pressure).map(|(at, _)| at))?;
     let mut wanted = *window;
     for axis in 0..2 {
         // On a coarse grid the outermost cells may well be under pressure.
         let h = grid.spacing[axis].min(window.size()[axis] / NEAR);
         let grow = 0.2 * window.size()[axis];
-        if loaded.min[axis] < window.min[axis] + h && window.min[axis] > door.reach.min[axis] {
+        if loaded.min[axis] < window.min[axis] + h && window.min[axis] > scaled.reach.min[axis] {
             wanted.min[axis] -= grow;
         }
-        if loaded.max[axis] > window.max[axis] - h && window.max[axis] < door.reach.max[axis] {
+        if loaded.max[axis] > window.max[axis] - h && window.max[axis] < scaled.reach.max[axis] {
             wanted.max[axis] += grow;
         }
     }
-    for point in penetrating_outside(door, window, grid, pressure) {
+    for point in penetrating_outside(scaled, window, grid, pressure) {
         wanted = wanted.union(&Rect::around(point, [2.0 * grid.spacing[0], 2.0 * grid.spacing[1]]));
     }
     if wanted == *window {
         return None;
     }
     // No further than there is overlap; a box may be wider than that from the start.
-    let wanted = wanted.intersection(&door.reach.union(window)).unwrap_or(wanted);
+    let wanted = wanted.intersection(&scaled.reach.union(window)).unwrap_or(wanted);
     (wanted != *window).then_some(wanted)
 }
 
@@ -35,10 +35,10 @@ pub(crate) fn outgrown(door: &Door, window: &Rect, grid: &Grid, pressure: &[f64]
 const NEAR: f64 = 64.0;
 
 /// Lattice points between the box and the limit of {f > 0} where the loaded surfaces would overlap.
-fn penetrating_outside(door: &Door, window: &Rect, grid: &Grid, pressure: &[f64]) -> Vec<[f64; 2]> {
-    let [w, h] = door.reach.size();
+fn penetrating_outside(scaled: &Scaled, window: &Rect, grid: &Grid, pressure: &[f64]) -> Vec<[f64; 2]> {
+    let [w, h] = scaled.reach.size();
     let count = |size: f64, spacing: f64| ((size / spacing).ceil() as usize).clamp(1, OUTSIDE);
-    let lattice = Grid::over(&door.reach, [count(w, grid.spacing[0]), count(h, grid.spacing[1])]);
+    let lattice = Grid::over(&scaled.reach, [count(w, grid.spacing[0]), count(h, grid.spacing[1])]);
     let area = grid.cell_area();
     let loaded: Vec<([f64; 2], f64)> = grid.loaded(pressure).map(|(at, p)| (at, p * area)).collect();
     let gathered = std::cell::LazyCell::new(|| gathered(&loaded, window));
@@ -59,7 +59,7 @@ fn penetrating_outside(door: &Door, window: &Rect, grid: &Grid, pressure: &[f64]
         .centres()
         .filter(|p| !window.contains(*p))
         .filter(|&[x, y]| {
-            let f = door.depth - door.gap.gap(x, y);
+            let f = scaled.depth - scaled.gap.gap(x, y);
             if f <= 0.0 || f <= least(whole.as_slice(), [x, y]) || f <= least(&blocks, [x, y]) {
                 return false;
             }

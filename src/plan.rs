@@ -2,16 +2,16 @@
 
 use std::fmt;
 
+use crate::by_formula;
 use crate::contact::{Contact, Load};
 use crate::discrete::Discrete;
-use crate::domain::{Door, coarsest, shape};
+use crate::domain::{coarsest, shape};
 use crate::equilibrium::overlap_of_size;
 use crate::error::Unsolved;
-use crate::gap::{AnyGap, Reach, Tilted, extent, least};
+use crate::gap::Degree;
 use crate::geometry::Rect;
 use crate::grid::{Grid, Kernel};
-use crate::homogeneity::{self, Degree};
-use crate::recognise::{Recognised, recognise};
+use crate::overlap::{Overlap, Scaled, least};
 use crate::settings::{Method, Settings};
 use crate::symmetry::Symmetry;
 
@@ -57,20 +57,22 @@ pub fn plan(contact: &Contact, settings: &Settings) -> Result<Plan, Unsolved> {
     let mut steps = Vec::new();
     let loads = contact.loading().loads();
     let (depth, tilt) = probe(contact, loads, &mut steps);
-    let gap = match tilt {
-        [0.0, 0.0] => contact.gap().clone(),
-        tilt => AnyGap::new(Tilted::new(contact.gap().clone(), tilt)),
-    };
-    let Some(door) = Door::enter(&gap, depth)? else {
+    let gap = contact.tilted_gap(tilt);
+    let Some(overlap) = Overlap::of(&gap, depth)? else {
         steps.push(format!("at depth {depth:e} the bodies do not touch: force 0"));
         return Ok(Plan { method: None, steps, left_out: vec!["everything".to_owned()] });
     };
-    let Reach::Within(reach) = extent(&gap, depth) else {
-        return Ok(Plan { method: None, steps, left_out: Vec::new() });
-    };
-    let (found, closed) = in_words(&recognise(&gap, depth, &reach));
-    steps.push(format!("the gap is {found}"));
-    let degree = homogeneity::degree(&gap, &reach);
+    // The formula itself decides, as in the solve.
+    let closed = by_formula::of(&overlap, contact.modulus());
+    match &closed {
+        Ok(form) => steps.push(format!("the gap is {}", form.found)),
+        Err(why) => steps.push(format!("no closed form: {}", why.reason)),
+    }
+    if !overlap.certain {
+        steps.push("the gap is known by its values alone: where it overlaps was searched".to_owned());
+    }
+    let (law, closed) = (gap.known().law, closed.is_ok());
+    let degree = law.map(|law| law.degree);
     let mut left_out = Vec::new();
     match degree {
         Some(Degree::Power(k)) => {
@@ -95,7 +97,7 @@ pub fn plan(contact: &Contact, settings: &Settings) -> Result<Plan, Unsolved> {
                     .to_owned(),
             );
         }
-        _ => grid_steps(&door, settings, method, degree, &mut steps, &mut left_out),
+        _ => grid_steps(&overlap.scaled(), settings, method, degree, &mut steps, &mut left_out),
     }
     let outputs = settings.outputs;
     let wanted = [
@@ -131,23 +133,8 @@ fn probe(contact: &Contact, loads: &[Load], steps: &mut Vec<String>) -> (f64, [f
                 .push(format!("{count}force {force:e} is given: Newton's method for {what}, with the exact stiffness"));
             let gap = contact.gap();
             let overlap = overlap_of_size(gap, contact.modulus().e_star(), force);
-            (least(&**gap).1 + overlap, [0.0; 2])
+            (least(gap).1 + overlap, [0.0; 2])
         }
-    }
-}
-
-fn in_words(found: &Recognised) -> (String, bool) {
-    match found {
-        Recognised::Quadratic { curvatures: [a, b], .. } => {
-            (format!("a quadratic form with curvatures {a:.6e} and {b:.6e}: Hertz"), true)
-        }
-        Recognised::Revolution { centre: [x, y] } => {
-            (format!("of revolution about ({x:.6e}, {y:.6e}): Sneddon, if the contact is a disc"), true)
-        }
-        Recognised::FlatEllipse { semi_axes: [a, b], .. } => {
-            (format!("a flat ellipse, semi-axes {a:.6e} and {b:.6e}"), true)
-        }
-        Recognised::General => ("neither quadratic, nor of revolution, nor a flat ellipse".to_owned(), false),
     }
 }
 
@@ -179,7 +166,7 @@ fn chosen(settings: &Settings, closed: bool, steps: &mut Vec<String>) -> Method 
 }
 
 fn grid_steps(
-    door: &Door,
+    scaled: &Scaled,
     settings: &Settings,
     method: Method,
     degree: Option<Degree>,
@@ -187,12 +174,12 @@ fn grid_steps(
     left_out: &mut Vec<String>,
 ) {
     let box_of = |rect: &Rect| {
-        let (a, b) = (door.gap.outward(rect.min), door.gap.outward(rect.max));
+        let (a, b) = (scaled.units.outward(rect.min), scaled.units.outward(rect.max));
         format!("[{:.6e}, {:.6e}] x [{:.6e}, {:.6e}]", a[0], b[0], a[1], b[1])
     };
     steps.push(format!(
         "box of overlap {}; coarse solves shrink it to the contact, the answer verifies it",
-        box_of(&door.reach)
+        box_of(&scaled.reach)
     ));
     match settings.cells {
         Some(cells) => steps
@@ -211,8 +198,8 @@ fn grid_steps(
             ));
         }
     }
-    let grid = Grid::over(&door.reach, shape(&door.reach, 24));
-    let problem = Discrete::sample(&door.gap, door.depth, grid, settings.kernel);
+    let grid = Grid::over(&scaled.reach, shape(&scaled.reach, 24));
+    let problem = Discrete::sample(&scaled.gap, scaled.depth, grid, settings.kernel);
     let free = problem.overlap.iter().filter(|&&f| f <= 0.0).count();
     left_out.push(format!("{:.0} % of the box: no overlap, no pressure", 100.0 * free as f64 / grid.len() as f64));
     let symmetry = Symmetry::of(&problem);

@@ -266,7 +266,7 @@ impl Look<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gap::{Cone, Paraboloid, Placed, Polyhedron, Reach, Sphere};
+    use crate::gap::{Cone, Paraboloid, Place, Polyhedron, Reach, Sphere};
 
     fn of(gap: &dyn Gap, depth: f64) -> Recognised {
         let Reach::Within(reach) = gap.reach(depth) else { panic!("bounded") };
@@ -277,7 +277,7 @@ mod tests {
     fn a_narrow_part_of_a_wide_gap_is_seen() {
         use crate::gap::{AnyGap, Minimum};
         let tip =
-            |steep: f64, at: [f64; 2]| AnyGap::new(Placed::new(Cone::with_slope(steep).unwrap(), at, 0.0).unwrap());
+            |steep: f64, at: [f64; 2]| Cone::with_slope(steep).unwrap().placed(at, 0.0).unwrap();
         let wide: [AnyGap; 2] =
             [AnyGap::new(Sphere::new(6.6).unwrap()), AnyGap::new(Paraboloid::new([6.6, 6.6]).unwrap())];
         for wide in wide {
@@ -292,7 +292,7 @@ mod tests {
     #[test]
     fn a_turned_and_moved_paraboloid_is_a_quadratic() {
         for ratio in [1.0, 3.0, 1e4] {
-            let gap = Placed::new(Paraboloid::new([0.5 * ratio, 0.5]).unwrap(), [1.3, -0.4], 0.6).unwrap();
+            let gap = Paraboloid::new([0.5 * ratio, 0.5]).unwrap().placed([1.3, -0.4], 0.6).unwrap();
             let Recognised::Quadratic { centre, lowest, curvatures, rotation } = of(&gap, 0.1) else {
                 panic!("ratio {ratio}: {:?}", of(&gap, 0.1))
             };
@@ -308,7 +308,7 @@ mod tests {
 
     #[test]
     fn cones_and_spheres_are_of_revolution_and_pyramids_are_not() {
-        let at = |gap: Cone| Placed::new(gap, [7.0, 2.0], 0.0).unwrap();
+        let at = |gap: Cone| gap.placed([7.0, 2.0], 0.0).unwrap();
         let Recognised::Revolution { centre } = of(&at(Cone::new(0.2).unwrap()), 1.0) else { panic!("a cone") };
         assert_eq!(centre, [7.0, 2.0]);
         assert!(matches!(of(&Sphere::new(2.0).unwrap(), 0.5), Recognised::Revolution { .. }));

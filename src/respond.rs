@@ -2,18 +2,10 @@
 
 use crate::contact::Contact;
 use crate::error::{Unsolved, Verdict};
-use crate::gap::{AnyGap, Tilted};
+use crate::gap::AnyGap;
 use crate::settings::{Method, Settings};
 use crate::solution::Solution;
 use crate::{by_approximation, by_formula, by_grid};
-
-/// The gap of the contact under a tilt.
-pub(crate) fn tilted(contact: &Contact, tilt: [f64; 2]) -> AnyGap {
-    match tilt {
-        [0.0, 0.0] => contact.gap().clone(),
-        tilt => AnyGap::new(Tilted::new(contact.gap().clone(), tilt)),
-    }
-}
 
 /// The state; `with_matrix`: its stiffness against tilts too.
 ///
@@ -27,7 +19,7 @@ pub(crate) fn respond(
     with_matrix: bool,
 ) -> Result<Solution, Unsolved> {
     let grid = |gap: &AnyGap| by_grid::solution(contact, gap, depth, tilt, settings, with_matrix);
-    let gap = tilted(contact, tilt);
+    let gap = contact.tilted_gap(tilt);
     match settings.method {
         Method::ClosedForm => by_formula::solution(contact, &gap, depth, tilt, settings),
         Method::Qp | Method::Fft => grid(&gap),

@@ -7,13 +7,14 @@
 
 use crate::Contact;
 use crate::by_grid;
-use crate::domain::Door;
+use crate::displaced::DisplacedGap;
 use crate::error::Unsolved;
 use crate::exact::{self, Refined};
-use crate::gap::{AnyGap, Beside, islands};
+use crate::gap::AnyGap;
 use crate::geometry::Rect;
 use crate::grid::{Grid, Pressure};
 use crate::one_grid;
+use crate::overlap::{Overlap, Scaled};
 use crate::settings::{Method, Settings};
 use crate::solution::{Patch, PressureSummary, Solution};
 
@@ -30,15 +31,15 @@ const SWEEPS: usize = 20;
 const FIELD: usize = 1024;
 
 /// Rectangles around contacts that are to be solved apart; `None` when one grid serves.
-pub(crate) fn rectangles(gap: &AnyGap, depth: f64, reach: &Rect, settings: &Settings) -> Option<Vec<Rect>> {
+pub(crate) fn rectangles(overlap: &Overlap, settings: &Settings) -> Option<Vec<Rect>> {
     if settings.cells.is_some() || settings.method == Method::Qp || settings.outputs.gap {
         return None;
     }
-    let apart = islands(&**gap, depth, reach);
+    let apart = overlap.components();
     let longest = |rect: &Rect| rect.size()[0].max(rect.size()[1]);
     let largest = apart.iter().map(longest).fold(0.0, f64::max);
-    let fits = (2..=MOST).contains(&apart.len()) && longest(reach) >= FAR * largest && largest > 0.0;
-    fits.then_some(apart)
+    let fits = (2..=MOST).contains(&apart.len()) && longest(&overlap.reach) >= FAR * largest && largest > 0.0;
+    fits.then(|| apart.to_vec())
 }
 
 /// Point loads in the user's frame, divided by E*.
@@ -46,35 +47,34 @@ type Loads = Vec<([f64; 2], f64)>;
 
 /// One of the contacts, solved on the gap that the others left.
 struct One {
-    beside: Beside,
+    beside: DisplacedGap,
     /// `None` when the others have pushed the surface out of reach.
     solved: Option<Refined>,
+    /// In the units of its own solve.
+    scaled: Option<Scaled>,
     loads: Loads,
 }
 
 impl One {
     fn solve(gap: &AnyGap, depth: f64, within: Rect, others: &Loads, settings: &Settings) -> Result<Self, Unsolved> {
-        let beside = Beside::new(gap.clone(), within, others);
-        let Some(door) = Door::enter(&beside, depth)? else {
-            return Ok(Self { beside, solved: None, loads: Loads::new() });
+        let beside = DisplacedGap::new(gap.clone(), within, others);
+        let Some(overlap) = Overlap::of(&AnyGap::new(beside.clone()), depth)? else {
+            return Ok(Self { beside, solved: None, scaled: None, loads: Loads::new() });
         };
-        let refined = exact::refined(&door, settings, Method::Fft, None)?;
+        let scaled = overlap.scaled();
+        let refined = exact::refined(&scaled, settings, Method::Fft, None)?;
         // The finest grid carries the force of all of them together.
         let share = refined.force / refined.state.force();
-        let loads = loads(&door, &refined, |k| refined.state.solution.pressure[k] * share);
-        Ok(Self { beside, solved: Some(refined), loads })
-    }
-
-    fn door(&self, depth: f64) -> Result<Option<Door<'_>>, Unsolved> {
-        Door::enter(&self.beside, depth)
+        let loads = loads(&scaled, &refined, |k| refined.state.solution.pressure[k] * share);
+        Ok(Self { beside, solved: Some(refined), scaled: Some(scaled), loads })
     }
 }
 
-/// The loads of pressures in the units of the door.
-fn loads(door: &Door, refined: &Refined, pressure: impl Fn(usize) -> f64) -> Loads {
+/// The loads of pressures in the units of the scaled.
+fn loads(scaled: &Scaled, refined: &Refined, pressure: impl Fn(usize) -> f64) -> Loads {
     let grid = &refined.state.problem.grid;
-    let unit = door.gap.depth * door.gap.length * grid.cell_area();
-    let load = |k: usize| (door.gap.outward(grid.centre_of(k)), pressure(k) * unit);
+    let unit = scaled.units.height * scaled.units.length * grid.cell_area();
+    let load = |k: usize| (scaled.units.outward(grid.centre_of(k)), pressure(k) * unit);
     (0..grid.len()).map(load).filter(|load| load.1 != 0.0).collect()
 }
 
@@ -127,15 +127,15 @@ pub(crate) fn solution(
     let mut states = Vec::new();
     let quiet = Settings { outputs: crate::settings::Outputs { pressure: true, ..settings.outputs }, ..*settings };
     for (k, one) in ones.iter().enumerate() {
-        let (Some(refined), Some(door)) = (&one.solved, one.door(depth)?) else { continue };
-        let mut state = by_grid::dimensional(contact, &door, refined, None, depth, tilt, &quiet)?;
+        let (Some(refined), Some(scaled)) = (&one.solved, &one.scaled) else { continue };
+        let mut state = by_grid::dimensional(contact, scaled, refined, None, depth, tilt, &quiet)?;
         // The others' last displacement against the one this contact was solved with.
-        let latest = Beside::new(gap.clone(), rectangles[k], &others(&current, k));
+        let latest = DisplacedGap::new(gap.clone(), rectangles[k], &others(&current, k));
         let moved = rectangles[k].corners().into_iter().chain([rectangles[k].centre()]);
         let moved = moved.map(|p| (latest.displacement(p) - one.beside.displacement(p)).abs()).fold(0.0, f64::max);
         if let Some(residuals) = &mut state.residuals {
-            residuals.penetration += moved / door.gap.depth;
-            residuals.complementarity += moved / door.gap.depth;
+            residuals.penetration += moved / scaled.units.height;
+            residuals.complementarity += moved / scaled.units.height;
         }
         // Half of what this contact's load does in the displacement by the others; the rest is in its own overlap.
         let shared: f64 = one.loads.iter().map(|(p, q)| q * one.beside.displacement(*p)).sum();
@@ -171,15 +171,15 @@ fn growth(
         for _ in 0..SWEEPS {
             let (before, mut size) = (current.clone(), 0.0);
             for (k, one) in ones.iter().enumerate() {
-                let (Some(refined), Some(door)) = (&one.solved, one.door(depth)?) else { continue };
-                let raised = Beside::new(gap.clone(), rectangles[k], &others(&current, k));
+                let (Some(refined), Some(scaled)) = (&one.solved, &one.scaled) else { continue };
+                let raised = DisplacedGap::new(gap.clone(), rectangles[k], &others(&current, k));
                 let grid = &refined.state.problem.grid;
                 let wanted: Vec<f64> = (0..grid.len())
-                    .map(|i| door.gap.outward(grid.centre_of(i)))
-                    .map(|p| (rate(p) - raised.displacement(p)) / door.gap.depth)
+                    .map(|i| scaled.units.outward(grid.centre_of(i)))
+                    .map(|p| (rate(p) - raised.displacement(p)) / scaled.units.height)
                     .collect();
                 let growing = one_grid::growth(&refined.state, &wanted)?;
-                current[k] = loads(&door, refined, |i| growing[i]);
+                current[k] = loads(scaled, refined, |i| growing[i]);
                 size += current[k].iter().map(|load| load.1.abs()).sum::<f64>();
             }
             let change: f64 = current

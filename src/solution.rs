@@ -2,6 +2,7 @@
 
 use crate::bracket::{DepthBracket, ForceBracket};
 use crate::discrete::Residuals;
+use crate::gap::Law;
 use crate::grid::{Grid, Pressure};
 use crate::settings::Method;
 
@@ -68,12 +69,12 @@ impl Solution {
         }
     }
 
-    /// The state at another depth of a gap that is homogeneous about `centre` with 1/k = `inverse_degree` and zero there: lengths
+    /// The state at another depth of a gap that is homogeneous about `centre`: with depths counted from its lowest point, lengths
     /// grow as (d2/d1)^(1/k) about the centre, forces as (d2/d1)^(1 + 1/k).
     #[must_use]
-    pub fn at_other_depth(&self, depth: f64, centre: [f64; 2], inverse_degree: f64) -> Self {
-        let deeper = depth / self.depth;
-        let longer = deeper.powf(inverse_degree);
+    pub fn at_other_depth(&self, depth: f64, centre: [f64; 2], law: &Law) -> Self {
+        let deeper = (depth - law.lowest) / (self.depth - law.lowest);
+        let longer = deeper.powf(law.degree.inverse());
         let place = |p: [f64; 2]| [0, 1].map(|m| centre[m] + longer * (p[m] - centre[m]));
         let (stronger, harder) = (deeper * longer, deeper / longer);
         let mut other = self.clone();

@@ -7,8 +7,8 @@ use crate::contact::{Contact, Load};
 use crate::engine::{Engine, close};
 use crate::equilibrium;
 use crate::error::{Unsolved, Verdict};
-use crate::gap::{AnyGap, Gap, Reach, extent, least};
-use crate::homogeneity::{self, Degree};
+use crate::gap::{AnyGap, Law};
+use crate::overlap::least;
 use crate::respond::respond;
 use crate::settings::Settings;
 use crate::solution::Solution;
@@ -33,27 +33,24 @@ pub fn solve(contact: &Contact, settings: &Settings) -> Vec<Result<Solution, Uns
 /// A solved state of a homogeneous gap, from which every other follows.
 struct Similar {
     state: Solution,
-    inverse_degree: f64,
+    law: Law,
 }
 
 impl Similar {
     /// The depth at which the force is this.
     fn depth_for(&self, force: f64) -> f64 {
-        self.state.depth * (force / self.state.force).powf(1.0 / (1.0 + self.inverse_degree))
+        let overlap = self.state.depth - self.law.lowest;
+        self.law.lowest + overlap * (force / self.state.force).powf(1.0 / (1.0 + self.law.degree.inverse()))
     }
 
-    /// The state at this depth, when the gap is homogeneous as far as its contact there can reach.
-    fn at(&self, gap: &AnyGap, depth: f64) -> Option<Solution> {
-        let Reach::Within(reach) = extent(gap, depth) else { return None };
-        let degree = homogeneity::degree(gap, &reach)?;
-        (degree.inverse() == self.inverse_degree).then(|| {
-            let mut state = self.state.at_other_depth(depth, gap.centre(), self.inverse_degree);
-            state.left_out.push(format!(
-                "another solve: the gap is homogeneous, and the state at depth {:e} serves all",
-                self.state.depth
-            ));
-            state
-        })
+    /// The state at this depth.
+    fn at(&self, gap: &AnyGap, depth: f64) -> Solution {
+        let mut state = self.state.at_other_depth(depth, gap.known().centre, &self.law);
+        state.left_out.push(format!(
+            "another solve: the gap is homogeneous, and the state at depth {:e} serves all",
+            self.state.depth
+        ));
+        state
     }
 }
 
@@ -86,24 +83,16 @@ fn at_depth(
     settings: &Settings,
     similar: &mut Option<Similar>,
 ) -> Result<Solution, Unsolved> {
-    if let Some(scaled) = similar.as_ref().and_then(|s| s.at(contact.gap(), depth)).filter(|_| depth > 0.0) {
-        return Ok(scaled);
+    if let Some(similar) = similar.as_ref().filter(|s| depth > s.law.lowest) {
+        return Ok(similar.at(contact.gap(), depth));
     }
     let state = respond(contact, depth, [0.0; 2], settings, false)?;
     // One state alone serves no other.
     let several = contact.loading().loads().len() > 1 && state.force > 0.0;
-    if let Some(inverse_degree) = several.then(|| inverse_degree(contact.gap(), depth)).flatten() {
-        *similar = Some(Similar { state: state.clone(), inverse_degree });
+    if let Some(law) = contact.gap().known().law.filter(|_| several) {
+        *similar = Some(Similar { state: state.clone(), law });
     }
     Ok(state)
-}
-
-/// 1/k of a gap that is homogeneous as far as the contact at this depth can reach.
-fn inverse_degree(gap: &AnyGap, depth: f64) -> Option<f64> {
-    match extent(gap, depth) {
-        Reach::Within(reach) => homogeneity::degree(gap, &reach).map(Degree::inverse),
-        _ => None,
-    }
 }
 
 fn at_force(
@@ -113,7 +102,7 @@ fn at_force(
     similar: &mut Option<Similar>,
 ) -> Result<Solution, Unsolved> {
     let gap = contact.gap();
-    let (_, least) = least(&**gap);
+    let (_, least) = least(gap);
     if force < 0.0 {
         return Err(Unsolved::new(
             Verdict::NoEquilibrium,
@@ -123,19 +112,16 @@ fn at_force(
     if force == 0.0 {
         return Ok(Solution::apart(settings.method, least, [0.0; 2]));
     }
-    if let Some(scaled) = similar.as_ref().and_then(|s| s.at(gap, s.depth_for(force))) {
-        return Ok(Solution { force, ..scaled });
+    if let Some(similar) = similar.as_ref() {
+        return Ok(Solution { force, ..similar.at(gap, similar.depth_for(force)) });
     }
     let guess = equilibrium::overlap_of_size(gap, contact.modulus().e_star(), force);
     // The law of a homogeneous gap is exact: one state serves every force.
-    if similar.is_none()
-        && let Some(inverse_degree) = inverse_degree(gap, least + guess)
-    {
-        let state = respond(contact, least + guess, [0.0; 2], settings, false)?;
-        let all = Similar { state, inverse_degree };
-        if let Some(scaled) = Some(&all).filter(|s| s.state.force > 0.0).and_then(|s| s.at(gap, s.depth_for(force))) {
-            *similar = Some(all);
-            return Ok(Solution { force, ..scaled });
+    if let Some(law) = gap.known().law {
+        let state = respond(contact, law.lowest + guess, [0.0; 2], settings, false)?;
+        if state.force > 0.0 {
+            let all = similar.insert(Similar { state, law });
+            return Ok(Solution { force, ..all.at(gap, all.depth_for(force)) });
         }
     }
     let mut engine = Engine::new(contact, settings, false);

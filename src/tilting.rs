@@ -6,14 +6,15 @@ use crate::engine::Engine;
 use crate::equilibrium;
 use crate::error::{Unsolved, Verdict};
 use crate::extrapolate::Intercept;
-use crate::gap::{AnyGap, Gap, Reach, least};
+use crate::gap::{AnyGap, Gap, Reach};
 use crate::geometry::Rect;
+use crate::overlap::least;
 use crate::settings::{Method, Settings};
 use crate::solution::Solution;
 
 /// A box around everything that can touch at any tilt: where the gap is less than a depth beyond all measure.
 fn material(gap: &AnyGap, depth: f64) -> Option<Rect> {
-    let (_, least) = least(&**gap);
+    let (_, least) = least(gap);
     match gap.reach(least + 1e12 * (depth - least)) {
         Reach::Within(rect) => Some(rect),
         _ => None,

@@ -4,7 +4,7 @@ mod random;
 
 use contact_patch::bracket::{self, BracketSettings, Evidence, ForceBracket};
 use contact_patch::gap::{
-    AnyGap, Cone, Flat, Gap, Minimum, Outline, Paraboloid, Placed, Polyhedron, Power, Reach, Revolved, Sphere,
+    AnyGap, Cone, Flat, Gap, Minimum, Outline, Paraboloid, Place, Polyhedron, Power, Reach, Revolved, Sphere,
 };
 use contact_patch::geometry::Rect;
 use contact_patch::{Discrete, EffectiveModulus, Grid, Kernel, Pressure, matrix_free};
@@ -16,19 +16,22 @@ fn unit() -> EffectiveModulus {
     EffectiveModulus::from_e_star(1.0).expect("a modulus")
 }
 
-fn solved(gap: &dyn Gap, depth: f64, grid: Grid, kernel: Kernel) -> Pressure {
+fn solved(gap: impl Into<AnyGap>, depth: f64, grid: Grid, kernel: Kernel) -> Pressure {
+    let gap = &gap.into();
     let problem = Discrete::sample(gap, depth, grid, kernel);
     let solution = matrix_free::solve(&problem, None, &matrix_free::Settings::default()).expect("a solution");
     Pressure { grid, values: solution.pressure }
 }
 
 /// Cells over the whole of {f > 0}.
-fn over(gap: &dyn Gap, depth: f64, cells: usize) -> Grid {
-    let Reach::Within(rect) = contact_patch::gap::extent(gap, depth) else { panic!("bounded") };
+fn over(gap: impl Into<AnyGap>, depth: f64, cells: usize) -> Grid {
+    let gap = &gap.into();
+    let Reach::Within(rect) = contact_patch::overlap::extent(gap, depth) else { panic!("bounded") };
     Grid::over(&rect, [cells, cells])
 }
 
-fn certify(gap: &dyn Gap, depth: f64, pressure: &Pressure) -> ForceBracket {
+fn certify(gap: impl Into<AnyGap>, depth: f64, pressure: &Pressure) -> ForceBracket {
+    let gap = &gap.into();
     bracket::certify(gap, unit(), depth, pressure, &BracketSettings::default()).expect("a bracket")
 }
 
@@ -70,7 +73,7 @@ fn closed_forms_lie_in_the_proved_bracket_on_every_grid() {
             (0.7, 40, Kernel::Collocation),
             (1.2, 64, Kernel::Galerkin),
         ] {
-            let placed = Placed::new(gap.clone(), [0.0137 * turn, -0.021], turn).unwrap();
+            let placed = gap.clone().placed([0.0137 * turn, -0.021], turn).unwrap();
             let pressure = solved(&placed, depth, over(&placed, depth, cells), kernel);
             let bracket = certify(&placed, depth, &pressure);
             assert_eq!(bracket.evidence(), Evidence::Proved, "{name}");
@@ -82,7 +85,7 @@ fn closed_forms_lie_in_the_proved_bracket_on_every_grid() {
 #[test]
 fn the_sharp_bracket_is_narrower_and_holds() {
     for (name, gap, depth, force) in closed_forms() {
-        let placed = Placed::new(gap, [0.01, 0.02], 0.4).unwrap();
+        let placed = gap.placed([0.01, 0.02], 0.4).unwrap();
         let pressure = solved(&placed, depth, over(&placed, depth, 33), Kernel::Galerkin);
         let plain = certify(&placed, depth, &pressure);
         let sharp = bracket::sharp(&placed, unit(), depth, &pressure, &BracketSettings::default()).unwrap();
@@ -114,7 +117,7 @@ fn pyramids_and_flat_polygons_lie_in_the_bracket() {
         ("L", flat(&l), 2.071_13, 4e-5),
     ] {
         for (turn, cells) in [(0.0, 31), (0.2, 48)] {
-            let placed = Placed::new(gap.clone(), [0.003, 0.001], turn).unwrap();
+            let placed = gap.clone().placed([0.003, 0.001], turn).unwrap();
             let pressure = solved(&placed, 1.0, over(&placed, 1.0, cells), Kernel::Galerkin);
             assert_holds(&certify(&placed, 1.0, &pressure), force, doubt, name);
             let sharp = bracket::sharp(&placed, unit(), 1.0, &pressure, &BracketSettings::default()).unwrap();
@@ -141,7 +144,7 @@ fn random_gap(random: &mut Random) -> AnyGap {
             let tip = |random: &mut Random| {
                 let bowl = Paraboloid::new([random.between(0.2, 1.0), random.between(0.2, 1.0)]).unwrap();
                 let at = [random.between(-0.4, 0.4), random.between(-0.4, 0.4)];
-                AnyGap::new(Placed::new(bowl, at, random.between(0.0, 3.0)).unwrap())
+                bowl.placed(at, random.between(0.0, 3.0)).unwrap()
             };
             AnyGap::new(Minimum::new(vec![tip(random), tip(random)]).unwrap())
         }
@@ -294,7 +297,7 @@ fn without_contact_the_force_is_nothing() {
 
 #[test]
 fn the_checker_accepts_what_is_true_and_refuses_what_is_not() {
-    let gap = Placed::new(Polyhedron::pyramid(4, FRAC_PI_4).unwrap(), [0.1, 0.0], 0.2).unwrap();
+    let gap = Polyhedron::pyramid(4, FRAC_PI_4).unwrap().placed([0.1, 0.0], 0.2).unwrap();
     let pressure = solved(&gap, 1.0, over(&gap, 1.0, 32), Kernel::Galerkin);
     for bracket in [
         certify(&gap, 1.0, &pressure),
@@ -335,7 +338,7 @@ fn the_checker_accepts_what_is_true_and_refuses_what_is_not() {
 fn brackets_without_a_grid_hold() {
     for (name, gap, depth, force) in closed_forms() {
         for turn in [0.0, 0.9] {
-            let placed = Placed::new(gap.clone(), [0.3 * turn, 0.1], turn).unwrap();
+            let placed = gap.clone().placed([0.3 * turn, 0.1], turn).unwrap();
             let bracket = bracket::approximate(&placed, unit(), depth).unwrap();
             assert_holds(&bracket, force, 1e-12, name);
             assert_eq!(bracket.upper_side().evidence(), Evidence::Proved, "{name}");
@@ -343,7 +346,7 @@ fn brackets_without_a_grid_hold() {
         }
     }
     // Where the ellipse is exact from below and a paraboloid from above.
-    let bowl = Placed::new(Paraboloid::new([2.0, 0.5]).unwrap(), [1.0, 2.0], 0.5).unwrap();
+    let bowl = Paraboloid::new([2.0, 0.5]).unwrap().placed([1.0, 2.0], 0.5).unwrap();
     assert!(bracket::approximate(&bowl, unit(), 1.0).unwrap().relative_width() < 1e-2);
     for n in [3, 4, 6] {
         let gap = Polyhedron::pyramid(n, FRAC_PI_4).unwrap();

@@ -5,8 +5,8 @@ mod random;
 
 use contact_patch::bracket::{self, BracketSettings, Evidence, ForceBracket};
 use contact_patch::gap::{
-    AnyGap, Cone, Flat, Gap, HeightMap, Heights, Minimum, Outline, Paraboloid, Placed, Polyhedron, Power, Reach,
-    Revolved, Sum, Surface, Tilted, Zero,
+    AnyGap, Cone, Flat, Gap, HeightMap, Heights, Minimum, Outline, Paraboloid, Place, Polyhedron, Power, Reach,
+    Revolved, Sum, Surface, Zero,
 };
 use contact_patch::{Discrete, EffectiveModulus, Grid, Kernel, Pressure, matrix_free};
 use random::Random;
@@ -17,8 +17,9 @@ fn unit() -> EffectiveModulus {
     EffectiveModulus::from_e_star(1.0).expect("a modulus")
 }
 
-fn solved(gap: &dyn Gap, depth: f64, cells: usize) -> Pressure {
-    let Reach::Within(rect) = contact_patch::gap::extent(gap, depth) else { panic!("bounded") };
+fn solved(gap: impl Into<AnyGap>, depth: f64, cells: usize) -> Pressure {
+    let gap = &gap.into();
+    let Reach::Within(rect) = contact_patch::overlap::extent(gap, depth) else { panic!("bounded") };
     let grid = Grid::over(&rect, [cells, cells]);
     let problem = Discrete::sample(gap, depth, grid, Kernel::Galerkin);
     let solution = matrix_free::solve_nested(&problem, &matrix_free::Settings::default()).expect("a solution");
@@ -52,7 +53,7 @@ fn displacement(pressure: &Pressure, [x, y]: [f64; 2]) -> f64 {
 }
 
 fn bowl(radii: [f64; 2], at: [f64; 2], turn: f64) -> AnyGap {
-    AnyGap::new(Placed::new(Paraboloid::new(radii).unwrap(), at, turn).unwrap())
+    Paraboloid::new(radii).unwrap().placed(at, turn).unwrap()
 }
 
 /// Points all over, in and around loaded cells, along their borders and at their corners, and on lines through the middle.
@@ -92,11 +93,11 @@ fn points(pressure: &Pressure, lines: &[f64], centre: [f64; 2], random: &mut Ran
 fn no_point_of_the_plane_breaks_the_conditions_of_a_proved_bracket() {
     let third = std::f64::consts::TAU / 3.0;
     let triangle = [[-0.6, -0.5], [0.7, -0.3], [0.0, 0.6]];
-    let pyramid = AnyGap::new(Placed::new(Polyhedron::pyramid(3, FRAC_PI_4).unwrap(), [0.02, -0.01], 0.3).unwrap());
+    let pyramid = Polyhedron::pyramid(3, FRAC_PI_4).unwrap().placed([0.02, -0.01], 0.3).unwrap();
     let ridges: Vec<f64> = (0..3).map(|k| 0.3 + (f64::from(k) + 0.5) * third).collect();
     let mut random = Random(11);
     for (name, gap, lines) in [
-        ("cone", AnyGap::new(Placed::new(Cone::with_slope(1.0).unwrap(), [0.01, 0.02], 0.0).unwrap()), vec![0.4]),
+        ("cone", Cone::with_slope(1.0).unwrap().placed([0.01, 0.02], 0.0).unwrap(), vec![0.4]),
         ("paraboloid", bowl([1.0, 0.4], [0.03, -0.02], 0.5), vec![0.5]),
         ("3 faces", pyramid, ridges),
         ("triangle", AnyGap::new(Flat::new(Outline::polygon(&triangle).unwrap())), vec![]),
@@ -112,14 +113,14 @@ fn no_point_of_the_plane_breaks_the_conditions_of_a_proved_bracket() {
         let pressure = solved(&gap, 1.0, 36);
         let settings = BracketSettings::default();
         for bracket in [
-            bracket::certify(&*gap, unit(), 1.0, &pressure, &settings).unwrap(),
-            bracket::sharp(&*gap, unit(), 1.0, &pressure, &settings).unwrap(),
+            bracket::certify(&gap, unit(), 1.0, &pressure, &settings).unwrap(),
+            bracket::sharp(&gap, unit(), 1.0, &pressure, &settings).unwrap(),
         ] {
             assert_eq!(bracket.evidence(), Evidence::Proved, "{name}");
             let (above, below) = (bracket.upper_side(), bracket.lower_side());
             let (q, m) = (above.pressure().unwrap(), below.pressure().unwrap());
             let mut closest = [f64::INFINITY; 2];
-            for at in points(q, &lines, gap.centre(), &mut random) {
+            for at in points(q, &lines, gap.known().centre, &mut random) {
                 let short = 1.0 - gap.gap(at[0], at[1]) - displacement(q, at);
                 assert!(
                     short <= above.violation() + 1e-9,
@@ -129,7 +130,7 @@ fn no_point_of_the_plane_breaks_the_conditions_of_a_proved_bracket() {
                 closest[0] = closest[0].min(above.violation() - short);
             }
             let [nx, ny] = m.grid.shape;
-            for at in points(m, &lines, gap.centre(), &mut random) {
+            for at in points(m, &lines, gap.known().centre, &mut random) {
                 let place = [0, 1].map(|k| ((at[k] - m.grid.origin[k]) / m.grid.spacing[k]).floor());
                 let inside = place[0] >= 0.0 && place[1] >= 0.0 && place[0] < nx as f64 && place[1] < ny as f64;
                 if !inside || m.values[place[1] as usize * nx + place[0] as usize] <= 0.0 {
@@ -172,7 +173,7 @@ fn all_sorts() -> Vec<(&'static str, AnyGap, f64)> {
         ("height map", AnyGap::new(map), 0.3),
         ("revolved", AnyGap::new(Revolved::new(generatrix).unwrap()), 0.4),
         ("polyhedron", AnyGap::new(Polyhedron::new(planes).unwrap()), 0.5),
-        ("tilted", AnyGap::new(Tilted::new(bowl([1.0, 0.6], [0.0; 2], 0.0), [0.2, -0.1])), 0.4),
+        ("tilted", bowl([1.0, 0.6], [0.0; 2], 0.0).tilted([0.2, -0.1]), 0.4),
         ("flat", AnyGap::new(Flat::new(Outline::disc(0.8).unwrap())), 1.0),
     ]
 }
@@ -185,7 +186,7 @@ fn a_spoilt_pressure_never_gives_a_bracket_that_does_not_hold() {
         let doubt = if name == "flat" { 7e-3 } else { 5e-4 };
         let pressure = solved(&gap, depth, 32);
         let [nx, ny] = pressure.grid.shape;
-        let plain = bracket::certify(&*gap, unit(), depth, &pressure, &BracketSettings::default()).unwrap();
+        let plain = bracket::certify(&gap, unit(), depth, &pressure, &BracketSettings::default()).unwrap();
         holds(&plain, fine, doubt, name);
         let loaded: Vec<usize> = (0..nx * ny).filter(|&k| pressure.values[k] > 0.0).collect();
         let strongest =
@@ -213,14 +214,14 @@ fn a_spoilt_pressure_never_gives_a_bracket_that_does_not_hold() {
         for (what, pressure) in spoilt {
             for prove in [true, false] {
                 let settings = BracketSettings { prove, ..BracketSettings::default() };
-                let bracket = bracket::certify(&*gap, unit(), depth, &pressure, &settings).unwrap();
+                let bracket = bracket::certify(&gap, unit(), depth, &pressure, &settings).unwrap();
                 holds(&bracket, fine, doubt, &format!("{name}, {what}, prove {prove}"));
                 if what == "holed" || what == "shifted" {
                     let width = |b: &ForceBracket| b.upper() - b.lower();
                     assert!(!prove || width(&bracket) > width(&plain), "{name}, {what}: {bracket:?} is not wider");
                 }
             }
-            let sharp = bracket::sharp(&*gap, unit(), depth, &pressure, &BracketSettings::default()).unwrap();
+            let sharp = bracket::sharp(&gap, unit(), depth, &pressure, &BracketSettings::default()).unwrap();
             holds(&sharp, fine, doubt, &format!("{name}, {what}, sharp"));
         }
     }

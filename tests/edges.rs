@@ -1,7 +1,7 @@
 //! Punches whose edges lie anyhow between the cells: the limit of many grids, and its error, against what is known.
 #![cfg(feature = "scene")]
 
-use contact_patch::gap::{AnyGap, Flat, Gap, Minimum, Outline, Paraboloid, Placed, Tilted};
+use contact_patch::gap::{AnyGap, Flat, Gap, Minimum, Outline, Paraboloid, Place};
 use contact_patch::{Contact, EffectiveModulus, Kernel, Load, Loading, Method, Settings, Solution, Unsolved, solve};
 
 /// Force of a flat square of half side 1 at depth 1, E* = 1 (data/reference: flat polygons).
@@ -9,7 +9,7 @@ const SQUARE: f64 = 2.304_596;
 
 fn square(turn: f64) -> impl Gap + 'static {
     let outline = Outline::polygon(&[[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]).unwrap();
-    Placed::new(Flat::new(outline), [0.3, -0.2], turn).unwrap()
+    Flat::new(outline).placed([0.3, -0.2], turn).unwrap()
 }
 
 fn by_fft(gap: impl Gap + 'static, load: Load) -> Result<Solution, Unsolved> {
@@ -52,8 +52,8 @@ fn a_square_that_is_nearly_along_the_cells_is_not_taken_for_one_that_is() {
 fn a_force_on_edges_gives_the_depth_that_has_it() {
     // A paraboloid of radius R = 4 that ends at a = 0.6: from d0 = a^2/R on P = 2 (a d - a^3/(3 R)), below as Hertz.
     let gap = || {
-        let disc = Placed::new(Flat::new(Outline::disc(0.6).unwrap()), [0.05, -0.3], 0.0).unwrap();
-        let round = Placed::new(Paraboloid::new([4.0, 4.0]).unwrap(), [0.05, -0.3], 0.0).unwrap();
+        let disc = Flat::new(Outline::disc(0.6).unwrap()).placed([0.05, -0.3], 0.0).unwrap();
+        let round = Paraboloid::new([4.0, 4.0]).unwrap().placed([0.05, -0.3], 0.0).unwrap();
         contact_patch::gap::Sum::new(vec![AnyGap::new(disc), AnyGap::new(round)]).unwrap()
     };
     let pressed = by_fft(gap(), Load::Depth(1.0)).unwrap();
@@ -73,7 +73,7 @@ fn a_force_on_edges_gives_the_depth_that_has_it() {
 fn flat_ellipses_anywhere_on_the_grid_have_their_closed_form() {
     // 2 E* agm(a, b) d.
     for (axes, agm, turn) in [([1.0, 1.0], 1.0, 0.3), ([1.0, 0.3], 0.597_767_1, 0.4), ([0.5, 2.0], 1.121_514_3, 1.2)] {
-        let ellipse = Placed::new(Flat::new(Outline::ellipse(axes).unwrap()), [0.1, 0.2], turn).unwrap();
+        let ellipse = Flat::new(Outline::ellipse(axes).unwrap()).placed([0.1, 0.2], turn).unwrap();
         within_its_error(&by_fft(ellipse, Load::Depth(0.7)).unwrap(), 2.0 * agm * 0.7);
     }
 }
@@ -82,7 +82,7 @@ fn flat_ellipses_anywhere_on_the_grid_have_their_closed_form() {
 fn a_step_of_the_gap_is_an_edge() {
     // A disc that stands above a wide bowl which the depth does not reach: the disc alone.
     let disc = || AnyGap::new(Flat::new(Outline::disc(0.6).unwrap()));
-    let bowl = Placed::new(Paraboloid::new([4.0, 4.0]).unwrap(), [0.05, 0.0], 0.0).unwrap();
+    let bowl = Paraboloid::new([4.0, 4.0]).unwrap().placed([0.05, 0.0], 0.0).unwrap();
     let raised = contact_patch::gap::Sum::new(vec![AnyGap::new(bowl), AnyGap::new(|_: f64, _: f64| 0.9)]).unwrap();
     let both = Minimum::new(vec![disc(), AnyGap::new(raised)]).unwrap();
     let alone = by_fft(disc(), Load::Depth(1.0)).unwrap();
@@ -99,7 +99,7 @@ fn prescribed_grids_state_what_steps_and_edges_cost_them() {
         let bowl = AnyGap::new(|x: f64, y: f64| 0.9 + 0.125 * ((x - 0.05).powi(2) + y * y));
         AnyGap::new(Minimum::new(vec![disc, bowl]).unwrap())
     };
-    let leaning = || AnyGap::new(Tilted::new(AnyGap::new(Flat::new(Outline::disc(0.6).unwrap())), [0.2, 0.1]));
+    let leaning = || AnyGap::new(Flat::new(Outline::disc(0.6).unwrap())).tilted([0.2, 0.1]);
     for (name, gap) in [("above", above()), ("leaning", leaning())] {
         for cells in (20..120).step_by(7) {
             let settings = Settings { method: Method::Fft, cells: Some(cells), ..Settings::default() };
@@ -144,7 +144,7 @@ fn a_tilt_about_the_middle_of_a_square_changes_no_force_but_turns_it_back() {
 #[test]
 fn half_lifted_a_tilted_square_leaves_one_edge() {
     // Neither homogeneous nor whole: two resolutions of the same law agree within what they say.
-    let gap = || Tilted::new(AnyGap::new(square(0.4)), [1.5, 0.2]);
+    let gap = || AnyGap::new(square(0.4)).tilted([1.5, 0.2]);
     let settings = |tolerance| Settings { method: Method::Fft, tolerance, ..Settings::default() };
     let run = |tolerance| {
         let modulus = EffectiveModulus::from_e_star(1.0).unwrap();

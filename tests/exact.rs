@@ -4,7 +4,7 @@
 use std::f64::consts::PI;
 
 use approx::assert_relative_eq;
-use contact_patch::gap::{Cone, Gap, Paraboloid, Placed, Polyhedron, Power};
+use contact_patch::gap::{Cone, Gap, Paraboloid, Place, Polyhedron, Power};
 use contact_patch::{Body, Contact, EffectiveModulus, Kernel, Loading, Method, Settings, Solution, solve};
 
 fn unit() -> EffectiveModulus {
@@ -84,7 +84,7 @@ fn a_punch_moved_and_turned_by_quarters_feels_the_same_force() {
     let settings = qp(25, Kernel::Galerkin);
     let reference = solved(unit(), still.clone(), 1.0, &settings);
     for quarter in 1..4 {
-        let moved = Placed::new(still.clone(), [30.0, -7.0], f64::from(quarter) * PI / 2.0).unwrap();
+        let moved = still.clone().placed([30.0, -7.0], f64::from(quarter) * PI / 2.0).unwrap();
         let there = solved(unit(), moved, 1.0, &settings);
         assert_relative_eq!(there.force, reference.force, max_relative = 1e-10);
         // The line of action moves with the punch.

@@ -5,7 +5,7 @@
 use std::f64::consts::{FRAC_2_PI, PI, TAU};
 
 use contact_patch::fabrikant::{self, Family, FlatPunch, RegularPolyhedron, Settings};
-use contact_patch::gap::{AnyGap, Cone, Flat, Gap, Outline, Paraboloid, Placed, Polyhedron, Power, Revolved, Sphere};
+use contact_patch::gap::{AnyGap, Cone, Flat, Gap, Outline, Paraboloid, Place, Polyhedron, Power, Revolved, Sphere};
 use contact_patch::{Body, EffectiveModulus, Verdict, ritz};
 
 fn unit() -> EffectiveModulus {
@@ -149,7 +149,7 @@ fn elliptic_paraboloids_with_a_stationary_boundary() {
 fn slender_paraboloids_get_a_verdict_and_an_exact_ellipse() {
     for ratio in [3.6, 10.0, 1e4] {
         for turn in [0.0, 0.3] {
-            let gap = Placed::new(Paraboloid::new([0.5 * ratio, 0.5]).unwrap(), [0.0; 2], turn).unwrap();
+            let gap = Paraboloid::new([0.5 * ratio, 0.5]).unwrap().placed([0.0; 2], turn).unwrap();
             let error = fabrikant::stationary(&gap, unit(), 1.0, &Settings::default()).unwrap_err();
             assert_eq!(error.verdict(), Some(Verdict::NoStationaryBoundary), "{ratio} {turn}: {error}");
             let text = error.to_string();
@@ -211,7 +211,7 @@ fn flat_polygons() {
 #[test]
 fn flat_gaps_are_flat_punches() {
     let solved = |outline: Outline| {
-        let gap = Placed::new(Flat::new(outline), [3.0, -1.0], 0.4).unwrap();
+        let gap = Flat::new(outline).placed([3.0, -1.0], 0.4).unwrap();
         fabrikant::stationary(&gap, unit(), 0.5, &Settings::default())
     };
     let polygons = [
@@ -293,7 +293,7 @@ fn the_best_ellipse_of_a_flat_punch_meets_its_edge() {
     let settings = Settings::with_tolerance(1e-7);
     let polygon = |corners: &[[f64; 2]]| AnyGap::new(Flat::new(Outline::polygon(corners).unwrap()));
     let ellipse = |axes| FlatPunch::ellipse(axes).unwrap().stiffness(unit());
-    let flat = |axes, at, turn| AnyGap::new(Placed::new(Flat::new(Outline::ellipse(axes).unwrap()), at, turn).unwrap());
+    let flat = |axes, at, turn| Flat::new(Outline::ellipse(axes).unwrap()).placed(at, turn).unwrap();
     let cases = [
         (flat([0.7, 0.7], [0.0; 2], 0.0), 1.4),
         (flat([1.0, 0.3], [2.0, -1.0], 0.4), ellipse([1.0, 0.3])),
@@ -304,13 +304,13 @@ fn the_best_ellipse_of_a_flat_punch_meets_its_edge() {
     ];
     for (k, (gap, best)) in cases.iter().enumerate() {
         for depth in [1e-9, 2.0] {
-            let found = ritz::ellipse(&**gap, unit(), depth, &settings).unwrap();
+            let found = ritz::ellipse(gap, unit(), depth, &settings).unwrap();
             assert!(relative(found.force, best * depth) < 1e-9, "{k}: {} {}", found.force, best * depth);
             assert!(found.lower_bound.unwrap().force() <= found.force && relative(found.stiffness, *best) < 1e-9);
         }
     }
     let l = polygon(&[[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]]);
-    let (circle, ellipse) = (ritz::circle(&*l, unit(), 1.0, &settings), ritz::ellipse(&*l, unit(), 1.0, &settings));
+    let (circle, ellipse) = (ritz::circle(&l, unit(), 1.0, &settings), ritz::ellipse(&l, unit(), 1.0, &settings));
     let (circle, ellipse) = (circle.unwrap().force, ellipse.unwrap().force);
     // The circle that touches two sides and the inner corner: r = (1 - r) sqrt 2. The ellipse leans over the corner.
     assert!(relative(circle, 4.0 - 2.0 * 2f64.sqrt()) < 1e-7 && ellipse > 1.05 * circle, "{circle} {ellipse}");
@@ -337,7 +337,7 @@ fn an_unsymmetric_polyhedron() {
     let off = (found.centroid[0] - found.boundary.centre[0]).hypot(found.centroid[1] - found.boundary.centre[1]);
     assert!(off < 1e-8, "{off}");
     assert!(found.boundary.centre[0].hypot(found.boundary.centre[1]) > 0.02, "the centroid is not the apex");
-    let moved = Placed::new(punch.clone(), [3.0, -2.0], 0.7).unwrap();
+    let moved = punch.clone().placed([3.0, -2.0], 0.7).unwrap();
     let again = fabrikant::stationary(&moved, unit(), 1.0, &settings).unwrap();
     assert!(relative(again.force, found.force) < 2e-8, "{} {}", again.force, found.force);
     // Homogeneous: P ~ d^2. The stiffness 4 E* A/L is exact for a fixed centre only.
@@ -448,7 +448,7 @@ fn stiffness_is_the_derivative_of_the_force() {
     let settings = Settings::with_tolerance(1e-9);
     for (k, gap) in gaps.iter().enumerate() {
         for family in [Family::Stationary, Family::Ellipse, Family::Fourier(3)] {
-            let solve = |d: f64| fabrikant::solve(&**gap, unit(), d, family, &settings).unwrap();
+            let solve = |d: f64| fabrikant::solve(gap, unit(), d, family, &settings).unwrap();
             let (h, here) = (1e-4, solve(0.5));
             let difference = (solve(0.5 + h).force - solve(0.5 - h).force) / (2.0 * h);
             assert!(relative(here.stiffness, difference) < 3e-5, "{k} {family:?}: {} {difference}", here.stiffness);
@@ -502,7 +502,7 @@ fn units_do_not_matter() {
         for family in [Family::Stationary, Family::Ellipse, Family::Circle, Family::Fourier(2)] {
             let solve = |e: f64, d: f64| {
                 let modulus = EffectiveModulus::from_e_star(e).unwrap();
-                fabrikant::solve(&**gap, modulus, d, family, &settings).unwrap()
+                fabrikant::solve(gap, modulus, d, family, &settings).unwrap()
             };
             let one = solve(1.0, 1.0);
             for (e, d) in
@@ -526,14 +526,14 @@ fn depth_for_a_force() {
     for gap in &gaps {
         for family in [Family::Stationary, Family::Ellipse] {
             for depth in [1e-3, 0.4, 20.0] {
-                let force = fabrikant::solve(&**gap, unit(), depth, family, &settings).unwrap().force;
-                let (back, found) = fabrikant::at_force(&**gap, unit(), force, family, &settings).unwrap();
+                let force = fabrikant::solve(gap, unit(), depth, family, &settings).unwrap().force;
+                let (back, found) = fabrikant::at_force(gap, unit(), force, family, &settings).unwrap();
                 assert!(relative(back, depth) < 1e-8, "{family:?} {depth}: {back}");
                 assert!(relative(found.force, force) < 1e-9);
             }
         }
     }
-    let error = fabrikant::at_force(&*gaps[0], unit(), -1.0, Family::Stationary, &settings).unwrap_err();
+    let error = fabrikant::at_force(&gaps[0], unit(), -1.0, Family::Stationary, &settings).unwrap_err();
     assert_eq!(error.verdict(), None);
 }
 
@@ -545,7 +545,7 @@ fn the_best_ellipse_of_a_regular_punch_is_a_circle() {
         for exponent in -12..=12 {
             let depth = 10f64.powf(0.25 * f64::from(exponent));
             let punch = Polyhedron::truncated_pyramid(n, 0.25 * PI, 1.0).unwrap();
-            let moved = Placed::new(punch, [0.3, -0.2], 0.4).unwrap();
+            let moved = punch.placed([0.3, -0.2], 0.4).unwrap();
             let ellipse = ritz::ellipse(&moved, unit(), depth, &settings).unwrap();
             let circle = ritz::circle(&moved, unit(), depth, &settings).unwrap();
             assert!(relative(ellipse.force, circle.force) < 1e-9, "{n} {depth}: {} {}", ellipse.force, circle.force);
@@ -577,7 +577,7 @@ fn no_ellipse_beats_the_best_one() {
     for case in 0..80 {
         let planes = (0..3 + case % 6).map(|_| [random(), random(), 0.3 * random()]).collect();
         let punch = Polyhedron::new(planes).unwrap();
-        let [x, y] = punch.centre();
+        let [x, y] = punch.describe().centre;
         let depth = punch.gap(x, y) + 10f64.powf(2.0 * random());
         if !matches!(punch.reach(depth), contact_patch::gap::Reach::Within(_)) {
             continue;

@@ -4,10 +4,11 @@ use std::f64::consts::PI;
 use std::path::Path;
 
 use contact_patch::gap::{
-    AnyGap, Cone, Flat, Gap, HeightMap, Heights, Minimum, Outline, Paraboloid, Placed, Polyhedron, Power, Reach,
-    Revolved, Sphere, Sum, Surface, Zero, extent,
+    AnyGap, Cone, Flat, Gap, HeightMap, Heights, Minimum, Outline, Paraboloid, Place, Polyhedron, Power, Reach,
+    Revolved, Sphere, Sum, Surface, Zero,
 };
 use contact_patch::geometry::Rect;
+use contact_patch::overlap::extent;
 use proptest::prelude::*;
 
 const L: [[f64; 2]; 6] = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]];
@@ -23,8 +24,8 @@ fn hilly_map() -> HeightMap {
     HeightMap::new(&heights, Surface::Upper, Zero::FirstTouch).unwrap()
 }
 
-fn placed(gap: impl Gap + 'static, at: [f64; 2], degrees: f64) -> AnyGap {
-    AnyGap::new(Placed::new(gap, at, degrees.to_radians()).unwrap())
+fn placed(gap: impl Place, at: [f64; 2], degrees: f64) -> AnyGap {
+    gap.placed(at, degrees.to_radians()).unwrap()
 }
 
 /// One or more of each kind, all of about unit size, with the depth to look at.
@@ -132,7 +133,7 @@ fn mean_is_that_of_fine_quadrature() {
 #[test]
 fn reach_holds_every_point_below_the_depth_and_not_much_else() {
     for (name, gap, depth) in kinds() {
-        let Reach::Within(rect) = extent(&*gap, depth) else { panic!("{name}: {:?}", gap.reach(depth)) };
+        let Reach::Within(rect) = extent(&gap, depth) else { panic!("{name}: {:?}", gap.reach(depth)) };
         let mut held: Option<Rect> = None;
         for [x, y] in points(200_000) {
             let p = [2.5 * x, 2.5 * y];
@@ -149,8 +150,8 @@ fn reach_holds_every_point_below_the_depth_and_not_much_else() {
             assert!(found < 2.1 * needed, "{name}: {found} for {needed}");
         }
         let least = points(20_000).map(|[x, y]| gap.gap(1.5 * x, 1.5 * y)).fold(f64::INFINITY, f64::min);
-        assert_eq!(extent(&*gap, least - 0.3), Reach::Nowhere, "{name}");
-        let [x, y] = gap.centre();
+        assert_eq!(extent(&gap, least - 0.3), Reach::Nowhere, "{name}");
+        let [x, y] = gap.describe().centre;
         assert!(gap.gap(x, y) < depth, "{name}: the centre is a place to start from");
     }
 }
@@ -160,7 +161,7 @@ fn placement_moves_and_turns_everything() {
     let (at, turn) = ([0.3, -0.7], 0.6_f64);
     let (sin, cos) = turn.sin_cos();
     for (name, gap, _) in kinds() {
-        let moved = Placed::new(gap.clone(), at, turn).unwrap();
+        let moved = gap.clone().placed(at, turn).unwrap();
         for [x, y] in points(200) {
             let (dx, dy) = (x - at[0], y - at[1]);
             let own = [cos * dx + sin * dy, cos * dy - sin * dx];
@@ -192,7 +193,7 @@ fn no_kink_along_a_ray_goes_unnamed() {
         if ["formula", "region", "closure", "placed height map"].contains(&name) {
             continue;
         }
-        let [cx, cy] = gap.centre();
+        let [cx, cy] = gap.describe().centre;
         for (k, from) in [[cx, cy], [cx + 0.11, cy - 0.07]].into_iter().enumerate() {
             for turn in 0..12 {
                 let (sin, cos) = (0.2 + PI * f64::from(turn) / 6.0).sin_cos();
@@ -225,7 +226,7 @@ fn a_sampled_paraboloid_is_met_to_second_order() {
         let at = |k: usize| smooth.gap((k % n) as f64 * h - 1.0, (k / n) as f64 * h - 1.0);
         let heights = Heights::new((0..n * n).map(at).collect(), [n, n], [h, h]).unwrap();
         let upper = HeightMap::new(&heights, Surface::Upper, Zero::FirstTouch).unwrap();
-        assert_eq!(upper.centre(), [0.0, 0.0]);
+        assert_eq!(upper.describe().centre, [0.0, 0.0]);
         for [x, y] in points(500) {
             let error = upper.gap(x, y) - smooth.gap(x, y);
             // Interpolation error of second order: h^2/8 (1/R1 + 1/R2), from above.
@@ -404,7 +405,7 @@ fn number() -> impl Strategy<Value = f64> {
 
 /// Asks everything of a gap; none of it may panic.
 fn exercise(gap: &dyn Gap, depth: f64) {
-    let [x, y] = gap.centre();
+    let [x, y] = gap.describe().centre;
     assert!(!gap.gap(x, y).is_nan());
     let _ = (gap.gradient(x, y), gap.gap(0.3, -1e300), gap.gap(f64::MAX, f64::MAX));
     let _ = (gap.reach(depth), gap.mean(&Rect { min: [x - 0.5, y], max: [x, y + 1.0] }));
@@ -446,7 +447,7 @@ proptest! {
             parts.push(AnyGap::new(gap));
         }
         for part in &parts {
-            exercise(&**part, depth);
+            exercise(part, depth);
         }
         if let Ok(gap) = Sum::new(parts.clone()) {
             exercise(&gap, depth);
@@ -503,7 +504,7 @@ fn a_range_holds_every_value_in_its_rectangle() {
             let size = 0.4 * 0.5f64.powi(n as i32 % 8);
             let rect = Rect::around([1.3 * x, 1.3 * y], [size, 0.7 * size]);
             let slope = [0.3 * y, -0.2 * x];
-            let Some([low, high]) = gap.range(&rect, slope) else { continue };
+            let Some([low, high]) = gap.bounds(&rect, slope) else { continue };
             bounded += 1;
             let [cx, cy] = rect.centre();
             for k in 0..81 {
@@ -533,7 +534,7 @@ fn the_range_of_a_height_map_is_met() {
     let [w, h] = map.spacing();
     for (n, [x, y]) in points(60).enumerate() {
         let rect = Rect::around([0.5 + 0.3 * x, 0.5 + 0.3 * y], [w * (0.2 + n as f64 / 30.0), h * 0.9]);
-        let [low, high] = map.range(&rect, [0.0; 2]).unwrap();
+        let [low, high] = map.bounds(&rect, [0.0; 2]).unwrap();
         // Its corners, the nodes in it, and where its sides cross the lines of the map.
         let lines = |m: usize| {
             let (origin, step) = (map.extent().min[m], map.spacing()[m]);

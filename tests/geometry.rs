@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use approx::assert_relative_eq;
 use contact_patch::closed_form::{Hertz, Quadratic};
 use contact_patch::gap::{
-    AnyGap, Cone, Flat, Formula, Gap, HeightMap, Heights, Minimum, Outline, Paraboloid, Placed, Polyhedron, Power,
+    AnyGap, Cone, Flat, Formula, Gap, HeightMap, Heights, Minimum, Outline, Paraboloid, Place, Polyhedron, Power,
     Sphere, Sum, Surface, Zero,
 };
 use contact_patch::{Contact, EffectiveModulus, Loading, Method, Outputs, Settings, Solution, plan, solve};
@@ -36,11 +36,7 @@ fn a_formula_is_taken_for_what_it_is() {
             "max(x, max(-x + 0.5*y, -0.5*x - 2*y))",
             0.2,
         ),
-        (
-            AnyGap::new(Placed::new(Paraboloid::new([3.0, 1.0]).unwrap(), [0.5, 0.2], 0.0).unwrap()),
-            "(x - 0.5)^2/6 + (y - 0.2)^2/2",
-            0.1,
-        ),
+        (Paraboloid::new([3.0, 1.0]).unwrap().placed([0.5, 0.2], 0.0).unwrap(), "(x - 0.5)^2/6 + (y - 0.2)^2/2", 0.1),
     ];
     for (named, expression, depth) in pairs {
         let written = Formula::new(expression).unwrap();
@@ -57,7 +53,7 @@ fn a_formula_is_taken_for_what_it_is() {
 fn crossed_cylinders_are_an_elliptic_contact() {
     let cylinder = |radius: f64| Paraboloid::new([radius, f64::INFINITY]).unwrap();
     for angle in [90.0f64, 60.0, 10.0] {
-        let turned = Placed::new(cylinder(0.05), [0.0; 2], angle.to_radians()).unwrap();
+        let turned = cylinder(0.05).placed([0.0; 2], angle.to_radians()).unwrap();
         let both = Sum::new(vec![AnyGap::new(cylinder(0.02)), AnyGap::new(turned)]).unwrap();
         let solution = solved(both, 1e-6, &Settings::default());
         assert_eq!(solution.method, Method::ClosedForm);
@@ -71,7 +67,7 @@ fn crossed_cylinders_are_an_elliptic_contact() {
 
 #[test]
 fn two_tips_carry_less_than_each_alone() {
-    let tip = |x: f64| Placed::new(Paraboloid::new([1.0, 1.0]).unwrap(), [x, 0.0], 0.0).unwrap();
+    let tip = |x: f64| Paraboloid::new([1.0, 1.0]).unwrap().placed([x, 0.0], 0.0).unwrap();
     let alone = solved(tip(0.0), 0.01, &Settings::default()).force;
     let mut before = 0.0;
     for half in [0.15, 0.3, 1.0] {
@@ -101,7 +97,7 @@ fn tips_a_thousand_radii_apart_feel_one_another_as_point_loads() {
         // dP/dd of both: k (1 - dP/dd/(pi s)) each, k = 2 a.
         let k = 2.0 * (d - each / (PI * s)).sqrt();
         let stiffness = 2.0 * k / (1.0 + k / (PI * s));
-        let tip = |x: f64| AnyGap::new(Placed::new(Paraboloid::new([1.0, 1.0]).unwrap(), [x, 0.3], 0.0).unwrap());
+        let tip = |x: f64| Paraboloid::new([1.0, 1.0]).unwrap().placed([x, 0.3], 0.0).unwrap();
         let named: AnyGap = AnyGap::new(Minimum::new(vec![tip(-0.5 * s), tip(0.5 * s)]).unwrap());
         let values = Formula::new(&format!("min((x - {0})^2, (x + {0})^2)/2 + (y - 0.3)^2/2", 0.5 * s)).unwrap();
         for gap in [named, AnyGap::new(values)] {
@@ -116,7 +112,7 @@ fn tips_a_thousand_radii_apart_feel_one_another_as_point_loads() {
 
 #[test]
 fn contacts_on_grids_of_their_own_keep_the_laws_of_one() {
-    let tip = |gap: AnyGap, at: [f64; 2]| AnyGap::new(Placed::new(gap, at, 0.3).unwrap());
+    let tip = |gap: AnyGap, at: [f64; 2]| gap.placed(at, 0.3).unwrap();
     let cone = || AnyGap::new(Cone::with_slope(0.3).unwrap());
     let pyramid = || AnyGap::new(Polyhedron::pyramid(3, 0.2).unwrap());
     let gap = || Minimum::new(vec![tip(cone(), [-1.0, 0.0]), tip(pyramid(), [1.0, 2.0])]).unwrap();

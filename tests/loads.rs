@@ -2,7 +2,7 @@
 #![cfg(all(feature = "qp", feature = "scene", feature = "formula"))]
 
 use contact_patch::gap::{
-    AnyGap, Cone, Flat, Gap, HeightMap, Heights, Outline, Paraboloid, Placed, Polyhedron, Power, Revolved, Sphere, Sum,
+    AnyGap, Cone, Flat, Gap, HeightMap, Heights, Outline, Paraboloid, Place, Polyhedron, Power, Revolved, Sphere, Sum,
     Surface, Zero,
 };
 use contact_patch::{
@@ -141,7 +141,7 @@ fn moments_are_about_the_origin_of_the_scene() {
     let near = one(square(), Load::ForceMoment { force: 1.0, moment: [0.2, -0.1] }, &fft(32)).unwrap();
     // Mx = force y, My = - force x.
     let moment = [0.2 + at[1], -0.1 - at[0]];
-    let far = Placed::new(square(), at, 0.0).unwrap();
+    let far = square().placed(at, 0.0).unwrap();
     let far = one(far, Load::ForceMoment { force: 1.0, moment }, &fft(32)).unwrap();
     let rise = far.tilt[0] * at[0] + far.tilt[1] * at[1];
     assert!((far.depth + rise - near.depth).abs() < 1e-6, "{} and {}", far.depth + rise, near.depth);
@@ -265,7 +265,7 @@ fn closed_forms_have_exact_slopes() {
         ("flat ellipse", AnyGap::new(Flat::new(Outline::ellipse([0.8, 0.3]).unwrap()))),
         ("revolved", AnyGap::new(Revolved::new(vec![[0.0, 0.0], [0.5, 0.2], [9.0, 7.0]]).unwrap())),
         ("sum", AnyGap::new(sum.unwrap())),
-        ("moved", AnyGap::new(Placed::new(Paraboloid::new([1.0, 5.0]).unwrap(), [2.0, -1.0], 0.3).unwrap())),
+        ("moved", Paraboloid::new([1.0, 5.0]).unwrap().placed([2.0, -1.0], 0.3).unwrap()),
         ("formula", AnyGap::new(|x: f64, y: f64| 0.5 * (x * x + y * y) + 0.1 * (x * x + y * y).powi(2))),
     ];
     let settings = Settings { method: Method::ClosedForm, ..Settings::default() };
@@ -328,7 +328,7 @@ fn approximate_energy_is_what_the_force_has_done() {
     let gap = || {
         Sum::new(vec![
             AnyGap::new(Paraboloid::new([1.0, 2.0]).unwrap()),
-            AnyGap::new(Placed::new(Power::new(0.3, 4.0).unwrap(), [0.2, 0.0], 0.0).unwrap()),
+            Power::new(0.3, 4.0).unwrap().placed([0.2, 0.0], 0.0).unwrap(),
         ])
         .unwrap()
     };

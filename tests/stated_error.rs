@@ -2,7 +2,7 @@
 
 mod random;
 
-use contact_patch::gap::{AnyGap, Cone, Flat, Outline, Paraboloid, Placed, Polyhedron, Power, Sphere, Sum};
+use contact_patch::gap::{AnyGap, Cone, Flat, Outline, Paraboloid, Place, Polyhedron, Power, Sphere, Sum};
 use contact_patch::{Contact, EffectiveModulus, Kernel, Loading, Method, Settings, solve};
 use random::Random;
 
@@ -29,7 +29,7 @@ fn of_two_hundred_closed_forms() {
     for n in 0..200 {
         let (gap, name) = closed(&mut random);
         let at = [random.between(-0.5, 0.5), random.between(-0.5, 0.5)];
-        let gap = AnyGap::new(Placed::new(gap, at, random.between(0.0, 6.3)).unwrap());
+        let gap = gap.placed(at, random.between(0.0, 6.3)).unwrap();
         let depth = 10f64.powf(random.between(-2.0, -0.5));
         let kernel = if random.next() < 0.3 { Kernel::Collocation } else { Kernel::Galerkin };
         let tolerance = 10f64.powf(random.between(-4.0, -1.7));
@@ -52,7 +52,7 @@ fn of_pyramids_turned_against_the_grid() {
         let (faces, group) = if random.next() < 0.5 { (3, 0.882_412) } else { (4, 0.737_616) };
         let pyramid = AnyGap::new(Polyhedron::pyramid(faces, 45f64.to_radians()).unwrap());
         let at = [random.between(-0.5, 0.5), random.between(-0.5, 0.5)];
-        let gap = AnyGap::new(Placed::new(pyramid, at, random.between(0.0, 6.3)).unwrap());
+        let gap = pyramid.placed(at, random.between(0.0, 6.3)).unwrap();
         let depth = 10f64.powf(random.between(-2.0, 0.5));
         let tolerance = 10f64.powf(random.between(-3.7, -1.7));
         let (found, said) = force(&gap, depth, &Settings { method: Method::Fft, tolerance, ..Settings::default() });
@@ -79,7 +79,7 @@ fn of_irregular_pyramids() {
         let pyramid = AnyGap::new(Polyhedron::new(planes).unwrap());
         let fine = Settings { method: Method::Fft, tolerance: 2e-4, ..Settings::default() };
         let (exact, doubt) = force(&pyramid, 0.1, &fine);
-        let gap = AnyGap::new(Placed::new(pyramid, [0.1, -0.2], random.between(0.0, 6.3)).unwrap());
+        let gap = pyramid.placed([0.1, -0.2], random.between(0.0, 6.3)).unwrap();
         for tolerance in [1e-2, 2e-3] {
             let (found, said) = force(&gap, 0.1, &Settings { tolerance, ..fine });
             let off = (found / exact - 1.0).abs();
@@ -98,8 +98,8 @@ fn where_the_material_ends() {
     for n in 0..24 {
         let (a, radius) = (random.between(0.3, 1.0), random.between(2.0, 20.0));
         let at = [random.between(-0.5, 0.5), random.between(-0.5, 0.5)];
-        let disc = AnyGap::new(Placed::new(Flat::new(Outline::disc(a).unwrap()), at, 0.0).unwrap());
-        let round = AnyGap::new(Placed::new(Paraboloid::new([radius; 2]).unwrap(), at, 0.0).unwrap());
+        let disc = Flat::new(Outline::disc(a).unwrap()).placed(at, 0.0).unwrap();
+        let round = Paraboloid::new([radius; 2]).unwrap().placed(at, 0.0).unwrap();
         let flat = random.next() < 0.5;
         let gap = if flat { disc } else { AnyGap::new(Sum::new(vec![disc, round]).unwrap()) };
         let depth = random.between(1.1, 4.0) * a * a / radius;

@@ -9,10 +9,11 @@ use std::time::Instant;
 use super::comparison::Comparisons;
 use super::{BracketCost, Evidence, ForceBracket, Repair, Side, Theorem, measure};
 use crate::closed_form::FlatPunch;
-use crate::error::{Unsolved, Verdict};
+use crate::error::Unsolved;
 use crate::fabrikant;
-use crate::gap::{Gap, Reach, extent};
+use crate::gap::{AnyGap, Gap};
 use crate::material::EffectiveModulus;
+use crate::overlap::Overlap;
 use crate::ritz;
 
 /// Times the quadrature's own estimate of its error that the lower bound gives up.
@@ -33,21 +34,14 @@ const DOUBT: f64 = 10.0;
 /// assert!(bracket.contains(0.737616) && bracket.relative_width() < 0.4);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn approximate(gap: &dyn Gap, modulus: EffectiveModulus, depth: f64) -> Result<ForceBracket, Unsolved> {
+pub fn approximate(gap: impl Into<AnyGap>, modulus: EffectiveModulus, depth: f64) -> Result<ForceBracket, Unsolved> {
+    let gap = &gap.into();
     let started = Instant::now();
-    let (reach, certain) = match (gap.certain_reach(depth), extent(gap, depth)) {
-        (Reach::Nowhere, _) | (_, Reach::Nowhere) => return Ok(super::no_contact(None)),
-        (Reach::Within(rect), _) if rect.size().iter().all(|s| s.is_finite()) => (rect, true),
-        (_, Reach::Within(rect)) => (rect, false),
-        _ => {
-            let reason = format!("the gap stays below the depth {depth:e} however far one looks");
-            return Err(Unsolved::new(Verdict::Unbounded, reason));
-        }
-    };
+    let Some(Overlap { reach, certain, .. }) = Overlap::of(gap, depth)? else { return Ok(super::no_contact(None)) };
     let settings = fabrikant::Settings { tolerance: 1e-6, boundary_points: 64, ..fabrikant::Settings::default() };
     let found = ritz::ellipse(gap, modulus, depth, &settings).ok();
     let lower = found.as_ref().and_then(|e| e.lower_bound.map(|b| e.force - DOUBT * (e.force - b.force())));
-    let middle = found.as_ref().map_or(gap.centre(), |e| e.centroid);
+    let middle = found.as_ref().map_or(gap.known().centre, |e| e.centroid);
     let comparisons = Comparisons { gap, modulus, depth, reach, certain };
     let ellipse = lower.unwrap_or(0.0).max(inscribed(&comparisons));
     let fabrikant = [fabrikant::Family::Stationary, fabrikant::Family::PlanForm]

@@ -5,9 +5,10 @@
 
 use super::summation::{Receiver, Summation};
 use super::{Evidence, ForceBracket, Repair};
-use crate::gap::{Gap, Reach, extent};
+use crate::gap::{AnyGap, Gap};
 use crate::grid::{Grid, Pressure};
 use crate::material::EffectiveModulus;
+use crate::overlap::Overlap;
 
 /// Where the checker looks in a cell; off the lattices that proofs and solvers use.
 const POINTS: [[f64; 2]; 4] = [[0.31, 0.27], [0.73, 0.36], [0.21, 0.69], [0.83, 0.87]];
@@ -83,7 +84,8 @@ pub struct Claim<'a> {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[must_use]
-pub fn check(gap: &dyn Gap, modulus: EffectiveModulus, depth: f64, bracket: &ForceBracket) -> Verification {
+pub fn check(gap: impl Into<AnyGap>, modulus: EffectiveModulus, depth: f64, bracket: &ForceBracket) -> Verification {
+    let gap = &gap.into();
     let side = |side: &super::Side| (side.force(), side.repair(), side.evidence() == Evidence::Proved);
     let (upper, lower) = (bracket.upper_side(), bracket.lower_side());
     match (upper.pressure(), lower.pressure()) {
@@ -105,12 +107,13 @@ pub fn check(gap: &dyn Gap, modulus: EffectiveModulus, depth: f64, bracket: &For
 /// to make good is recomputed from below: a stack of discs no larger than those that just reach across the points.
 #[must_use]
 pub fn check_claims(
-    gap: &dyn Gap,
+    gap: impl Into<AnyGap>,
     modulus: EffectiveModulus,
     depth: f64,
     upper: &Claim<'_>,
     lower: &Claim<'_>,
 ) -> Verification {
+    let gap = &gap.into();
     let mut found = Verification::default();
     let width = upper.force - lower.force;
     found.require(
@@ -173,7 +176,7 @@ pub(super) struct Looked {
 }
 
 pub(super) fn violations(
-    gap: &dyn Gap,
+    gap: &AnyGap,
     modulus: EffectiveModulus,
     depth: f64,
     pressure: &Pressure,
@@ -202,7 +205,7 @@ pub(super) fn violations(
             break;
         }
     }
-    if above && let Reach::Within(reach) = extent(gap, depth) {
+    if above && let Ok(Some(Overlap { reach, .. })) = Overlap::of(gap, depth) {
         let (inside, lattice) = (grid.extent(), Grid::over(&reach, [BEYOND; 2]));
         let points: Vec<[f64; 2]> = lattice.centres().filter(|p| !inside.contains(*p) && overlap(*p) > 0.0).collect();
         looked.points += points.len();
@@ -238,8 +241,8 @@ fn least_stack(mut violations: Vec<(f64, [f64; 2])>, level: f64) -> f64 {
 }
 
 /// Whether g(c + s v) = s^k g(c + v) at points spread over the grid; with k infinite, whether g is 0 wherever there is material.
-fn is_homogeneous(gap: &dyn Gap, k: f64, grid: &Grid) -> bool {
-    let [cx, cy] = gap.centre();
+fn is_homogeneous(gap: &AnyGap, k: f64, grid: &Grid) -> bool {
+    let [cx, cy] = gap.known().centre;
     let size = grid.extent().size();
     (1..=40).all(|n| {
         let v = [0.7549, 0.5698].map(|step: f64| (step * f64::from(n)).fract() - 0.5);

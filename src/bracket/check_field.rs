@@ -3,7 +3,7 @@
 use super::check::{Verification, loaded, sound, violations};
 use super::one_cell::of_cell;
 use super::summation::{Receiver, Summation};
-use crate::gap::Gap;
+use crate::gap::{AnyGap, Gap};
 use crate::geometry::Rect;
 use crate::grid::Pressure;
 use crate::material::EffectiveModulus;
@@ -17,13 +17,14 @@ const RESIDUAL: f64 = 1e-5;
 /// formula's, by values at centres.
 #[must_use]
 pub fn check_field(
-    gap: &dyn Gap,
+    gap: impl Into<AnyGap>,
     modulus: EffectiveModulus,
     depth: f64,
     pressure: &Pressure,
     force: f64,
     on_grid: bool,
 ) -> Verification {
+    let gap = &gap.into();
     let mut found = Verification::default();
     found.require(sound(pressure), "the pressure is finite and nowhere tensile");
     if !found.accepted() {
@@ -63,7 +64,7 @@ pub fn check_field(
 }
 
 /// Largest |f - S p| under pressure and f - S p elsewhere, over the largest overlap.
-fn residual(gap: &dyn Gap, modulus: EffectiveModulus, depth: f64, pressure: &Pressure, receiver: Receiver) -> f64 {
+fn residual(gap: &AnyGap, modulus: EffectiveModulus, depth: f64, pressure: &Pressure, receiver: Receiver) -> f64 {
     let (grid, nx) = (&pressure.grid, pressure.grid.shape[0]);
     let f: Vec<f64> = (0..grid.len())
         .map(|k| match receiver {
@@ -84,7 +85,7 @@ fn residual(gap: &dyn Gap, modulus: EffectiveModulus, depth: f64, pressure: &Pre
 
 /// Largest share by which a pressure differs from what its residual and those of its four neighbours say, three cells and
 /// more from the edge of the contact and away from kinks of the gap, where the pressure is no smoother than a logarithm; and where.
-fn unexplained(gap: &dyn Gap, modulus: EffectiveModulus, depth: f64, pressure: &Pressure) -> (f64, [f64; 2]) {
+fn unexplained(gap: &AnyGap, modulus: EffectiveModulus, depth: f64, pressure: &Pressure) -> (f64, [f64; 2]) {
     let (grid, [nx, ny]) = (&pressure.grid, pressure.grid.shape);
     let q: Vec<f64> = pressure.values.iter().map(|p| p / modulus.e_star()).collect();
     let wanted: Vec<bool> = q.iter().map(|&q| q > 0.0).collect();
@@ -111,7 +112,7 @@ fn unexplained(gap: &dyn Gap, modulus: EffectiveModulus, depth: f64, pressure: &
 
 /// Whether the gap has a kink within two cells of a point: its second differences over quarters of a cell are then a quarter or
 /// an eighth of those over cells, and a sixteenth where it is smooth.
-fn kinked(gap: &dyn Gap, [x, y]: [f64; 2], spacing: [f64; 2]) -> bool {
+fn kinked(gap: &AnyGap, [x, y]: [f64; 2], spacing: [f64; 2]) -> bool {
     (0..2).any(|axis| {
         let along = |n: i32| {
             let t = 0.25 * f64::from(n) * spacing[axis];

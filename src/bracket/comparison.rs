@@ -9,7 +9,7 @@ use std::collections::BinaryHeap;
 use super::depth::first_touch;
 use super::{Evidence, Repair, Side, Theorem};
 use crate::closed_form::{FlatPunch, Hertz, Power};
-use crate::gap::Gap;
+use crate::gap::{AnyGap, Gap};
 use crate::geometry::Rect;
 use crate::grid::Grid;
 use crate::material::EffectiveModulus;
@@ -31,7 +31,7 @@ const AROUND: usize = 96;
 
 /// What a comparison starts from.
 pub(super) struct Comparisons<'a> {
-    pub gap: &'a dyn Gap,
+    pub gap: &'a AnyGap,
     pub modulus: EffectiveModulus,
     pub depth: f64,
     /// Holds {g < d}.
@@ -169,13 +169,13 @@ impl Comparisons<'_> {
     /// Corners of rectangles that together hold {g < d}.
     fn touching(&self) -> Vec<[f64; 2]> {
         let cells = Grid::over(&self.reach, [AROUND; 2]);
-        let may = |rect: &Rect| self.gap.range(rect, [0.0; 2]).is_none_or(|[low, _]| low < self.depth);
+        let may = |rect: &Rect| self.gap.bounds(rect, [0.0; 2]).is_none_or(|[low, _]| low < self.depth);
         let rects = (0..cells.len()).map(|k| cells.cell(k % AROUND, k / AROUND).scaled(1.0 + 1e-9)).filter(may);
         rects.flat_map(|rect| rect.corners()).collect()
     }
 
     fn candidates(&self, middle: [f64; 2], axes: Option<([f64; 2], f64)>) -> Vec<Simple> {
-        let lowest = self.gap.centre();
+        let lowest = self.gap.known().centre;
         let value = |[x, y]: [f64; 2]| self.gap.gap(x, y);
         let size = 0.25 * self.reach.size()[0].min(self.reach.size()[1]);
         let ring = |r: f64| {
@@ -214,14 +214,14 @@ impl Comparisons<'_> {
         };
         // h is convex: less its tangent it is highest in a corner.
         let bound = |rect: &Rect| -> Option<f64> {
-            if self.gap.range(rect, [0.0; 2])?[0] >= self.depth {
+            if self.gap.bounds(rect, [0.0; 2])?[0] >= self.depth {
                 return Some(f64::NEG_INFINITY);
             }
             let c = rect.centre();
             let (_, slope) = simple.at(c);
             let plane = |p: [f64; 2]| slope[0] * (p[0] - c[0]) + slope[1] * (p[1] - c[1]);
             let high = rect.corners().iter().map(|&p| simple.at(p).0 - plane(p)).fold(f64::NEG_INFINITY, f64::max);
-            Some(high - self.gap.range(rect, slope)?[0])
+            Some(high - self.gap.bounds(rect, slope)?[0])
         };
         let proved = self.certain.then(|| highest(&self.reach, bound, difference, CLOSE * self.depth.abs())).flatten();
         if let Some((c, at)) = proved {

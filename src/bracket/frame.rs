@@ -7,18 +7,19 @@ use super::mirrors::Mirrors;
 use super::violation::{self, Subject, Violation};
 use super::{Evidence, ForceBracket, Repair, Side, kernel, no_contact};
 use crate::error::{Unsolved, Verdict};
-use crate::gap::{Gap, Reach, Scaled, extent};
+use crate::gap::{AnyGap, Degree, Gap};
 use crate::geometry::Rect;
 use crate::grid::{Grid, Pressure};
 use crate::material::EffectiveModulus;
+use crate::overlap::{Overlap, Units};
 
 /// What `work` makes of the problem in its own units, or the bracket around nothing when the bodies do not touch.
 pub(super) fn within(
-    gap: &dyn Gap,
+    gap: &AnyGap,
     modulus: EffectiveModulus,
     depth: f64,
     pressure: &Pressure,
-    work: impl FnOnce(&Frame<'_>, Vec<f64>) -> ForceBracket,
+    work: impl FnOnce(&Frame, Vec<f64>) -> ForceBracket,
 ) -> Result<ForceBracket, Unsolved> {
     Ok(match Frame::enter(gap, modulus, depth, pressure)? {
         Some((frame, q)) => work(&frame, q),
@@ -64,9 +65,18 @@ fn around_load(pressure: &Pressure) -> Pressure {
     Pressure { grid: Grid { origin, shape, ..*grid }, values: around }
 }
 
+/// k of a gap that is homogeneous and 0 at its lowest point; infinite for a flat.
+pub(super) fn degree_of(gap: &AnyGap) -> Option<f64> {
+    gap.known().degree().map(|degree| match degree {
+        Degree::Power(k) => k,
+        Degree::Flat => f64::INFINITY,
+    })
+}
+
 /// The problem with E* = 1 and lengths of order 1: a pressure is proved in these units.
-pub(super) struct Frame<'a> {
-    pub gap: Scaled<'a>,
+pub(super) struct Frame {
+    pub gap: AnyGap,
+    pub units: Units,
     pub depth: f64,
     pub grid: Grid,
     /// Holds {f > 0}.
@@ -80,10 +90,10 @@ pub(super) struct Frame<'a> {
     given: Grid,
 }
 
-impl<'a> Frame<'a> {
+impl Frame {
     /// The frame and the pressure in it; `None` when the bodies do not touch.
     fn enter(
-        gap: &'a dyn Gap,
+        gap: &AnyGap,
         modulus: EffectiveModulus,
         depth: f64,
         pressure: &Pressure,
@@ -98,43 +108,32 @@ impl<'a> Frame<'a> {
             return Err(Unsolved::new(Verdict::NotApplicable, reason));
         }
         // What is certain may be larger than what is found; a strip of it is not worth a proof.
-        let (reach, reach_known) = match gap.certain_reach(depth) {
-            Reach::Unknown | Reach::Unbounded => (extent(gap, depth), false),
-            Reach::Within(r) if r.size().iter().any(|s| !s.is_finite()) => (extent(gap, depth), false),
-            certain => (certain, true),
-        };
-        let reach = match reach {
-            Reach::Within(rect) => rect,
-            Reach::Nowhere => return Ok(None),
-            Reach::Unbounded | Reach::Unknown => {
-                let reason = format!("the gap stays below the depth {depth:e} however far one looks");
-                return Err(Unsolved::new(Verdict::Unbounded, reason));
-            }
-        };
+        let Some(Overlap { reach, certain: reach_known, .. }) = Overlap::of(gap, depth)? else { return Ok(None) };
         let Pressure { grid: given, values } = &around_load(pressure);
         let given = *given;
         let [w, h] = given.extent().size();
         let length = 0.5 * w.max(h);
         let origin = given.extent().centre();
-        let [cx, cy] = gap.centre();
+        let [cx, cy] = gap.known().centre;
         let lattice = Grid::over(&reach, [33, 33]);
         let points = given.centres().chain(lattice.centres());
         let deepest = points.map(|[x, y]| depth - gap.gap(x, y)).fold(depth - gap.gap(cx, cy), f64::max);
         let height = if deepest > 0.0 { deepest } else { depth.abs().max(f64::MIN_POSITIVE) };
-        let scaled = Scaled { gap, origin, length, depth: height };
-        let grid = Grid {
-            origin: scaled.inward(given.origin),
-            spacing: given.spacing.map(|h| h / length),
-            shape: given.shape,
-        };
+        let units = Units { origin, length, height };
+        let scaled = gap.scaled(origin, length, height);
+        let grid =
+            Grid { origin: units.inward(given.origin), spacing: given.spacing.map(|h| h / length), shape: given.shape };
         let unit_pressure = modulus.e_star() * height / length;
         let q = values.iter().map(|p| (p / unit_pressure).max(0.0)).collect();
         // A hair more than the gap says: its own rounding.
-        let reach = Rect { min: scaled.inward(reach.min), max: scaled.inward(reach.max) }.scaled(1.0 + 1e-9);
+        let reach = units.rect_inward(&reach).scaled(1.0 + 1e-9);
         let unit_force = modulus.e_star() * height * length;
-        let degree = gap.homogeneous().filter(|k| *k > 0.0 && depth > 0.0);
+        let degree = degree_of(gap).filter(|_| depth > 0.0);
         let depth = depth / height;
-        Ok(Some((Self { gap: scaled, depth, grid, reach, reach_known, degree, unit_pressure, unit_force, given }, q)))
+        Ok(Some((
+            Self { gap: scaled, units, depth, grid, reach, reach_known, degree, unit_pressure, unit_force, given },
+            q,
+        )))
     }
 
     /// Suprema for the pressure `q` and what they are worth.
@@ -177,7 +176,7 @@ impl<'a> Frame<'a> {
 
     /// Supremum of f over a rectangle; where the gap proves none, its largest at 5 x 5 points.
     pub fn most_overlap(&self, rect: &Rect) -> f64 {
-        if let Some([low, _]) = self.gap.range(rect, [0.0; 2]) {
+        if let Some([low, _]) = self.gap.bounds(rect, [0.0; 2]) {
             return self.depth - low + 1e-13 * self.depth.abs();
         }
         let [w, h] = rect.size();
@@ -195,11 +194,11 @@ impl<'a> Frame<'a> {
             force: closed.force * self.unit_force,
             theorem: closed.theorem,
             evidence,
-            violation: closed.left * self.gap.depth,
-            at: self.gap.outward(closed.at),
+            violation: closed.left * self.units.height,
+            at: self.units.outward(closed.at),
             repair: Repair {
                 discs: closed.discs * self.unit_force,
-                level: closed.level * self.gap.depth,
+                level: closed.level * self.units.height,
                 degree: self.degree.filter(|_| closed.level > 0.0),
             },
             pressure: Some(Pressure { grid: self.given, values }),

@@ -49,7 +49,7 @@ impl Known {
             return Some(self.highest[cell]);
         }
         let nx = frame.grid.shape[0];
-        let low = frame.gap.range(&frame.grid.cell(cell % nx, cell / nx), [0.0; 2])?[0];
+        let low = frame.gap.bounds(&frame.grid.cell(cell % nx, cell / nx), [0.0; 2])?[0];
         let highest = frame.depth * (1.0 + ROUNDING) - low;
         if self.keeps {
             self.highest[cell] = highest;
@@ -114,5 +114,5 @@ pub(super) fn range(frame: &Frame, cell: usize, at: [f64; 2], half: f64, slopes:
     let spacing = frame.grid.spacing;
     // A hair larger, so that the squares cover the cell however the sums are rounded.
     let square = Rect::around(frame.place(cell, at), spacing.map(|h| h * half * (1.0 + 1e-9)));
-    frame.gap.range(&square, [-slopes[0] / spacing[0], -slopes[1] / spacing[1]])
+    frame.gap.bounds(&square, [-slopes[0] / spacing[0], -slopes[1] / spacing[1]])
 }

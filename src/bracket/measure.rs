@@ -11,7 +11,7 @@
 
 use super::field::{Field, Surroundings};
 use crate::fabrikant::Boundary;
-use crate::gap::Gap;
+use crate::gap::{AnyGap, Gap};
 use crate::geometry::Rect;
 use crate::grid::Grid;
 use crate::material::EffectiveModulus;
@@ -27,7 +27,7 @@ const ROUNDS: [usize; 2] = [12, 3];
 
 /// The bound by Fabrikant's pressure, corrected, within this boundary; 0 where it proves nothing. The mean overlap of a cell is that of
 /// [`Gap::mean`].
-pub(super) fn corrected_fabrikant(gap: &dyn Gap, modulus: EffectiveModulus, depth: f64, boundary: &Boundary) -> f64 {
+pub(super) fn corrected_fabrikant(gap: &AnyGap, modulus: EffectiveModulus, depth: f64, boundary: &Boundary) -> f64 {
     let Some(rect) = Rect::holding(boundary.polyline()) else { return 0.0 };
     let [w, h] = rect.size();
     let side = w.max(h) / CELLS as f64;

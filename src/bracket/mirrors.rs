@@ -2,7 +2,6 @@
 //! Of the gap nothing is presumed: it is looked at in every cell, unless it is known to have the same mirror.
 
 use super::frame::Frame;
-use crate::gap::Gap;
 
 /// Pressures that differ by less than this share of the largest are evened out.
 const SAME: f64 = 1e-6;
@@ -30,7 +29,7 @@ pub(super) struct Image {
 impl Mirrors {
     /// Evens out a pressure that is nearly symmetric.
     pub fn found(q: &mut [f64], frame: &Frame) -> Self {
-        let (grid, gap, at) = (&frame.grid, frame.gap.mirrors(), frame.gap.centre());
+        let (grid, gap, at) = (&frame.grid, frame.gap.known().mirrors, frame.gap.known().centre);
         let middle = grid.extent().centre();
         let gap = [0, 1].map(|m| gap[m] && (at[m] - middle[m]).abs() <= ASIDE * grid.spacing[m]);
         Self::of(q, grid.shape, gap)

@@ -41,7 +41,7 @@ mod violation;
 use std::time::Instant;
 
 use crate::error::Unsolved;
-use crate::gap::Gap;
+use crate::gap::AnyGap;
 use crate::grid::Pressure;
 use crate::material::EffectiveModulus;
 use field::Surroundings;
@@ -284,12 +284,13 @@ impl Default for BracketSettings {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn certify(
-    gap: &dyn Gap,
+    gap: impl Into<AnyGap>,
     modulus: EffectiveModulus,
     depth: f64,
     pressure: &Pressure,
     settings: &BracketSettings,
 ) -> Result<ForceBracket, Unsolved> {
+    let gap = &gap.into();
     frame::within(gap, modulus, depth, pressure, |frame, mut q| {
         let started = Instant::now();
         let mirrors = Mirrors::found(&mut q, frame);

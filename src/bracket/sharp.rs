@@ -15,7 +15,7 @@ use super::violation::{self, Violation};
 use super::{BracketCost, BracketSettings, Evidence, ForceBracket, look, outside};
 use crate::discrete::Discrete;
 use crate::error::Unsolved;
-use crate::gap::Gap;
+use crate::gap::{AnyGap, Gap};
 use crate::grid::{Kernel, Pressure};
 use crate::material::EffectiveModulus;
 use crate::matrix_free;
@@ -48,12 +48,13 @@ const GAINS: f64 = 0.3;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn sharp(
-    gap: &dyn Gap,
+    gap: impl Into<AnyGap>,
     modulus: EffectiveModulus,
     depth: f64,
     pressure: &Pressure,
     settings: &BracketSettings,
 ) -> Result<ForceBracket, Unsolved> {
+    let gap = &gap.into();
     frame::within(gap, modulus, depth, pressure, |frame, mut q| {
         let started = Instant::now();
         let mirrors = Mirrors::found(&mut q, frame);
@@ -85,16 +86,16 @@ pub fn sharp(
     })
 }
 
-struct Session<'a, 'f> {
+struct Session<'a> {
     around: Surroundings,
     attention: Attention,
-    frame: &'a Frame<'f>,
+    frame: &'a Frame,
     settings: &'a BracketSettings,
     cost: BracketCost,
     evidence: Evidence,
 }
 
-impl Session<'_, '_> {
+impl Session<'_> {
     fn look(&mut self, q: &[f64], side: violation::Side) -> (Field, Violation) {
         let (field, found, evidence) = self.frame.look(&mut self.around, q, side, &mut self.attention);
         self.evidence = evidence;

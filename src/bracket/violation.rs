@@ -21,7 +21,7 @@ pub(super) struct Violation {
 
 /// What is looked at, and how.
 pub(super) struct Subject<'a> {
-    pub frame: &'a Frame<'a>,
+    pub frame: &'a Frame,
     pub field: &'a Field,
     pub tables: &'a Tables,
     pub q: &'a [f64],

@@ -3,7 +3,7 @@
 use crate::bracket::{self, Claim, Repair, Verification};
 use crate::contact::Load;
 use crate::error::InputError;
-use crate::gap::{AnyGap, Gap, Reach, Tilted, extent};
+use crate::gap::{AnyGap, Gap, Reach};
 use crate::grid::{Grid, Pressure};
 use crate::scene::{Json, Scene};
 
@@ -104,14 +104,10 @@ impl State {
 
     pub fn check(&self, scene: &Scene, load: Load) -> Verification {
         let mut found = Verification::default();
-        let gap = match self.tilt {
-            [0.0, 0.0] => scene.contact.gap().clone(),
-            tilt => AnyGap::new(Tilted::new(scene.contact.gap().clone(), tilt)),
-        };
+        let gap = scene.contact.tilted_gap(self.tilt);
         self.agrees(load, &mut found);
         if self.force == 0.0 {
-            let apart = matches!(extent(&*gap, self.depth), Reach::Nowhere)
-                || gap.gap(gap.centre()[0], gap.centre()[1]) >= self.depth;
+            let apart = gap.reach(self.depth) == Reach::Nowhere || crate::overlap::least(&gap).1 >= self.depth;
             found.require(apart, "no force: the undeformed bodies do not overlap");
             return found;
         }
@@ -124,7 +120,7 @@ impl State {
             ),
             Some(field) => {
                 let on_grid = self.method == "fft" || self.method == "qp";
-                found.join(bracket::check_field(&*gap, modulus, self.depth, field, self.force, on_grid));
+                found.join(bracket::check_field(&gap, modulus, self.depth, field, self.force, on_grid));
                 self.field_agrees(field, on_grid, &mut found);
             }
             None if self.bracket.as_ref().is_some_and(Bounds::needs_no_field) => {}
@@ -223,7 +219,7 @@ impl Bounds {
         let Some(m) = &below.pressure else { return self.unproved() };
         let upper = Claim { force: self.upper, repair: *repair, proved: *proved, pressure: q };
         let lower = Claim { force: self.lower, repair: below.repair, proved: below.proved, pressure: m };
-        bracket::check_claims(&**gap, modulus, depth, &upper, &lower)
+        bracket::check_claims(gap, modulus, depth, &upper, &lower)
     }
 
     fn unproved(&self) -> Verification {
@@ -236,7 +232,7 @@ impl Bounds {
     /// A bracket without fields: its theorems are applied again.
     fn check_again(&self, gap: &AnyGap, scene: &Scene, depth: f64) -> Verification {
         let mut found = Verification::default();
-        let own = bracket::approximate(&**gap, scene.contact.modulus(), depth);
+        let own = bracket::approximate(gap, scene.contact.modulus(), depth);
         let holds = own.as_ref().is_ok_and(|own| {
             let room = 1e-9 * own.upper();
             self.lower <= self.upper && self.lower <= own.lower() + room && self.upper >= own.upper() - room

@@ -10,7 +10,7 @@ use super::{Failure, Overrides, scene};
 use crate::contact::Load;
 use crate::curve::Curve;
 use crate::error::{InputError, Unsolved};
-use crate::gap::least;
+use crate::overlap::least;
 use crate::plot;
 use crate::report::write::Target;
 use crate::scene::Scene;
@@ -143,7 +143,7 @@ impl CurveCommand {
                 Err(unsolved) => return Ok(Err(unsolved)),
             }
         }
-        if !(deepest > least(&**scene.contact.gap()).1) {
+        if !(deepest > least(scene.contact.gap()).1) {
             return Err(InputError::new("loading", deepest, "a depth beyond first touch or a force greater than 0"));
         }
         Ok(Curve::up_to(&scene.contact, &scene.settings, deepest, self.accuracy))

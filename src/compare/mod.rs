@@ -6,7 +6,6 @@ mod front;
 use crate::bracket::{self, BracketSettings, ForceBracket};
 use crate::contact::{Contact, Load, Loading};
 use crate::error::Unsolved;
-use crate::gap::{AnyGap, Tilted};
 use crate::settings::{Method, Outputs, Settings};
 use crate::solution::Solution;
 use crate::solve::solve;
@@ -295,12 +294,9 @@ fn bracket(contact: &Contact, best: &Solution, settings: &Settings, cells: usize
     let outputs = Outputs { pressure: true, ..Outputs::default() };
     let settings = Settings { method: Method::Fft, cells: Some(cells), outputs, ..*settings };
     let field = solve(&contact.under(Loading::Single(at(best))), &settings).pop()?.ok()?.pressure.field?;
-    let gap = match best.tilt {
-        [0.0, 0.0] => contact.gap().clone(),
-        tilt => AnyGap::new(Tilted::new(contact.gap().clone(), tilt)),
-    };
+    let gap = contact.tilted_gap(best.tilt);
     let look = BracketSettings { threads: settings.threads, ..BracketSettings::default() };
-    bracket::sharp(&*gap, contact.modulus(), best.depth, &field, &look).ok()
+    bracket::sharp(&gap, contact.modulus(), best.depth, &field, &look).ok()
 }
 
 fn figures(timed: &Timed, reference: &Solution) -> Figures {

@@ -3,11 +3,10 @@
 use super::Sample;
 use crate::by_grid::{dimensional, on_several_grids};
 use crate::contact::Contact;
-use crate::domain::Door;
 use crate::error::{Unsolved, Verdict};
 use crate::exact;
-use crate::gap::{Reach, extent};
-use crate::homogeneity::{self, Degree};
+use crate::gap::Law;
+use crate::overlap::Overlap;
 use crate::respond::respond;
 use crate::settings::{Method, Outputs, Settings};
 use crate::solution::Solution;
@@ -24,8 +23,8 @@ pub(super) struct Family<'a> {
     tolerance: f64,
     first_touch: f64,
     deepest: f64,
-    /// A state of a homogeneous gap and 1/k.
-    similar: Option<(Solution, f64)>,
+    /// A state of a homogeneous gap and its law.
+    similar: Option<(Solution, Law)>,
     solves: usize,
 }
 
@@ -48,8 +47,8 @@ impl<'a> Family<'a> {
     /// The state at overlap `s`; the deepest has to be asked for first.
     pub fn at(&mut self, s: f64) -> Result<Sample, Unsolved> {
         let depth = self.first_touch + s;
-        if let Some((state, inverse_degree)) = &self.similar {
-            return Ok(sample(&state.at_other_depth(depth, self.contact.gap().centre(), *inverse_degree)));
+        if let Some((state, law)) = &self.similar {
+            return Ok(sample(&state.at_other_depth(depth, self.contact.gap().known().centre, law)));
         }
         self.solves += 1;
         let state = self.solved(depth)?;
@@ -57,8 +56,8 @@ impl<'a> Family<'a> {
             let reason = format!("no force at depth {depth:e}, {s:e} below first touch");
             return Err(Unsolved::new(Verdict::NotApplicable, reason));
         }
-        if s == self.deepest && self.first_touch == 0.0 {
-            self.similar = self.degree(depth).map(|k| (state.clone(), k.inverse()));
+        if s == self.deepest {
+            self.similar = self.contact.gap().known().law.map(|law| (state.clone(), law));
         }
         Ok(sample(&state))
     }
@@ -88,23 +87,15 @@ impl<'a> Family<'a> {
         }
         let method = if self.settings.method == Method::Qp { Method::Qp } else { Method::Fft };
         let apart = || Unsolved::new(Verdict::NotApplicable, format!("no contact at depth {depth:e}"));
-        let door = Door::enter(self.contact.gap(), depth)?.ok_or_else(apart)?;
-        let degree = self.degree(depth);
-        let mut found = exact::as_far_as(FINE, &door, &self.settings, method, degree)?;
+        let scaled = Overlap::of(self.contact.gap(), depth)?.ok_or_else(apart)?.scaled();
+        let law = self.contact.gap().known().law;
+        let mut found = exact::as_far_as(FINE, &scaled, &self.settings, method, law)?;
         let short = found.error / found.force / self.settings.tolerance;
         // Twice as many cells take a half to three quarters of the error away.
         if self.settings.cells.is_none() && (1.0..4.0).contains(&short) {
-            found = exact::as_far_as(2 * FINE, &door, &self.settings, method, degree)?;
+            found = exact::as_far_as(2 * FINE, &scaled, &self.settings, method, law)?;
         }
-        dimensional(self.contact, &door, &found, degree, depth, [0.0; 2], &self.settings)
-    }
-
-    /// The degree of the gap, when it is homogeneous as far as the contact at this depth can reach.
-    fn degree(&self, depth: f64) -> Option<Degree> {
-        match extent(self.contact.gap(), depth) {
-            Reach::Within(reach) => homogeneity::degree(self.contact.gap(), &reach),
-            _ => None,
-        }
+        dimensional(self.contact, &scaled, &found, law, depth, [0.0; 2], &self.settings)
     }
 }
 

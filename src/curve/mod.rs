@@ -9,7 +9,7 @@ pub use spline::Knot;
 
 use crate::contact::Contact;
 use crate::error::{InputError, Unsolved, Verdict, positive};
-use crate::gap::least;
+use crate::overlap::least;
 use crate::settings::Settings;
 use family::Family;
 use law::Law;
@@ -99,7 +99,7 @@ impl Curve {
     /// What stops the solve at some depth; `NotApplicable` when the range is not 0 < from < to.
     pub fn new(contact: &Contact, settings: &Settings, range: CurveRange) -> Result<Self, Unsolved> {
         range.checked().map_err(|e| Unsolved::new(Verdict::NotApplicable, e.to_string()))?;
-        let (_, first_touch) = least(&**contact.gap());
+        let (_, first_touch) = least(contact.gap());
         let CurveRange { from, to, accuracy } = range;
         let mut family = Family::new(contact, settings, OF_STATES * accuracy, first_touch, to);
         // On a prescribed grid nearly all of a state's error is that of the grid, the same from one state to the next.
@@ -116,7 +116,7 @@ impl Curve {
     /// # Errors
     /// As [`Curve::new`]; `NotApplicable` when the bodies do not touch at that depth.
     pub fn up_to(contact: &Contact, settings: &Settings, depth: f64, accuracy: f64) -> Result<Self, Unsolved> {
-        let to = depth - least(&**contact.gap()).1;
+        let to = depth - least(contact.gap()).1;
         if !(to.is_finite() && to > 0.0) {
             let reason = format!("a curve up to depth {depth:e}, at which the bodies do not touch");
             return Err(Unsolved::new(Verdict::NotApplicable, reason));

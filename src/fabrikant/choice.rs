@@ -3,7 +3,7 @@
 use crate::error::{InputError, Unsolved, Verdict};
 use crate::fabrikant::family::{self, Family};
 use crate::fabrikant::{Approximation, Error, Settings, stationary};
-use crate::gap::{Gap, Paraboloid};
+use crate::gap::{AnyGap, Gap, Paraboloid};
 use crate::material::EffectiveModulus;
 
 /// The boundary asked for: equation (15), or the best of a family.
@@ -11,12 +11,13 @@ use crate::material::EffectiveModulus;
 /// # Errors
 /// As [`stationary`]; `NoMaximum` when the force has no verified interior maximum within the family.
 pub fn solve(
-    gap: &dyn Gap,
+    gap: impl Into<AnyGap>,
     modulus: EffectiveModulus,
     depth: f64,
     family: Family,
     settings: &Settings,
 ) -> Result<Approximation, Error> {
+    let gap = &gap.into();
     match family {
         Family::Stationary => stationary(gap, modulus, depth, settings),
         Family::Circle => crate::ritz::circle(gap, modulus, depth, settings),
@@ -40,16 +41,17 @@ pub fn solve(
 /// # Errors
 /// As [`solve`] at the depths tried; an input error for a force that is not greater than zero; `IterationLimit`.
 pub fn at_force(
-    gap: &dyn Gap,
+    gap: impl Into<AnyGap>,
     modulus: EffectiveModulus,
     force: f64,
     family: Family,
     settings: &Settings,
 ) -> Result<(f64, Approximation), Error> {
+    let gap = &gap.into();
     let force = crate::error::positive("force", force)?;
     let allowed = settings.checked()?.tolerance.max(1e-13);
     // Depth over the gap at the centre, the reference from which the force grows.
-    let [x, y] = gap.centre();
+    let [x, y] = gap.known().centre;
     let lowest = gap.gap(x, y);
     if !lowest.is_finite() {
         return Err(InputError::new("gap", lowest, "a finite gap at its centre").into());
@@ -89,7 +91,13 @@ pub fn at_force(
 ///
 /// # Errors
 /// When all of them fail, that of the ellipse; at once for bad input and for contacts in several parts.
-pub fn auto(gap: &dyn Gap, modulus: EffectiveModulus, depth: f64, settings: &Settings) -> Result<Approximation, Error> {
+pub fn auto(
+    gap: impl Into<AnyGap>,
+    modulus: EffectiveModulus,
+    depth: f64,
+    settings: &Settings,
+) -> Result<Approximation, Error> {
+    let gap = &gap.into();
     let refused = match stationary(gap, modulus, depth, settings) {
         Ok(found) => {
             return Ok(Approximation { why: "equation (15) has a stationary boundary".to_owned(), ..found });

@@ -5,7 +5,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use crate::fabrikant::ray::Overlap;
+use crate::fabrikant::ray::ScaledOverlap;
 use crate::gap::{Gap, Ridge, Ridges};
 
 /// Fewer ridges than this are looked at one by one.
@@ -28,7 +28,7 @@ pub(super) struct Facets {
 
 impl Facets {
     /// `None` where the gap is not made of many planes. Ridges closer to the centre than `at_centre` run through it.
-    pub fn about(overlap: &Overlap, centre: [f64; 2], at_centre: f64) -> Option<Self> {
+    pub fn about(overlap: &ScaledOverlap, centre: [f64; 2], at_centre: f64) -> Option<Self> {
         let ridges = overlap.gap.ridges().filter(|r| overlap.has_planes() && r.all.len() >= MANY)?;
         let mut through = Vec::new();
         let spans: Vec<[f64; 2]> =
@@ -154,7 +154,7 @@ fn span(ridge: &Ridge, ridges: &Ridges, centre: [f64; 2], at_centre: f64, throug
 mod tests {
     use super::*;
     use crate::fabrikant::ray::RayLine;
-    use crate::gap::{Polyhedron, Scaled};
+    use crate::gap::Polyhedron;
 
     /// Kinks, jumps and slopes are those of the gap itself, from centres on a corner, on a ridge, and off both.
     #[test]
@@ -166,7 +166,7 @@ mod tests {
         let fan = Polyhedron::new(Polyhedron::pyramid(50, 0.7).unwrap().planes().to_vec()).unwrap();
         let gaps = [Polyhedron::new(planes).unwrap(), fan, Polyhedron::truncated_pyramid(40, 0.7, 0.3).unwrap()];
         for gap in &gaps {
-            let overlap = Overlap::new(Scaled { gap, origin: [0.0; 2], length: 1.0, depth: 1.0 }, 1.0);
+            let overlap = ScaledOverlap::unscaled(gap);
             let ridges = gap.ridges().unwrap();
             let on_ridge = [0, 1].map(|m| ridges.all[0].point[m] + 1e-3 * ridges.all[0].direction[m]);
             for centre in [[0.013, -0.021], [0.3, 0.4], ridges.corners[0], on_ridge] {

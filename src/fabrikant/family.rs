@@ -9,7 +9,7 @@ use crate::fabrikant::problem::several_parts;
 use crate::fabrikant::star::{Ray, Star};
 use crate::fabrikant::sweeps::Found;
 use crate::fabrikant::{Approximation, Error, Problem, Settings, first_rung};
-use crate::gap::Gap;
+use crate::gap::AnyGap;
 use crate::material::EffectiveModulus;
 
 /// What the boundary is chosen from.
@@ -34,7 +34,7 @@ const HIGHEST_ORDER: usize = 64;
 
 /// The best boundary of a Fourier series or of the scaled plan-form.
 pub(super) fn best(
-    gap: &dyn Gap,
+    gap: &AnyGap,
     modulus: EffectiveModulus,
     depth: f64,
     family: Family,
@@ -70,9 +70,9 @@ pub(super) fn best(
     if let Some(angle) = star.second_part(problem.reach, problem.searched) {
         return Err(several_parts(angle).into());
     }
-    let length = problem.overlap.gap.length;
+    let length = problem.overlap.units.length;
     let (off, area) = star.centroid_and_area();
-    let centroid = problem.overlap.gap.outward([star.centre[0] + off[0], star.centre[1] + off[1]]);
+    let centroid = problem.overlap.units.outward([star.centre[0] + off[0], star.centre[1] + off[1]]);
     let perimeter = star.sum(|r| r.a);
     let mut outline = star.outline();
     let mut phi = vec![0.0; q.len()];
@@ -89,8 +89,8 @@ pub(super) fn best(
         why: String::new(),
         force: problem.force_unit() * found.d,
         stiffness: 4.0 * modulus.e_star() * length * (area / perimeter),
-        d: length * problem.overlap.gap.depth * found.d,
-        second_variation: Some(second * problem.overlap.gap.depth),
+        d: length * problem.overlap.units.height * found.d,
+        second_variation: Some(second * problem.overlap.units.height),
         residual: found.residual,
         margin: None,
         boundary: problem.boundary(star.centre, outline),

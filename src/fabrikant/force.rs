@@ -5,7 +5,7 @@ use crate::fabrikant::radial::Stand;
 use crate::fabrikant::sectors::{SIXTH, Sectors};
 use crate::fabrikant::star::Star;
 use crate::fabrikant::{Error, Problem, Settings, first_rung};
-use crate::gap::Gap;
+use crate::gap::{AnyGap, Gap};
 use crate::material::EffectiveModulus;
 
 /// P(A) of a given boundary, and what goes with it.
@@ -40,7 +40,7 @@ pub struct Force {
 /// # Errors
 /// `NotStarShaped` where a(theta) is not a positive number; an input error for a region outside the material.
 pub fn force(
-    gap: &dyn Gap,
+    gap: impl Into<AnyGap>,
     modulus: EffectiveModulus,
     depth: f64,
     centre: [f64; 2],
@@ -48,10 +48,11 @@ pub fn force(
     corners: &[f64],
     settings: &Settings,
 ) -> Result<Force, Error> {
+    let gap = &gap.into();
     let settings = settings.checked()?;
     let problem = Problem::new(gap, modulus, depth)?;
-    let (overlap, length) = (&problem.overlap, problem.overlap.gap.length);
-    let centre = overlap.gap.inward(centre);
+    let (overlap, length) = (&problem.overlap, problem.overlap.units.length);
+    let centre = overlap.units.inward(centre);
     let mut star = Star::about(overlap, centre, 1.0, first_rung(settings.tolerance));
     let mut directions = corners.to_vec();
     overlap.gap.kink_directions(centre, &mut directions);
@@ -82,7 +83,7 @@ pub fn force(
                 force: problem.force_unit() * quotient,
                 stiffness: 4.0 * modulus.e_star() * length * area / star.sum(|r| r.a),
                 area: area * length * length,
-                centroid: overlap.gap.outward([centre[0] + off[0], centre[1] + off[1]]),
+                centroid: overlap.units.outward([centre[0] + off[0], centre[1] + off[1]]),
                 quadrature_error,
                 rays: star.rays.len(),
             });

@@ -3,7 +3,7 @@
 //! The slope is looked at in equal steps. Where it is smooth, its changes from step to step are alike; a step with far more than
 //! its neighbours holds a kink, or a bend as sharp as one, and is halved towards it. Rules split there see smooth pieces.
 
-use crate::fabrikant::ray::{Overlap, RayLine};
+use crate::fabrikant::ray::{RayLine, ScaledOverlap};
 
 /// Steps over the range.
 const STEPS: usize = 64;
@@ -19,7 +19,7 @@ const SAME: f64 = 1e-6;
 const BASE: f64 = 1e-6;
 
 /// Appends the kinks up to `range` that are not in the list from `from` on.
-pub(super) fn find(line: &RayLine, overlap: &Overlap, range: f64, from: usize, kinks: &mut Vec<f64>) {
+pub(super) fn find(line: &RayLine, overlap: &ScaledOverlap, range: f64, from: usize, kinks: &mut Vec<f64>) {
     let told = kinks.len();
     let slope = |r: f64| overlap.slope_along(line.centre, line.direction, r, BASE);
     let narrowest = if overlap.has_gradient() { 1e-13 } else { 8.0 * BASE };

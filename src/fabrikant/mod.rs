@@ -47,7 +47,7 @@ pub use force::{Force, force};
 pub use polyhedron::RegularPolyhedron;
 pub(crate) use problem::{Problem, first_rung};
 pub(crate) use radial::RadialRule;
-pub(crate) use ray::{DIFFERENCE_STEP, Overlap};
+pub(crate) use ray::{DIFFERENCE_STEP, ScaledOverlap};
 pub(crate) use sectors::{Sectors, Spoke, THIRD};
 pub use stationary::stationary;
 

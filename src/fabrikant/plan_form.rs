@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use crate::error::{Unsolved, Verdict};
 use crate::fabrikant::problem::Problem;
 use crate::fabrikant::{Approximation, Boundary, Error, Family, FlatPunch, Settings};
-use crate::gap::Gap;
+use crate::gap::{AnyGap, Degree, Gap};
 use crate::material::EffectiveModulus;
 use crate::quadrature::GaussLegendre;
 
@@ -21,16 +21,16 @@ const MOST_MOVES: usize = 8;
 
 /// The answer for a gap that is known to be flat within an edge about its centre; `None` for any other.
 pub(super) fn flat(
-    gap: &dyn Gap,
+    gap: &AnyGap,
     modulus: EffectiveModulus,
     depth: f64,
     settings: &Settings,
 ) -> Option<Result<Approximation, Error>> {
-    (gap.homogeneous() == Some(f64::INFINITY)).then(|| solve(gap, modulus, depth, settings))
+    (gap.known().degree() == Some(Degree::Flat)).then(|| solve(gap, modulus, depth, settings))
 }
 
 /// Where the ray at this angle meets the edge, nearest first.
-fn edge(gap: &dyn Gap, from: [f64; 2], angle: f64) -> Vec<f64> {
+fn edge(gap: &AnyGap, from: [f64; 2], angle: f64) -> Vec<f64> {
     let mut crossings = Vec::new();
     gap.ray_kinks(from, [angle.cos(), angle.sin()], &mut crossings);
     crossings.sort_by(f64::total_cmp);
@@ -39,7 +39,7 @@ fn edge(gap: &dyn Gap, from: [f64; 2], angle: f64) -> Vec<f64> {
 }
 
 /// The centroid of the plan-form as seen from a point inside, and the area; star-shaped or not.
-fn centroid_and_area(gap: &dyn Gap, from: [f64; 2]) -> ([f64; 2], f64) {
+fn centroid_and_area(gap: &AnyGap, from: [f64; 2]) -> ([f64; 2], f64) {
     let mut ends = vec![];
     gap.kink_directions(from, &mut ends);
     ends.iter_mut().for_each(|angle| *angle = angle.rem_euclid(TAU));
@@ -65,9 +65,9 @@ fn centroid_and_area(gap: &dyn Gap, from: [f64; 2]) -> ([f64; 2], f64) {
     (moment.map(|m| m / area), area)
 }
 
-fn solve(gap: &dyn Gap, modulus: EffectiveModulus, depth: f64, settings: &Settings) -> Result<Approximation, Error> {
+fn solve(gap: &AnyGap, modulus: EffectiveModulus, depth: f64, settings: &Settings) -> Result<Approximation, Error> {
     Problem::new(gap, modulus, depth)?;
-    let mut centre = gap.centre();
+    let mut centre = gap.known().centre;
     for _ in 0..MOST_MOVES {
         let (off, area) = centroid_and_area(gap, centre);
         centre = [centre[0] + off[0], centre[1] + off[1]];

@@ -1,13 +1,14 @@
 //! The problem at the door: units taken off.
 
 use crate::error::{InputError, Unsolved, Verdict, finite};
-use crate::fabrikant::{Boundary, Error, Overlap};
-use crate::gap::{Gap, Reach, Scaled, extent, least};
+use crate::fabrikant::{Boundary, Error, ScaledOverlap};
+use crate::gap::{AnyGap, Gap};
 use crate::material::EffectiveModulus;
+use crate::overlap::{self, Units, least};
 
 /// The problem in units of its own.
-pub(crate) struct Problem<'a> {
-    pub overlap: Overlap<'a>,
+pub(crate) struct Problem {
+    pub overlap: ScaledOverlap,
     pub e_star: f64,
     /// How far from the origin the overlap may reach, in units of length.
     pub reach: f64,
@@ -18,20 +19,15 @@ pub(crate) struct Problem<'a> {
     pub searched: bool,
 }
 
-impl<'a> Problem<'a> {
+impl Problem {
     /// Unit of depth: the overlap at the centre. Unit of length: a mean reach of the overlap.
-    pub fn new(gap: &'a dyn Gap, modulus: EffectiveModulus, depth: f64) -> Result<Self, Error> {
+    pub fn new(gap: impl Into<AnyGap>, modulus: EffectiveModulus, depth: f64) -> Result<Self, Error> {
+        let gap = &gap.into();
         finite("depth", depth)?;
         let apart = || Unsolved::new(Verdict::NotApplicable, format!("the bodies do not touch at depth {depth}"));
-        let rect = match extent(gap, depth) {
-            Reach::Within(rect) => rect,
-            Reach::Nowhere => return Err(apart().into()),
-            Reach::Unbounded | Reach::Unknown => {
-                let reason = "the gap stays below the depth as far as one looks";
-                return Err(Unsolved::new(Verdict::Unbounded, reason).into());
-            }
-        };
-        let mut origin = gap.centre();
+        let found = overlap::Overlap::of(gap, depth)?.ok_or_else(apart)?;
+        let (rect, searched) = (found.reach, !found.certain);
+        let mut origin = gap.known().centre;
         if !(depth > gap.gap(origin[0], origin[1])) {
             origin = least(gap).0;
         }
@@ -45,27 +41,27 @@ impl<'a> Problem<'a> {
         if !(unit.is_normal() && length.is_normal() && (unit * length).is_normal()) {
             return Err(InputError::new("depth", depth, "a depth at which force and contact can be represented").into());
         }
-        let scaled = Scaled { gap, origin, length, depth: unit };
+        let units = Units { origin, length, height: unit };
         Ok(Self {
-            overlap: Overlap::new(scaled, depth / unit),
+            overlap: ScaledOverlap::new(gap, units, depth / unit),
             e_star: modulus.e_star(),
             reach: far / length,
-            middle: scaled.inward(rect.centre()),
+            middle: units.inward(rect.centre()),
             half: rect.size().map(|side| 0.5 * side / length),
-            searched: gap.certain_reach(depth) == Reach::Unknown,
+            searched,
         })
     }
 
     /// 2E* length depth: the unit of P for D.
     pub fn force_unit(&self) -> f64 {
-        2.0 * self.e_star * self.overlap.gap.length * self.overlap.gap.depth
+        2.0 * self.e_star * self.overlap.units.length * self.overlap.units.height
     }
 
     /// A boundary in the user's units.
     pub fn boundary(&self, centre: [f64; 2], outline: Vec<[f64; 2]>) -> Boundary {
-        let length = self.overlap.gap.length;
+        let length = self.overlap.units.length;
         Boundary {
-            centre: self.overlap.gap.outward(centre),
+            centre: self.overlap.units.outward(centre),
             outline: outline.into_iter().map(|[theta, a]| [theta, a * length]).collect(),
         }
     }

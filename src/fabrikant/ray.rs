@@ -16,23 +16,36 @@
 use std::f64::consts::FRAC_PI_2;
 
 use crate::fabrikant::radial::{RadialRule, Stand};
-use crate::gap::{Gap, Scaled};
+use crate::gap::{AnyGap, Gap};
+use crate::overlap::Units;
 
 /// The overlap f = level - gap in the units of the solver.
-pub(crate) struct Overlap<'a> {
-    /// The gap, in units of length and depth.
-    pub gap: Scaled<'a>,
+pub(crate) struct ScaledOverlap {
+    /// The gap in these units.
+    pub gap: AnyGap,
+    /// Its units.
+    pub units: Units,
     /// The depth, in units of depth: 1 when the gap is zero at its centre.
     pub level: f64,
     has_gradient: bool,
     has_planes: bool,
 }
 
-impl<'a> Overlap<'a> {
-    pub fn new(gap: Scaled<'a>, level: f64) -> Self {
-        let [x, y] = gap.centre();
+impl ScaledOverlap {
+    /// The overlap of a gap, seen in these units, at a depth in the same units.
+    pub fn new(gap: impl Into<AnyGap>, units: Units, level: f64) -> Self {
+        let gap = &gap.into();
+        let gap = gap.scaled(units.origin, units.length, units.height);
+        let [x, y] = gap.known().centre;
         let has_gradient = gap.gradient(x, y).is_some();
-        Self { has_gradient, has_planes: has_gradient && gap.ridges().is_some(), gap, level }
+        Self { has_gradient, has_planes: has_gradient && gap.ridges().is_some(), gap, units, level }
+    }
+
+    /// The overlap at depth 1 in the gap's own units.
+    #[cfg(test)]
+    pub fn unscaled(gap: impl Into<AnyGap>) -> Self {
+        let gap = &gap.into();
+        Self::new(gap, Units { origin: [0.0; 2], length: 1.0, height: 1.0 }, 1.0)
     }
 
     /// Whether the gap is plane between its kinks.
@@ -103,7 +116,7 @@ pub(crate) struct RayLine<'a> {
 
 impl RayLine<'_> {
     /// Appends the jumps at the kinks of a gap made of planes, and returns the slope on the first piece.
-    pub fn read_planes(&self, f: &Overlap, jumps: &mut Vec<f64>) -> f64 {
+    pub fn read_planes(&self, f: &ScaledOverlap, jumps: &mut Vec<f64>) -> f64 {
         let slope = |piece: usize| {
             let from = if piece > 0 { self.kinks[piece - 1] } else { 0.0 };
             let to = self.kinks.get(piece).copied().unwrap_or(if from > 0.0 { 3.0 * from } else { 1.0 });
@@ -124,7 +137,7 @@ impl RayLine<'_> {
     }
 
     /// Slope of the gap at distance r, from within the piece beyond `piece` kinks.
-    fn slope(&self, f: &Overlap, piece: usize, r: f64, h: f64) -> f64 {
+    fn slope(&self, f: &ScaledOverlap, piece: usize, r: f64, h: f64) -> f64 {
         let aside = if f.has_gradient { ASIDE } else { 2.0 * DIFFERENCE_STEP };
         let low = if piece > 0 { self.kinks[piece - 1] * (1.0 + aside) } else { 0.0 };
         let high = self.kinks.get(piece).map_or(f64::INFINITY, |k| k * (1.0 - aside));
@@ -136,7 +149,7 @@ impl RayLine<'_> {
     ///
     /// The jumps J of the slope enter G_aa in closed form: int (1/cos^2 t + cos 2t) dt up to the kink is
     /// cot(phi) + sin(2 phi)/2, and what is left of g_r - g_r(a) goes to zero at the end of the ray.
-    pub fn along(&self, f: &Overlap, f0: f64, stand: &Stand, rule: &RadialRule) -> Along {
+    pub fn along(&self, f: &ScaledOverlap, f0: f64, stand: &Stand, rule: &RadialRule) -> Along {
         let a = stand.a;
         if let Some(planes) = self.planes {
             return self.along_planes(planes, f0, stand);
@@ -205,7 +218,7 @@ impl RayLine<'_> {
     }
 
     /// G alone.
-    pub fn g(&self, f: &Overlap, f0: f64, stand: &Stand, rule: &RadialRule) -> f64 {
+    pub fn g(&self, f: &ScaledOverlap, f0: f64, stand: &Stand, rule: &RadialRule) -> f64 {
         let (a, mut sum) = (stand.a, 0.0);
         if let Some(planes) = self.planes {
             return self.along_planes(planes, f0, stand).g;
@@ -227,8 +240,8 @@ mod tests {
     use super::*;
     use crate::gap::{Polyhedron, Power};
 
-    fn overlap(gap: &dyn Gap) -> Overlap<'_> {
-        Overlap::new(Scaled { gap, origin: [0.0; 2], length: 1.0, depth: 1.0 }, 1.0)
+    fn overlap(gap: impl Into<AnyGap>) -> ScaledOverlap {
+        ScaledOverlap::unscaled(&gap.into())
     }
 
     /// c r^n has G = a^2 - c a^(n+2) m with m = int sin^(n+1).

@@ -8,7 +8,7 @@ use nalgebra::Matrix2;
 use crate::fabrikant::facets::Facets;
 use crate::fabrikant::hidden_kinks;
 use crate::fabrikant::radial::{RadialRule, Stand};
-use crate::fabrikant::ray::{Along, Overlap, RayLine};
+use crate::fabrikant::ray::{Along, RayLine, ScaledOverlap};
 use crate::fabrikant::sectors::{SIXTH, Sectors, Spoke};
 use crate::fabrikant::surroundings::look_around;
 use crate::gap::Gap;
@@ -51,7 +51,7 @@ impl Ray {
 
 /// The rays about a centre with the quadrature over them. Built once a layout; sweeps over it allocate nothing.
 pub(crate) struct Star<'a> {
-    pub overlap: &'a Overlap<'a>,
+    pub overlap: &'a ScaledOverlap,
     pub centre: [f64; 2],
     /// f at the centre.
     pub f0: f64,
@@ -87,7 +87,7 @@ pub(crate) struct Star<'a> {
 
 impl<'a> Star<'a> {
     /// Rays about `centre`, the boundary a circle of radius `start`.
-    pub fn about(overlap: &'a Overlap<'a>, centre: [f64; 2], start: f64, rung: usize) -> Self {
+    pub fn about(overlap: &'a ScaledOverlap, centre: [f64; 2], start: f64, rung: usize) -> Self {
         let mut directions = Vec::new();
         look_around(overlap, centre, &mut directions);
         let mut star = Self {

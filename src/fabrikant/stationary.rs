@@ -19,7 +19,7 @@ use crate::fabrikant::problem::{Problem, first_rung, several_parts};
 use crate::fabrikant::star::{Ray, Star};
 use crate::fabrikant::sweeps::LOW;
 use crate::fabrikant::{Approximation, Error, Family, Settings};
-use crate::gap::Gap;
+use crate::gap::AnyGap;
 use crate::material::EffectiveModulus;
 
 /// How often the rays are laid anew along the crossings of the boundary with the ridges.
@@ -46,11 +46,12 @@ const MOST_ITERATIONS: usize = 200;
 /// `NoStationaryBoundary` when D lies above the hump of G_a in some direction (elongated contacts), `NotStarShaped` when
 /// the contact is in several parts, `Unbounded`, `IterationLimit`; an input error for a depth that is not finite.
 pub fn stationary(
-    gap: &dyn Gap,
+    gap: impl Into<AnyGap>,
     modulus: EffectiveModulus,
     depth: f64,
     settings: &Settings,
 ) -> Result<Approximation, Error> {
+    let gap = &gap.into();
     let settings = settings.checked()?;
     if let Some(answered) = flat(gap, modulus, depth, &settings) {
         return answered;
@@ -135,11 +136,11 @@ fn about(
         return Err(several_parts(angle).into());
     }
     let unit = problem.force_unit();
-    let length = problem.overlap.gap.length;
+    let length = problem.overlap.units.length;
     let free = |r: &&Ray| !(r.at_edge() && r.along.g_a >= found.d);
     let second = star.rays.iter().filter(free).map(|r| r.along.g_aa).reduce(f64::max);
     let (off, area) = star.centroid_and_area();
-    let centroid = problem.overlap.gap.outward([star.centre[0] + off[0], star.centre[1] + off[1]]);
+    let centroid = problem.overlap.units.outward([star.centre[0] + off[0], star.centre[1] + off[1]]);
     let perimeter = star.sum(|r| r.a);
     let rays = star.rays.len();
     let centre = star.centre;
@@ -149,8 +150,8 @@ fn about(
         why: String::new(),
         force: unit * found.d,
         stiffness: 4.0 * modulus.e_star() * length * (area / perimeter),
-        d: length * problem.overlap.gap.depth * found.d,
-        second_variation: second.map(|s| s * problem.overlap.gap.depth),
+        d: length * problem.overlap.units.height * found.d,
+        second_variation: second.map(|s| s * problem.overlap.units.height),
         residual: found.residual,
         margin: Some((angle, margin)),
         boundary: problem.boundary(centre, outline),

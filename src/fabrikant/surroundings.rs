@@ -2,12 +2,12 @@
 
 use std::f64::consts::TAU;
 
-use crate::fabrikant::ray::{Overlap, RayLine};
+use crate::fabrikant::ray::{RayLine, ScaledOverlap};
 use crate::fabrikant::star::Star;
 use crate::gap::Gap;
 
 /// The directions in which the gap is not smooth, seen from `centre`.
-pub(super) fn look_around(overlap: &Overlap, centre: [f64; 2], directions: &mut Vec<f64>) {
+pub(super) fn look_around(overlap: &ScaledOverlap, centre: [f64; 2], directions: &mut Vec<f64>) {
     overlap.gap.kink_directions(centre, directions);
     let Some(ridges) = overlap.gap.ridges().filter(|_| overlap.has_planes() && centre != [0.0; 2]) else { return };
     // Ridges without end, about where the boundary crosses them.

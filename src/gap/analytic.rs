@@ -1,11 +1,27 @@
 //! Gaps with one formula: paraboloid, sphere, cone, power law.
 
-use super::{Gap, Reach, range};
+use super::radial::{self, Profile, distances};
+use super::{Axis, Degree, Gap, Generatrix, Growth, Known, Law, Material, Quadratic, Reach, Taylor};
 use crate::error::{InputError, finite, positive};
 use crate::geometry::Rect;
+use crate::numeric::Interval;
+
+/// Room for the rounding of a radius.
+const ROUNDING: f64 = 1.0 + 1e-14;
 
 fn disc(radius: f64) -> Reach {
-    if radius > 0.0 { Reach::Within(Rect::around([0.0; 2], [radius; 2])) } else { Reach::Nowhere }
+    if radius > 0.0 { Reach::Within(Rect::around([0.0; 2], [radius * ROUNDING; 2])) } else { Reach::Nowhere }
+}
+
+/// What bodies of revolution about the origin that rise from 0 there have in common.
+fn rising(generatrix: Generatrix) -> Known {
+    Known {
+        floor: 0.0,
+        axis: Some(Axis { at: [0.0; 2], generatrix }),
+        material: Material::Everywhere,
+        mirrors: [true; 2],
+        ..Known::nothing()
+    }
 }
 
 /// x^2/(2 R1) + y^2/(2 R2): two bodies of relative principal curvatures 1/R1, 1/R2 (Hertz).
@@ -50,26 +66,55 @@ impl Gap for Paraboloid {
         Some([x / self.radii[0], y / self.radii[1]])
     }
 
-    fn range(&self, rect: &Rect, slope: [f64; 2]) -> Option<[f64; 2]> {
-        Some(range::of_squares(self.radii.map(|r| 0.5 / r), rect, slope))
-    }
-
-    fn homogeneous(&self) -> Option<f64> {
-        Some(2.0)
-    }
-
-    fn mirrors(&self) -> [bool; 2] {
-        [true; 2]
+    fn describe(&self) -> Known {
+        let [r1, r2] = self.radii;
+        let round = (r1 == r2 && r1.is_finite()).then(|| Generatrix::Power {
+            coefficient: 0.5 / r1,
+            exponent: 2.0,
+            lowest: 0.0,
+        });
+        Known {
+            floor: 0.0,
+            law: Some(Law { degree: Degree::Power(2.0), lowest: 0.0 }),
+            quadratic: Some(Quadratic {
+                about: [0.0; 2],
+                value: 0.0,
+                gradient: [0.0; 2],
+                hessian: [r1.recip(), 0.0, r2.recip()],
+            }),
+            axis: round.map(|generatrix| Axis { at: [0.0; 2], generatrix }),
+            material: Material::Everywhere,
+            mirrors: [true; 2],
+            ..Known::nothing()
+        }
     }
 
     fn reach(&self, depth: f64) -> Reach {
         if depth <= 0.0 {
             return Reach::Nowhere;
         }
-        if self.radii.contains(&f64::INFINITY) {
-            return Reach::Unbounded;
+        if let Some(axis) = (0..2).find(|&m| self.radii[m] == f64::INFINITY) {
+            return Reach::Unbounded { along: axis as f64 * std::f64::consts::FRAC_PI_2, beyond: 0.0 };
         }
-        Reach::Within(Rect::around([0.0; 2], self.radii.map(|r| (2.0 * r).sqrt() * depth.sqrt())))
+        Reach::Within(Rect::around([0.0; 2], self.radii.map(|r| (2.0 * r).sqrt() * depth.sqrt() * ROUNDING)))
+    }
+
+    fn bounds(&self, rect: &Rect, slope: [f64; 2]) -> Option<[f64; 2]> {
+        self.taylor(rect).map(|t| t.bounds(rect.size(), slope))
+    }
+
+    fn taylor(&self, rect: &Rect) -> Option<Taylor> {
+        let c = rect.centre().map(Interval::point);
+        let curvature = self.radii.map(|r| Interval::point(1.0) / Interval::point(r));
+        let curvature = [0, 1].map(|m| if self.radii[m] == f64::INFINITY { Interval::ZERO } else { curvature[m] });
+        let gradient = [0, 1].map(|m| curvature[m] * c[m]);
+        let value = Interval::point(0.5) * (gradient[0] * c[0] + gradient[1] * c[1]);
+        Taylor { value, gradient, hessian: [curvature[0], Interval::ZERO, curvature[1]] }.finite()
+    }
+
+    fn growth(&self, sector: Interval, from: f64) -> Option<Growth> {
+        let [a, b] = self.radii.map(|r| Interval::point(0.5 / r));
+        Some(Growth::power(2.0, a * sector.cos().powi(2) + b * sector.sin().powi(2), from))
     }
 
     fn mean(&self, cell: &Rect) -> f64 {
@@ -117,17 +162,47 @@ impl Gap for Sphere {
         Some([x / height, y / height])
     }
 
-    fn range(&self, rect: &Rect, slope: [f64; 2]) -> Option<[f64; 2]> {
-        Some(range::of_convex(self, rect, slope))
-    }
-
-    fn mirrors(&self) -> [bool; 2] {
-        [true; 2]
+    fn describe(&self) -> Known {
+        let around = Rect::around([0.0; 2], [self.radius; 2]);
+        Known { material: Material::Within(around), ..rising(Generatrix::Sphere { radius: self.radius, lowest: 0.0 }) }
     }
 
     fn reach(&self, depth: f64) -> Reach {
         let t = depth / self.radius;
         disc(if t >= 1.0 { self.radius } else { self.radius * (t * (2.0 - t)).max(0.0).sqrt() })
+    }
+
+    fn bounds(&self, rect: &Rect, slope: [f64; 2]) -> Option<[f64; 2]> {
+        Some(radial::bounds(rect, slope, self.profile(distances(rect)).value, self.taylor(rect)))
+    }
+
+    fn taylor(&self, rect: &Rect) -> Option<Taylor> {
+        radial::taylor(rect, |r| self.profile(r))
+    }
+}
+
+impl Sphere {
+    /// g = R rho^2/(1 + c), g'/r = 1/(R c), g'' = 1/(R c^3) with rho = r/R, c = sqrt(1 - rho^2).
+    fn profile(&self, r: Interval) -> Profile {
+        let (one, radius) = (Interval::point(1.0), Interval::point(self.radius));
+        let rho = r / radius;
+        let c = ((one - rho) * (one + rho)).sqrt();
+        let value = |rho: Interval, c: Interval| radius * rho.powi(2) / (one + c);
+        // g rises with r: its bounds lie at the ends.
+        let end = |rho: f64| {
+            let rho = Interval::point(rho);
+            value(rho, ((one - rho) * (one + rho)).sqrt())
+        };
+        let top = if c.defined { end(rho.hi).hi } else { self.radius.next_up() };
+        Profile {
+            value: if c.is_empty() {
+                Interval::EMPTY
+            } else {
+                Interval { lo: end(rho.lo).lo.max(0.0), hi: top, defined: c.defined }
+            },
+            slope_over_r: one / (radius * c),
+            curvature: one / (radius * c.powi(3)),
+        }
     }
 }
 
@@ -182,20 +257,40 @@ impl Gap for Cone {
         Some(if r > 0.0 { [self.slope * (x / r), self.slope * (y / r)] } else { [self.slope, 0.0] })
     }
 
-    fn range(&self, rect: &Rect, slope: [f64; 2]) -> Option<[f64; 2]> {
-        Some(range::of_convex(self, rect, slope))
-    }
-
-    fn homogeneous(&self) -> Option<f64> {
-        Some(1.0)
-    }
-
-    fn mirrors(&self) -> [bool; 2] {
-        [true; 2]
+    fn describe(&self) -> Known {
+        Known {
+            law: Some(Law { degree: Degree::Power(1.0), lowest: 0.0 }),
+            ..rising(Generatrix::Power { coefficient: self.slope, exponent: 1.0, lowest: 0.0 })
+        }
     }
 
     fn reach(&self, depth: f64) -> Reach {
         disc(depth / self.slope)
+    }
+
+    fn bounds(&self, rect: &Rect, slope: [f64; 2]) -> Option<[f64; 2]> {
+        let value = Interval::point(self.slope) * distances(rect);
+        let [low, high] = radial::bounds(rect, slope, value, self.taylor(rect));
+        // The cone lies above each of its tangent planes, also across the apex.
+        let [x, y] = rect.centre();
+        let below = |t: [f64; 2]| {
+            let [w, h] = rect.size();
+            let plane = Interval::point(t[0]) * Interval::point(x) + Interval::point(t[1]) * Interval::point(y);
+            let rest = (t[0] - slope[0]).abs() * w + (t[1] - slope[1]).abs() * h;
+            plane.lo - (0.5 * rest).next_up()
+        };
+        // A slope slightly less than the cone's: rounding keeps the plane below.
+        let tangent = self.gradient(x, y).map_or([0.0; 2], |g| g.map(|g| g * (1.0 - 4.0 * f64::EPSILON)));
+        Some([low.max(below(tangent)), high])
+    }
+
+    fn taylor(&self, rect: &Rect) -> Option<Taylor> {
+        let slope = Interval::point(self.slope);
+        radial::taylor(rect, |r| Profile { value: slope * r, slope_over_r: slope / r, curvature: Interval::ZERO })
+    }
+
+    fn growth(&self, _: Interval, from: f64) -> Option<Growth> {
+        Some(radial::power(self.slope, 1.0, from))
     }
 }
 
@@ -240,23 +335,43 @@ impl Gap for Power {
         Some(if r > 0.0 { [slope * (x / r), slope * (y / r)] } else { [slope, 0.0] })
     }
 
-    fn range(&self, rect: &Rect, slope: [f64; 2]) -> Option<[f64; 2]> {
-        Some(if self.exponent >= 1.0 {
-            range::of_convex(self, rect, slope)
-        } else {
-            range::of_radial(|r| [self.coefficient * r.powf(self.exponent); 2], rect, slope)
-        })
-    }
-
-    fn homogeneous(&self) -> Option<f64> {
-        Some(self.exponent)
-    }
-
-    fn mirrors(&self) -> [bool; 2] {
-        [true; 2]
+    fn describe(&self) -> Known {
+        let (coefficient, exponent) = (self.coefficient, self.exponent);
+        Known {
+            law: Some(Law { degree: Degree::Power(exponent), lowest: 0.0 }),
+            quadratic: (exponent == 2.0).then_some(Quadratic {
+                about: [0.0; 2],
+                value: 0.0,
+                gradient: [0.0; 2],
+                hessian: [2.0 * coefficient, 0.0, 2.0 * coefficient],
+            }),
+            ..rising(Generatrix::Power { coefficient, exponent, lowest: 0.0 })
+        }
     }
 
     fn reach(&self, depth: f64) -> Reach {
-        disc((depth / self.coefficient).powf(1.0 / self.exponent))
+        // Large powers of a quotient that is off by rounding are off by their share of it.
+        let room = 1.0 + 4.0 * f64::EPSILON / self.exponent;
+        disc((depth / self.coefficient).powf(1.0 / self.exponent) * room)
+    }
+
+    fn bounds(&self, rect: &Rect, slope: [f64; 2]) -> Option<[f64; 2]> {
+        let value = Interval::point(self.coefficient) * distances(rect).powf(Interval::point(self.exponent));
+        Some(radial::bounds(rect, slope, value, self.taylor(rect)))
+    }
+
+    fn taylor(&self, rect: &Rect) -> Option<Taylor> {
+        let (n, one) = (Interval::point(self.exponent), Interval::point(1.0));
+        let c = Interval::point(self.coefficient);
+        let lowered = |r: Interval| if self.exponent == 2.0 { c } else { c * r.powf(n - Interval::point(2.0)) };
+        radial::taylor(rect, |r| Profile {
+            value: c * r.powf(n),
+            slope_over_r: n * lowered(r),
+            curvature: if self.exponent == 1.0 { Interval::ZERO } else { n * (n - one) * lowered(r) },
+        })
+    }
+
+    fn growth(&self, _: Interval, from: f64) -> Option<Growth> {
+        Some(radial::power(self.coefficient, self.exponent, from))
     }
 }

@@ -1,7 +1,8 @@
 //! Flat punches.
 
-use super::{Gap, Outline, Reach};
+use super::{Axis, Degree, Face, Gap, Generatrix, Known, Law, Material, Outline, Reach, Taylor};
 use crate::geometry::Rect;
+use crate::numeric::Interval;
 
 /// Gap zero inside an outline, no material outside: a flat punch with a sharp edge.
 ///
@@ -42,26 +43,46 @@ impl Gap for Flat {
         self.outline.contains([x, y]).then_some([0.0; 2])
     }
 
-    fn range(&self, rect: &Rect, slope: [f64; 2]) -> Option<[f64; 2]> {
+    fn describe(&self) -> Known {
+        let round = self.outline.semi_axes();
+        let disc = round.is_some_and(|[a, b]| a == b);
+        Known {
+            centre: self.centre,
+            floor: 0.0,
+            law: Some(Law { degree: Degree::Flat, lowest: 0.0 }),
+            axis: disc.then_some(Axis { at: [0.0; 2], generatrix: Generatrix::General }),
+            face: Some(Face { outline: self.outline.clone(), at: [0.0; 2], turn: 0.0, value: 0.0, slope: [0.0; 2] }),
+            material: Material::Within(self.outline.bounds()),
+            // A disc or an ellipse about its centre.
+            mirrors: [round.is_some(); 2],
+            ..Known::nothing()
+        }
+    }
+
+    fn reach(&self, depth: f64) -> Reach {
+        if depth > 0.0 { Reach::Within(self.outline.bounds()) } else { Reach::Nowhere }
+    }
+
+    fn bounds(&self, rect: &Rect, slope: [f64; 2]) -> Option<[f64; 2]> {
         let [w, h] = rect.size();
-        let half = 0.5 * (slope[0].abs() * w + slope[1].abs() * h);
+        let half = (0.5 * (slope[0].abs() * w + slope[1].abs() * h)).next_up();
         let high = if self.outline.covers(rect) { half } else { f64::INFINITY };
         // Seen as far as its box: a part of the rectangle without material does no harm to a lower bound.
         let low = if self.outline.misses(rect) { f64::INFINITY } else { -half };
         Some([low, high])
     }
 
-    fn homogeneous(&self) -> Option<f64> {
-        Some(f64::INFINITY)
+    fn taylor(&self, rect: &Rect) -> Option<Taylor> {
+        let level = Taylor { value: Interval::ZERO, gradient: [Interval::ZERO; 2], hessian: [Interval::ZERO; 3] };
+        self.outline.covers(rect).then_some(level)
     }
 
-    fn mirrors(&self) -> [bool; 2] {
-        // A disc or an ellipse about its centre.
-        [self.outline.semi_axes().is_some(); 2]
-    }
-
-    fn reach(&self, depth: f64) -> Reach {
-        if depth > 0.0 { Reach::Within(self.outline.bounds()) } else { Reach::Nowhere }
+    fn mean_bounds(&self, rect: &Rect) -> Option<[f64; 2]> {
+        Some(if self.outline.covers(rect) {
+            [0.0; 2]
+        } else {
+            [if self.outline.misses(rect) { f64::INFINITY } else { 0.0 }, f64::INFINITY]
+        })
     }
 
     fn mean(&self, cell: &Rect) -> f64 {
@@ -74,9 +95,5 @@ impl Gap for Flat {
 
     fn kink_directions(&self, from: [f64; 2], angles: &mut Vec<f64>) {
         self.outline.corner_directions(from, angles);
-    }
-
-    fn centre(&self) -> [f64; 2] {
-        self.centre
     }
 }

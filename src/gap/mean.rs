@@ -50,6 +50,15 @@ pub(super) fn of_planes(planes: &[[f64; 3]], cell: &Rect) -> f64 {
     height + distinct.map(added).sum::<f64>() / (w * h)
 }
 
+/// Bounds of the same: what rounding may do to heights and volumes.
+pub(super) fn of_planes_enclosed(planes: &[[f64; 3]], cell: &Rect) -> [f64; 2] {
+    let ([x, y], [w, h]) = (cell.centre(), cell.size());
+    let size = |p: &[f64; 3]| (p[0] * x).abs() + (p[1] * y).abs() + p[2].abs() + p[0].abs() * w + p[1].abs() * h;
+    let largest = planes.iter().map(size).fold(0.0, f64::max);
+    let (mean, rounding) = (of_planes(planes, cell), 64.0 * f64::EPSILON * largest);
+    [mean - rounding, mean + rounding]
+}
+
 /// Abscissae (half interval) and weights of the 3-point Gauss-Legendre rule on [-1, 1].
 const NODES: [(f64, f64); 3] =
     [(-0.774_596_669_241_483_4, 5.0 / 18.0), (0.0, 8.0 / 18.0), (0.774_596_669_241_483_4, 5.0 / 18.0)];

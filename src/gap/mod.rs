@@ -2,66 +2,86 @@
 //!
 //! [`Gap`] is the open set (any closure is a gap); the types of this module are the kinds that have a name.
 //! With depth d the undeformed bodies overlap by f = d - g, the paper's f.
+//!
+//! A gap says what is *known* of it: what follows from the way it is written ([`Known`], [`Gap::reach`], [`Gap::bounds`] and the other
+//! methods with a default that knows nothing). It never searches or samples; [`crate::overlap`] does, and marks what it found.
 
 mod analytic;
-mod beside;
-mod combine;
-mod descent;
+mod any;
+mod declared;
+mod enclosure;
 mod flat;
 #[cfg(feature = "formula")]
 mod formula;
+mod growth;
 mod height_map;
-mod islands;
+mod known;
 mod mean;
+mod minimum;
 mod outline;
-mod placed;
 mod polyhedron;
+mod radial;
 mod range;
 mod revolved;
 mod ridges;
-mod search;
-mod tilted;
-mod tips;
+mod sum;
+mod taylor;
+mod transform;
 
 pub use analytic::{Cone, Paraboloid, Power, Sphere};
-pub(crate) use beside::Beside;
-pub use combine::{Minimum, Sum};
-pub(crate) use descent::least;
+pub use any::AnyGap;
+pub use declared::Declared;
 pub use flat::Flat;
 #[cfg(feature = "formula")]
 pub use formula::Formula;
+pub use growth::Growth;
 pub use height_map::{HeightMap, Heights, MapFormat, Surface, Zero};
-pub(crate) use islands::islands;
+pub use known::{Axis, Degree, Face, Generatrix, Known, Law, Material, Quadratic};
+pub use minimum::Minimum;
 pub use outline::Outline;
-pub use placed::{Placed, Scaled};
 pub use polyhedron::Polyhedron;
 pub use revolved::Revolved;
 pub use ridges::{Ridge, Ridges};
-pub use search::extent;
-pub use tilted::Tilted;
-pub(crate) use tips::{around_tips, enough};
+pub use sum::Sum;
+pub use taylor::Taylor;
 
 use std::sync::Arc;
 
+use crate::error::InputError;
 use crate::geometry::Rect;
+use crate::numeric::Interval;
 
-/// Where a gap can be less than a given depth.
+/// Where a gap is less than a given depth.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Reach {
     /// Only inside this rectangle.
     Within(Rect),
     /// Nowhere.
     Nowhere,
-    /// Without limit in some direction.
-    Unbounded,
-    /// The gap cannot tell; it has to be searched.
+    /// Without limit.
+    Unbounded {
+        /// Angle (radians) of a direction in which it stays below the depth.
+        along: f64,
+        /// Distance from the gap's own origin beyond which it does.
+        beyond: f64,
+    },
+    /// Not known.
     Unknown,
 }
 
 /// An initial gap. Only [`Gap::gap`] has to be given; the rest is what a method can use when it is known.
 ///
-/// A closure `|x, y| ...` is a gap. Where one body has no material the gap is `f64::INFINITY`; NaN is not allowed.
-/// The gap may be negative (its zero is the user's choice of reference).
+/// A closure `|x, y| ...` is a gap. Where one body has no material the gap is `f64::INFINITY`. NaN stands for a value that cannot be
+/// told (an overflow); it proves nothing. The gap may be negative (its zero is the user's choice of reference).
+///
+/// | method | used for |
+/// |---|---|
+/// | `describe`, `reach`, `components` | which method applies, the grid, closed forms, similarity |
+/// | `bounds`, `taylor`, `mean_bounds`, `growth` | proofs; the same through sums and minima |
+/// | `gradient`, `mean` | accuracy and speed of grids |
+/// | `ray_kinks`, `kink_directions`, `ridges`, `planes` | the approximate methods |
+///
+/// Everything that an implementation claims has to hold everywhere: proofs rest on it. The defaults claim nothing.
 pub trait Gap: Send + Sync {
     /// The gap at (x, y), in units of length.
     fn gap(&self, x: f64, y: f64) -> f64;
@@ -71,33 +91,24 @@ pub trait Gap: Send + Sync {
         None
     }
 
+    /// What is known at no depth in particular.
+    fn describe(&self) -> Known {
+        Known::nothing()
+    }
+
     /// Where the gap is less than `depth`. The rectangle may be larger than need be, never smaller.
     fn reach(&self, _depth: f64) -> Reach {
         Reach::Unknown
     }
 
-    /// As [`Gap::reach`], without anything that was searched or sampled: [`Reach::Unknown`] where nothing is certain.
-    ///
-    /// A gap whose `reach` looks at values must give its own; a proof rests on it.
-    fn certain_reach(&self, depth: f64) -> Reach {
-        self.reach(depth)
-    }
-
     /// Rectangles that together hold all of {g < depth}: one around each separate piece, as far as the gap can tell them
-    /// apart. They may overlap. `None` when there is no end to it.
-    fn pieces(&self, depth: f64) -> Option<Vec<Rect>> {
+    /// apart. They may overlap. `None` when that is not known.
+    fn components(&self, depth: f64) -> Option<Vec<Rect>> {
         match self.reach(depth) {
             Reach::Within(rect) => Some(vec![rect]),
             Reach::Nowhere => Some(Vec::new()),
-            Reach::Unbounded => None,
-            Reach::Unknown => search::pieces(&|x, y| self.gap(x, y), depth, self.centre()),
+            Reach::Unbounded { .. } | Reach::Unknown => None,
         }
-    }
-
-    /// k when g(c + s v) = s^k g(c + v) for every s > 0 with c = [`Gap::centre`], by construction; infinite for a flat with a
-    /// sharp edge, whose force grows with the depth itself. A proof rests on it.
-    fn homogeneous(&self) -> Option<f64> {
-        None
     }
 
     /// Mean of the gap over a rectangle. Infinite where any part has no material.
@@ -106,18 +117,36 @@ pub trait Gap: Send + Sync {
     }
 
     /// Bounds of g(x) - slope . (x - c) over a rectangle with centre c: nowhere less than the first, nowhere more than the
-    /// second (infinite where any part has no material). `None` when the gap cannot prove any.
-    ///
-    /// The bounds hold up to the rounding of [`Gap::gap`] itself. They may be wider than need be; the closer they are,
+    /// second (infinite where any part has no material). `None` when the gap cannot prove any. The closer they are,
     /// the narrower a proved bracket of the force ([`crate::bracket`]).
-    fn range(&self, _rect: &Rect, _slope: [f64; 2]) -> Option<[f64; 2]> {
+    fn bounds(&self, _rect: &Rect, _slope: [f64; 2]) -> Option<[f64; 2]> {
         None
     }
 
-    /// Whether the gap is its own image in the line x = c, and in y = c, through [`Gap::centre`], by construction. A proof
-    /// rests on it.
-    fn mirrors(&self) -> [bool; 2] {
-        [false; 2]
+    /// Value and slopes in the middle of a rectangle and second derivatives over it, enclosed. `None` where the gap is not
+    /// smooth there, ends there, or cannot prove it.
+    fn taylor(&self, _rect: &Rect) -> Option<Taylor> {
+        None
+    }
+
+    /// Bounds of the mean over a rectangle.
+    fn mean_bounds(&self, rect: &Rect) -> Option<[f64; 2]> {
+        enclosure::mean(self, rect)
+    }
+
+    /// Bounds along the rays from the origin whose angles lie in `sector`, from a distance on.
+    fn growth(&self, _sector: Interval, _from: f64) -> Option<Growth> {
+        None
+    }
+
+    /// The same gap inside a rectangle, simpler where only some of its parts matter there; outside, anything.
+    fn restricted(&self, _rect: &Rect) -> Option<AnyGap> {
+        None
+    }
+
+    /// The gaps whose least it is, when it is one of several tips.
+    fn alternatives(&self) -> Option<Vec<AnyGap>> {
+        None
     }
 
     /// Appends the distances r > 0 at which the gap along the ray `from + r direction` has a kink
@@ -135,116 +164,37 @@ pub trait Gap: Send + Sync {
     }
 
     /// The planes `[slope_x, slope_y, offset]` whose highest the gap is everywhere; `None` where the gap does not tell.
-    fn planes(&self) -> Option<&[[f64; 3]]> {
+    fn planes(&self) -> Option<Vec<[f64; 3]>> {
         None
     }
 
-    /// A point to start looking from; the apex, where there is one.
-    fn centre(&self) -> [f64; 2] {
-        [0.0, 0.0]
-    }
-
-    /// Points about which the gap, or a part of it, is drawn: where a narrow part would stand out that no even sampling meets.
-    fn tips(&self) -> Vec<[f64; 2]> {
-        vec![self.centre()]
-    }
-
-    /// The point that the gap was drawn about: where its own origin lies.
-    fn reference(&self) -> [f64; 2] {
-        [0.0, 0.0]
+    /// The gap behind a shared pointer.
+    fn into_any(self) -> AnyGap
+    where
+        Self: Sized + 'static,
+    {
+        AnyGap::of(Arc::new(self))
     }
 }
 
-/// A gap behind a shared pointer, so that gaps of different kinds can stand side by side.
-#[derive(Clone)]
-pub struct AnyGap(Arc<dyn Gap>);
+/// Any gap, put somewhere else or tilted.
+pub trait Place: Gap + Clone + 'static {
+    /// With its origin at `at` and turned about it, counter-clockwise, by `rotation` (radians): the value at x is the gap's own at
+    /// R(-rotation)(x - at).
+    ///
+    /// # Errors
+    /// Names `at` or `rotate` when not finite.
+    fn placed(&self, at: [f64; 2], rotation: f64) -> Result<AnyGap, InputError> {
+        AnyGap::from(self).placed(at, rotation)
+    }
 
-impl AnyGap {
-    /// Any gap, its kind forgotten.
-    pub fn new(gap: impl Gap + 'static) -> Self {
-        Self(Arc::new(gap))
+    /// Under a body tilted by (ax, ay), radians, small: with depth d the overlap is d + ax x + ay y - g.
+    fn tilted(&self, tilt: [f64; 2]) -> AnyGap {
+        AnyGap::from(self).tilted(tilt)
     }
 }
 
-impl std::fmt::Debug for AnyGap {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str("AnyGap")
-    }
-}
-
-impl std::ops::Deref for AnyGap {
-    type Target = dyn Gap;
-
-    fn deref(&self) -> &Self::Target {
-        &*self.0
-    }
-}
-
-impl Gap for AnyGap {
-    fn gap(&self, x: f64, y: f64) -> f64 {
-        self.0.gap(x, y)
-    }
-
-    fn gradient(&self, x: f64, y: f64) -> Option<[f64; 2]> {
-        self.0.gradient(x, y)
-    }
-
-    fn reach(&self, depth: f64) -> Reach {
-        self.0.reach(depth)
-    }
-
-    fn certain_reach(&self, depth: f64) -> Reach {
-        self.0.certain_reach(depth)
-    }
-
-    fn pieces(&self, depth: f64) -> Option<Vec<Rect>> {
-        self.0.pieces(depth)
-    }
-
-    fn homogeneous(&self) -> Option<f64> {
-        self.0.homogeneous()
-    }
-
-    fn mean(&self, cell: &Rect) -> f64 {
-        self.0.mean(cell)
-    }
-
-    fn range(&self, rect: &Rect, slope: [f64; 2]) -> Option<[f64; 2]> {
-        self.0.range(rect, slope)
-    }
-
-    fn mirrors(&self) -> [bool; 2] {
-        self.0.mirrors()
-    }
-
-    fn ray_kinks(&self, from: [f64; 2], direction: [f64; 2], kinks: &mut Vec<f64>) {
-        self.0.ray_kinks(from, direction, kinks);
-    }
-
-    fn kink_directions(&self, from: [f64; 2], angles: &mut Vec<f64>) {
-        self.0.kink_directions(from, angles);
-    }
-
-    fn ridges(&self) -> Option<Ridges> {
-        self.0.ridges()
-    }
-
-    fn planes(&self) -> Option<&[[f64; 3]]> {
-        self.0.planes()
-    }
-
-    fn centre(&self) -> [f64; 2] {
-        self.0.centre()
-    }
-
-    fn tips(&self) -> Vec<[f64; 2]> {
-        self.0.tips()
-    }
-
-    fn reference(&self) -> [f64; 2] {
-        self.0.reference()
-    }
-}
+impl<G: Gap + Clone + 'static> Place for G {}
 
 impl<F: Fn(f64, f64) -> f64 + Send + Sync> Gap for F {
     fn gap(&self, x: f64, y: f64) -> f64 {

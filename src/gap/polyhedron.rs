@@ -1,12 +1,13 @@
 //! Polyhedral punches: the gap is the highest of several planes.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{FRAC_PI_2, TAU};
 
 use super::analytic::slope_of;
 use super::ridges::{corner_window, face_polygon, unit};
-use super::{Gap, Reach, Ridges, mean};
+use super::{AnyGap, Degree, Gap, Growth, Known, Law, Material, Quadratic, Reach, Ridges, Taylor, mean, range};
 use crate::error::{InputError, finite, positive};
 use crate::geometry::{Rect, centroid, clip};
+use crate::numeric::Interval;
 
 /// g = max over k of (slope_x x + slope_y y + offset): a convex polyhedron, blunt or pointed, regular or not.
 ///
@@ -19,10 +20,20 @@ pub struct Polyhedron {
     fan: Option<(usize, f64)>,
     /// Inradius of the flat tip of a pyramid.
     flat: f64,
+    /// Angle of a direction in which the highest plane does not rise: the gap stays as low as it is there.
+    level_direction: Option<f64>,
+    /// Least slope of the highest plane along any ray, far out.
+    rise: f64,
     /// Holds every corner with room to spare.
     window: Rect,
     ridges: Ridges,
 }
+
+/// More planes than this are looked at only where they matter.
+const MANY: usize = 64;
+
+/// More planes than this are refused: finding where they meet takes the square of their number.
+const MOST_PLANES: usize = 2000;
 
 impl Polyhedron {
     /// Planes as `[slope_x, slope_y, offset]`, at least one.
@@ -33,6 +44,10 @@ impl Polyhedron {
         if planes.is_empty() {
             return Err(InputError::new("planes", "an empty list", "at least one plane [slope_x, slope_y, offset]"));
         }
+        if planes.len() > MOST_PLANES {
+            let given = format!("{} planes", planes.len());
+            return Err(InputError::new("planes", given, format!("at most {MOST_PLANES} planes")));
+        }
         for (k, plane) in planes.iter().enumerate() {
             for (m, &value) in plane.iter().enumerate() {
                 finite(&format!("planes[{k}][{m}]"), value)?;
@@ -40,8 +55,17 @@ impl Polyhedron {
         }
         let window = corner_window(&planes);
         let ridges = Ridges::of(&planes, &window);
-        let apex = lowest_point(&planes, &ridges, &window);
-        Ok(Self { planes, apex, fan: None, flat: 0.0, window, ridges })
+        let (rise, level_direction) = least_rise(&planes);
+        let on_line = level_direction.and_then(|_| lowest_on_line(&planes));
+        let apex = on_line.map_or_else(|| lowest_point(&planes, &ridges, &window), |(_, point)| point);
+        Ok(Self { planes, apex, fan: None, flat: 0.0, level_direction, rise, window, ridges })
+    }
+
+    /// Only some of the planes, without what the approximate methods ask for.
+    fn few(planes: Vec<[f64; 3]>, apex: [f64; 2]) -> Self {
+        let (rise, level_direction) = least_rise(&planes);
+        let window = Rect::around(apex, [0.0; 2]);
+        Self { planes, apex, fan: None, flat: 0.0, level_direction, rise, window, ridges: Ridges::default() }
     }
 
     /// A regular pyramid of `faces` >= 2 faces, each inclined by `inclination` (radians, in (0, pi/2)); the first face
@@ -68,7 +92,47 @@ impl Polyhedron {
         let ridges = Ridges::of_fan(faces, slope, flat);
         let room = if flat > 0.0 { 4.0 * flat / (0.5 * TAU / faces as f64).cos() } else { 4.0 };
         let window = Rect::around([0.0; 2], [room; 2]);
-        Self { planes, apex: [0.0; 2], fan: Some((faces, slope)), flat, window, ridges }
+        let level_direction = (faces == 2).then_some(FRAC_PI_2);
+        let rise = slope * (0.5 * TAU / faces as f64).cos();
+        Self { planes, apex: [0.0; 2], fan: Some((faces, slope)), flat, level_direction, rise, window, ridges }
+    }
+
+    /// A bound below all of it; minus infinity when it falls without end.
+    fn floor(&self) -> f64 {
+        if self.fan.is_some() {
+            return 0.0;
+        }
+        let [x, y] = self.apex;
+        let size = |p: &[f64; 3]| (p[0] * x).abs() + (p[1] * y).abs() + p[2].abs();
+        let rounding = 1e-13 * self.planes.iter().map(size).fold(0.0, f64::max);
+        match self.level_direction {
+            // Convex and rising along every ray: lowest in a corner.
+            None => self.gap(x, y) - rounding,
+            Some(_) => lowest_on_line(&self.planes).map_or(f64::NEG_INFINITY, |(low, _)| low - rounding),
+        }
+    }
+
+    /// The planes of a fan that can be the highest over a rectangle.
+    fn near(&self, faces: usize, rect: &Rect) -> Vec<[f64; 3]> {
+        if rect.contains([0.0; 2]) {
+            return self.planes.clone();
+        }
+        // The sector in which the rectangle is seen from the apex.
+        let [x, y] = rect.centre();
+        let middle = y.atan2(x);
+        let aside = |c: [f64; 2]| {
+            let off = c[1].atan2(c[0]) - middle;
+            (off + TAU + 0.5 * TAU).rem_euclid(TAU) - 0.5 * TAU
+        };
+        let spread = rect.corners().into_iter().map(|c| aside(c).abs()).fold(0.0, f64::max);
+        let step = TAU / faces as f64;
+        let (first, last) =
+            (((middle - spread) / step).floor() as i64 - 1, ((middle + spread) / step).ceil() as i64 + 1);
+        if (last - first) as usize >= faces {
+            return self.planes.clone();
+        }
+        let face = |k: i64| self.planes[k.rem_euclid(faces as i64) as usize];
+        (first..=last).map(face).chain(self.planes[faces..].iter().copied()).collect()
     }
 
     /// A pyramid whose tip is cut off so that a flat polygon of this inradius is left; the gap is zero on the flat.
@@ -124,6 +188,107 @@ impl Polyhedron {
     }
 }
 
+/// The least height of the highest of some planes whose slopes all lie on one line through the origin, and a point where it is so;
+/// `None` when they fall without end, or for other planes.
+fn lowest_on_line(planes: &[[f64; 3]]) -> Option<(f64, [f64; 2])> {
+    let steepest = planes.iter().max_by(|a, b| a[0].hypot(a[1]).total_cmp(&b[0].hypot(b[1])))?;
+    let length = steepest[0].hypot(steepest[1]);
+    let level = planes.iter().filter(|p| p[0] == 0.0 && p[1] == 0.0).map(|p| p[2]).fold(f64::NEG_INFINITY, f64::max);
+    if length == 0.0 {
+        return Some((level, [0.0; 2]));
+    }
+    let u = [steepest[0] / length, steepest[1] / length];
+    let on_line = |p: &[f64; 3]| (p[0] * u[1] - p[1] * u[0]).abs() <= 1e-14 * length;
+    if !planes.iter().all(on_line) {
+        // A level plane holds all from below.
+        return (level > f64::NEG_INFINITY).then_some((level, [0.0; 2]));
+    }
+    let slope = |p: &[f64; 3]| p[0] * u[0] + p[1] * u[1];
+    let (falling, rising): (Vec<_>, Vec<_>) = planes.iter().filter(|p| slope(p) != 0.0).partition(|p| slope(p) < 0.0);
+    // Two lines of opposite slope meet no higher than the envelope anywhere; the highest such place is its lowest point.
+    let meet = |p: &[f64; 3], q: &[f64; 3]| (p[2] * slope(q) - q[2] * slope(p)) / (slope(q) - slope(p));
+    let mut best: Option<(f64, f64)> = None;
+    for p in &falling {
+        for q in &rising {
+            let height = meet(p, q);
+            if best.is_none_or(|b| height > b.0) {
+                best = Some((height, (height - p[2]) / slope(p)));
+            }
+        }
+    }
+    match best {
+        Some((height, t)) if height >= level => Some((height, u.map(|u| u * t))),
+        _ if level > f64::NEG_INFINITY => {
+            // Somewhere on the level part: between the lines that bound it.
+            let below = |p: &[f64; 3]| (level - p[2]) / slope(p);
+            let from = falling.iter().map(|p| below(p)).fold(f64::NEG_INFINITY, f64::max);
+            let to = rising.iter().map(|p| below(p)).fold(f64::INFINITY, f64::min);
+            let t = match (from.is_finite(), to.is_finite()) {
+                (true, true) => 0.5 * (from + to),
+                (true, false) => from,
+                (false, true) => to,
+                _ => 0.0,
+            };
+            Some((level, u.map(|u| u * t)))
+        }
+        _ => None,
+    }
+}
+
+/// Least slope of the highest of these planes along any ray far out, and the angle of a direction in which it does not rise.
+fn least_rise(planes: &[[f64; 3]]) -> (f64, Option<f64>) {
+    // The rise along a direction is that of the plane which is steepest there. It is least half-way between two neighbours of the
+    // convex hull of the slopes; a direction that no plane rises in exists when the hull does not hold the origin.
+    let mut slopes: Vec<[f64; 2]> = planes.iter().map(|p| [p[0], p[1]]).collect();
+    slopes.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
+    slopes.dedup();
+    let hull = convex_hull(&slopes);
+    let n = hull.len();
+    let (mut least, mut level) = (f64::INFINITY, None);
+    if n < 3 {
+        // Slopes on a line: across it nothing rises.
+        let (a, b) = (hull[0], hull[n - 1]);
+        let along = if a == b { [-a[0], -a[1]] } else { [a[1] - b[1], b[0] - a[0]] };
+        let sense = if along[0] * a[0] + along[1] * a[1] > 0.0 { -1.0 } else { 1.0 };
+        return (0.0, Some((sense * along[1]).atan2(sense * along[0])));
+    }
+    for k in 0..n {
+        // Along the outward normal of a side of the hull both of its ends rise by the same.
+        let (a, b) = (hull[k], hull[(k + 1) % n]);
+        let normal = [b[1] - a[1], a[0] - b[0]];
+        let rise = (normal[0] * a[0] + normal[1] * a[1]) / normal[0].hypot(normal[1]);
+        if rise < least {
+            least = rise;
+            level = Some(normal[1].atan2(normal[0]));
+        }
+    }
+    let steepest = hull.iter().map(|s| s[0].hypot(s[1])).fold(0.0, f64::max);
+    if least > 1e-15 * steepest { (least, None) } else { (0.0, level) }
+}
+
+/// Corners of the convex hull of sorted points, counter-clockwise (Andrew 1979).
+fn convex_hull(sorted: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let turn = |a: [f64; 2], b: [f64; 2], c: [f64; 2]| (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+    let half = |points: &mut dyn Iterator<Item = [f64; 2]>| {
+        let mut chain: Vec<[f64; 2]> = Vec::new();
+        for p in points {
+            while chain.len() >= 2 && turn(chain[chain.len() - 2], chain[chain.len() - 1], p) <= 0.0 {
+                chain.pop();
+            }
+            chain.push(p);
+        }
+        chain
+    };
+    if sorted.len() < 3 {
+        return sorted.to_vec();
+    }
+    let mut hull = half(&mut sorted.iter().copied());
+    let upper = half(&mut sorted.iter().rev().copied());
+    hull.pop();
+    hull.extend(&upper[..upper.len() - 1]);
+    hull
+}
+
 /// Where the surface is lowest; the middle of the flat if it is lowest on one.
 fn lowest_point(planes: &[[f64; 3]], ridges: &Ridges, window: &Rect) -> [f64; 2] {
     if let Some(k) = planes.iter().position(|p| p[0] == 0.0 && p[1] == 0.0) {
@@ -146,56 +311,33 @@ impl Gap for Polyhedron {
         Some([p[0], p[1]])
     }
 
-    fn range(&self, rect: &Rect, slope: [f64; 2]) -> Option<[f64; 2]> {
-        let (c, [w, h]) = (rect.centre(), rect.size());
-        // A plane over the rectangle: its value in the middle, and half its variation.
-        let plane = |p: &[f64; 3]| {
-            let half = 0.5 * ((p[0] - slope[0]).abs() * w + (p[1] - slope[1]).abs() * h);
-            (p[0] * c[0] + p[1] * c[1] + p[2], half)
+    fn describe(&self) -> Known {
+        let pointed = self.regular().map(|_| Law { degree: Degree::Power(1.0), lowest: 0.0 });
+        // Planes that all pass through one point are homogeneous about it.
+        let [x, y] = self.apex;
+        let through = |p: &[f64; 3]| {
+            p[0] * x + p[1] * y + p[2] == self.planes[0][0] * x + self.planes[0][1] * y + self.planes[0][2]
         };
-        let mut bounds = [f64::NEG_INFINITY; 2];
-        // The three highest in the middle, highest first.
-        let mut top: [Option<(f64, &[f64; 3])>; 3] = [None; 3];
-        for p in &self.planes {
-            let (middle, half) = plane(p);
-            bounds = [bounds[0].max(middle - half), bounds[1].max(middle + half)];
-            let mut carried = Some((middle, p));
-            for place in &mut top {
-                if carried.is_some_and(|c| place.is_none_or(|t| c.0 > t.0)) {
-                    std::mem::swap(place, &mut carried);
-                }
-            }
-        }
-        // Across ridges and at corners: the highest plane is nowhere below any mean of planes.
-        let top: Vec<&[f64; 3]> = top.into_iter().flatten().map(|t| t.1).collect();
-        let mut mean = |weights: [f64; 3]| {
-            let mut p = [0.0; 3];
-            for (w, q) in weights.iter().zip(&top) {
-                (0..3).for_each(|m| p[m] += w * q[m]);
-            }
-            let (middle, half) = plane(&p);
-            bounds[0] = bounds[0].max(middle - half);
+        let meeting = || {
+            let lowest = self.planes[0][0] * x + self.planes[0][1] * y + self.planes[0][2];
+            self.planes.iter().all(through).then_some(Law { degree: Degree::Power(1.0), lowest })
         };
-        if top.len() >= 2 {
-            [0.25, 0.5, 0.75].into_iter().for_each(|t| mean([t, 1.0 - t, 0.0]));
+        let flat = (self.planes.len() == 1).then(|| Quadratic {
+            about: [0.0; 2],
+            value: self.planes[0][2],
+            gradient: [self.planes[0][0], self.planes[0][1]],
+            hessian: [0.0; 3],
+        });
+        Known {
+            centre: self.apex,
+            floor: self.floor(),
+            law: pointed.or_else(|| meeting().filter(|_| self.planes.len() > 1)),
+            quadratic: flat,
+            material: Material::Everywhere,
+            // The first face looks along +x.
+            mirrors: self.fan.map_or([false; 2], |(faces, _)| [faces.is_multiple_of(2), true]),
+            ..Known::nothing()
         }
-        if top.len() == 3 {
-            let third = 1.0 / 3.0;
-            for weights in [[third, third, 1.0 - 2.0 * third], [0.5, 0.25, 0.25], [0.25, 0.5, 0.25], [0.25, 0.25, 0.5]]
-            {
-                mean(weights);
-            }
-        }
-        Some(bounds)
-    }
-
-    fn homogeneous(&self) -> Option<f64> {
-        self.regular().map(|_| 1.0)
-    }
-
-    fn mirrors(&self) -> [bool; 2] {
-        // The first face looks along +x.
-        self.fan.map_or([false; 2], |(faces, _)| [faces.is_multiple_of(2), true])
     }
 
     fn reach(&self, depth: f64) -> Reach {
@@ -204,7 +346,7 @@ impl Gap for Polyhedron {
                 return Reach::Nowhere;
             }
             if faces == 2 {
-                return Reach::Unbounded;
+                return Reach::Unbounded { along: FRAC_PI_2, beyond: 0.0 };
             }
             let ridge = (depth / slope + self.flat) / (0.5 * TAU / faces as f64).cos();
             if self.flat > 0.0 {
@@ -213,29 +355,100 @@ impl Gap for Polyhedron {
                     [ridge * cos, ridge * sin]
                 };
                 return Rect::holding((0..faces).map(corner))
-                    .map_or(Reach::Nowhere, |rect| Reach::Within(rect.scaled(1.0 + 1e-9)));
+                    .map_or(Reach::Nowhere, |rect| Reach::Within(rect.scaled(1.0 + 1e-12)));
             }
-            return Reach::Within(Rect::around([0.0; 2], [ridge; 2]));
+            return Reach::Within(Rect::around([0.0; 2], [ridge * (1.0 + 1e-12); 2]));
         }
-        let steepest = self.planes.iter().map(|p| p[0].hypot(p[1])).fold(0.0, f64::max);
-        let window = self.window;
-        let margin =
-            if steepest > 0.0 { 1e6 * (depth - self.gap(self.apex[0], self.apex[1])).abs() / steepest } else { 0.0 };
-        let window = Rect::around(window.centre(), [0.5 * window.size()[0] + margin, 0.5 * window.size()[1] + margin]);
+        if depth <= self.floor() {
+            return Reach::Nowhere;
+        }
+        if let Some(along) = self.level_direction {
+            // A corner below the depth, and everything beyond it in the level direction.
+            let [x, y] = self.apex;
+            return if self.gap(x, y) < depth {
+                Reach::Unbounded { along, beyond: x.hypot(y) }
+            } else {
+                Reach::Unknown
+            };
+        }
+        // Along every ray from the apex some plane rises by at least `rise` a unit of length: {g < depth} lies in this square; what lies
+        // above the depth is cut off it.
+        let [x, y] = self.apex;
+        let lowest = self.planes.iter().map(|p| p[0] * x + p[1] * y + p[2]).fold(f64::INFINITY, f64::min);
+        let half = 1.001 * (depth - lowest) / self.rise;
+        let window = Rect::around(self.apex, [half; 2]);
         let mut region = window.corners().to_vec();
         for [a, b, c] in &self.planes {
             if !region.is_empty() {
                 region = clip(&region, *a, *b, c - depth);
             }
         }
-        let inner = window.scaled(1.0 - 1e-9);
-        if region.iter().any(|&p| !inner.contains(p)) {
-            return Reach::Unbounded;
-        }
         match Rect::holding(region) {
-            Some(rect) => Reach::Within(rect.scaled(1.0 + 1e-9)),
-            None => Reach::Nowhere,
+            Some(rect) => {
+                // Rounding of the corners: of coordinates, and of heights over the least slope.
+                let size = window.corners().into_iter().flatten().fold(0.0_f64, |m, v| m.max(v.abs()));
+                let heights = self.planes.iter().fold(depth.abs(), |m, p| m.max(p[2].abs()));
+                let margin = 1e-14 * size + 1e-14 * heights / self.rise;
+                let [w, h] = rect.size();
+                Reach::Within(Rect::around(rect.centre(), [0.5 * w + margin, 0.5 * h + margin]))
+            }
+            // Only rounding can have emptied it.
+            None => Reach::Within(window),
         }
+    }
+
+    fn bounds(&self, rect: &Rect, slope: [f64; 2]) -> Option<[f64; 2]> {
+        if let Some((faces, _)) = self.fan.filter(|&(faces, _)| faces > MANY) {
+            return Some(range::of_planes(&self.near(faces, rect), rect, slope));
+        }
+        Some(range::of_planes(&self.planes, rect, slope))
+    }
+
+    fn taylor(&self, rect: &Rect) -> Option<Taylor> {
+        let top = self.highest(rect.centre()[0], rect.centre()[1]).1;
+        // One plane is the highest in all corners, so it is throughout.
+        let over = |c: [f64; 2]| {
+            let [x, y] = c.map(Interval::point);
+            let at = |p: &[f64; 3]| Interval::point(p[0]) * x + Interval::point(p[1]) * y + Interval::point(p[2]);
+            let own = at(top).lo;
+            self.fan.filter(|&(faces, _)| faces > MANY).map_or_else(
+                || self.planes.iter().all(|p| p == top || at(p).hi <= own),
+                |(faces, _)| self.near(faces, rect).iter().all(|p| p == top || at(p).hi <= own),
+            )
+        };
+        if !rect.corners().into_iter().all(over) {
+            return None;
+        }
+        let [x, y] = rect.centre().map(Interval::point);
+        let [a, b, c] = top.map(Interval::point);
+        Taylor { value: a * x + b * y + c, gradient: [a, b], hessian: [Interval::ZERO; 3] }.finite()
+    }
+
+    fn mean_bounds(&self, rect: &Rect) -> Option<[f64; 2]> {
+        if self.planes.len() <= mean::MOST_PLANES {
+            return Some(mean::of_planes_enclosed(&self.planes, rect));
+        }
+        super::enclosure::mean(self, rect)
+    }
+
+    fn growth(&self, sector: Interval, from: f64) -> Option<Growth> {
+        if self.planes.len() > MANY {
+            return None;
+        }
+        let (cos, sin) = (sector.cos(), sector.sin());
+        let plane = |p: &[f64; 3]| {
+            let rise = Interval::point(p[0]) * cos + Interval::point(p[1]) * sin;
+            Growth::power(1.0, rise, from).plus(&Growth::constant(p[2]))
+        };
+        self.planes.iter().map(plane).reduce(|a, b| a.greater(&b))
+    }
+
+    fn restricted(&self, rect: &Rect) -> Option<AnyGap> {
+        if self.fan.is_some() || self.planes.len() <= MANY {
+            return None;
+        }
+        let kept = range::highest_somewhere(&self.planes, rect);
+        (2 * kept.len() <= self.planes.len()).then(|| Self::few(kept, self.apex).into_any())
     }
 
     fn mean(&self, cell: &Rect) -> f64 {
@@ -251,8 +464,8 @@ impl Gap for Polyhedron {
         mean::by_quadrature(|x, y| self.gap(x, y), cell)
     }
 
-    fn planes(&self) -> Option<&[[f64; 3]]> {
-        Some(&self.planes)
+    fn planes(&self) -> Option<Vec<[f64; 3]>> {
+        (self.planes.len() <= MANY).then(|| self.planes.clone())
     }
 
     fn ray_kinks(&self, from: [f64; 2], direction: [f64; 2], kinks: &mut Vec<f64>) {
@@ -309,10 +522,6 @@ impl Gap for Polyhedron {
     fn ridges(&self) -> Option<Ridges> {
         Some(self.ridges.clone())
     }
-
-    fn centre(&self) -> [f64; 2] {
-        self.apex
-    }
 }
 
 #[cfg(test)]
@@ -343,7 +552,7 @@ mod tests {
 
     #[test]
     fn reach_of_a_wedge_is_unbounded_and_of_a_truncated_pyramid_its_rim() {
-        assert_eq!(Polyhedron::pyramid(2, 0.5).unwrap().reach(1.0), Reach::Unbounded);
+        assert!(matches!(Polyhedron::pyramid(2, 0.5).unwrap().reach(1.0), Reach::Unbounded { .. }));
         let blunt = Polyhedron::truncated_pyramid(4, 0.25 * std::f64::consts::PI, 2.0).unwrap();
         let Reach::Within(rect) = blunt.reach(1.0) else { panic!("bounded") };
         assert!((rect.max[0] - 3.0).abs() < 1e-6 && (rect.min[1] + 3.0).abs() < 1e-6);

@@ -1,9 +1,11 @@
 //! Bodies of revolution given by points of their generatrix.
 
 use super::outline::circle_crossings;
-use super::{Gap, Reach, range};
+use super::radial::{self, Profile, distances};
+use super::{Axis, Gap, Generatrix, Known, Material, Reach, Taylor, range};
 use crate::error::{InputError, finite};
 use crate::geometry::Rect;
+use crate::numeric::Interval;
 
 /// g(r) straight between the points (r, z) of a table: the profile of a tip, a turned punch, a worn bearing.
 ///
@@ -109,13 +111,20 @@ impl Gap for Revolved {
         Some(if r > 0.0 { [slope * (x / r), slope * (y / r)] } else { [slope, 0.0] })
     }
 
-    fn range(&self, rect: &Rect, slope: [f64; 2]) -> Option<[f64; 2]> {
-        Some(range::of_segments(&self.points, rect, slope))
-    }
-
-    fn mirrors(&self) -> [bool; 2] {
-        // The lowest ring has no point on the axis.
-        self.centre().map(|c| c == 0.0)
+    fn describe(&self) -> Known {
+        let [first, last] = [self.points[0], self.points[self.points.len() - 1]];
+        let lowest = self.points.iter().copied().min_by(|a, b| a[1].total_cmp(&b[1])).unwrap_or(first);
+        // A ring has no material on its axis; any point of its lowest circle will do.
+        let on_axis = first[0] == 0.0 && first[1] <= lowest[1];
+        let around = Rect::around([0.0; 2], [last[0]; 2]);
+        Known {
+            centre: if on_axis { [0.0; 2] } else { [lowest[0], 0.0] },
+            floor: lowest[1],
+            axis: Some(Axis { at: [0.0; 2], generatrix: Generatrix::General }),
+            material: Material::Within(around),
+            mirrors: [on_axis, true],
+            ..Known::nothing()
+        }
     }
 
     fn reach(&self, depth: f64) -> Reach {
@@ -125,6 +134,30 @@ impl Gap for Revolved {
         let ([r0, z0], [r1, z1]) = (self.points[k], self.points[k + 1]);
         let radius = if z1 <= depth { r1 } else { (r0 + (r1 - r0) * ((depth - z0) / (z1 - z0))).next_up().min(r1) };
         Reach::Within(Rect::around([0.0; 2], [radius; 2]))
+    }
+
+    fn bounds(&self, rect: &Rect, slope: [f64; 2]) -> Option<[f64; 2]> {
+        let [low, high] = range::of_segments(&self.points, rect, slope);
+        match self.taylor(rect).map(|t| t.bounds(rect.size(), slope)) {
+            Some([a, b]) => Some([low.max(a), high.min(b)]),
+            None => Some([low, high]),
+        }
+    }
+
+    fn taylor(&self, rect: &Rect) -> Option<Taylor> {
+        let r = distances(rect);
+        let k = self.segment(r.lo)?;
+        let [[r0, z0], [r1, z1]] = [self.points[k], self.points[k + 1]];
+        if !(r.lo >= r0 && r.hi <= r1) {
+            return None;
+        }
+        let [r0, z0, r1, z1] = [r0, z0, r1, z1].map(Interval::point);
+        let slope = (z1 - z0) / (r1 - r0);
+        radial::taylor(rect, |r| Profile {
+            value: z0 + slope * (r - r0),
+            slope_over_r: slope / r,
+            curvature: Interval::ZERO,
+        })
     }
 
     fn mean(&self, cell: &Rect) -> f64 {
@@ -159,16 +192,6 @@ impl Gap for Revolved {
             angles.push((-from[1]).atan2(-from[0]));
         }
     }
-
-    fn centre(&self) -> [f64; 2] {
-        // A ring has no material on its axis; any point of its lowest circle will do.
-        let lowest = self.points.iter().min_by(|a, b| a[1].total_cmp(&b[1])).map_or(0.0, |p| p[0]);
-        if self.points[0][0] == 0.0 && self.points.iter().all(|p| p[1] >= self.points[0][1]) {
-            [0.0; 2]
-        } else {
-            [lowest, 0.0]
-        }
-    }
 }
 
 #[cfg(test)]
@@ -193,7 +216,7 @@ mod tests {
         assert_eq!(ring.gap(3.1, 0.0), f64::INFINITY);
         assert_eq!(ring.gap(0.0, -3.0), 1.0);
         assert_eq!(ring.mean(&Rect::around([0.0; 2], [1.5; 2])), f64::INFINITY);
-        let [x, y] = ring.centre();
+        let [x, y] = ring.describe().centre;
         assert_eq!(ring.gap(x, y), 0.0);
         let mut kinks = Vec::new();
         ring.ray_kinks([0.0; 2], [0.6, 0.8], &mut kinks);

@@ -8,7 +8,6 @@ use crate::compare::{self, Comparison};
 use crate::contact::{Contact, Load, Loading};
 use crate::curve::Curve;
 use crate::error::Unsolved;
-use crate::gap::{AnyGap, Tilted};
 use crate::plan::{Plan, plan};
 use crate::plot::Section;
 use crate::scene::Scene;
@@ -103,10 +102,7 @@ fn detail(scene: &Scene, index: usize, state: &Solution, runs: &compare::Plan, c
         tilt => Load::Tilted { depth: state.depth, tilt },
     };
     let contact = scene.contact.under(Loading::Single(load));
-    let gap = match state.tilt {
-        [0.0, 0.0] => contact.gap().clone(),
-        tilt => AnyGap::new(Tilted::new(contact.gap().clone(), tilt)),
-    };
+    let gap = contact.tilted_gap(state.tilt);
     let run = |method, cells, outputs| {
         let settings = Settings { method, cells, outputs, ..scene.settings };
         solve(&contact, &settings).pop()
@@ -139,7 +135,7 @@ fn detail(scene: &Scene, index: usize, state: &Solution, runs: &compare::Plan, c
             let started = Instant::now();
             let Some(Ok(solution)) = run(Method::Fft, Some(cells), both) else { continue };
             let Some(field) = &solution.pressure.field else { continue };
-            if let Ok(bracket) = bracket::sharp(&*gap, contact.modulus(), state.depth, field, &look) {
+            if let Ok(bracket) = bracket::sharp(&gap, contact.modulus(), state.depth, field, &look) {
                 let seconds = started.elapsed().as_secs_f64();
                 brackets.push(Bracketing { cells, force: solution.force, bracket, seconds });
             }

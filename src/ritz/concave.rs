@@ -337,15 +337,15 @@ impl Frame {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fabrikant::Overlap;
-    use crate::gap::{Gap, Polyhedron, Scaled};
+    use crate::fabrikant::ScaledOverlap;
+    use crate::gap::{AnyGap, Polyhedron};
 
     /// The second variation is the derivative of the gradient.
     #[test]
     fn second_variation_by_differences() {
         let punch = Polyhedron::new(vec![[1.0, 0.0, 0.0], [-0.4, 0.8, -0.1], [-0.3, -0.9, 0.0], [0.0; 3]]).unwrap();
-        let gap: &dyn Gap = &punch;
-        let f = Overlap::new(Scaled { gap, origin: [0.0; 2], length: 1.0, depth: 1.0 }, 1.0);
+        let gap = &AnyGap::from(&punch);
+        let f = ScaledOverlap::unscaled(gap);
         let mut ridged = Ridged::of(&f).unwrap();
         let mut concave = Concave { ridged: &mut ridged, circles: false };
         for m in [Matrix2::new(0.7, 0.1, -0.2, 0.4), Matrix2::identity() * 0.3] {

@@ -3,7 +3,7 @@
 use nalgebra::{Matrix2, Vector2};
 
 use super::coordinates::{Ellipse, Step, mean_and_share};
-use crate::fabrikant::{DIFFERENCE_STEP, Overlap, RadialRule, Sectors, Spoke};
+use crate::fabrikant::{DIFFERENCE_STEP, RadialRule, ScaledOverlap, Sectors, Spoke};
 use crate::gap::Gap;
 
 /// Evaluations of the gap after which the search for the top is cut short.
@@ -21,7 +21,7 @@ pub(super) struct Means {
 
 /// The quadrature, with its buffers.
 pub(super) struct Disc<'a> {
-    pub overlap: &'a Overlap<'a>,
+    pub overlap: &'a ScaledOverlap,
     pub sectors: Sectors,
     pub rung: usize,
     pub spokes: Vec<Spoke>,
@@ -39,7 +39,7 @@ pub(super) struct Disc<'a> {
 }
 
 impl<'a> Disc<'a> {
-    pub fn new(overlap: &'a Overlap<'a>, sectors: Sectors, rung: usize) -> Self {
+    pub fn new(overlap: &'a ScaledOverlap, sectors: Sectors, rung: usize) -> Self {
         let (spokes, values, directions, kinks) = Default::default();
         Self {
             overlap,

@@ -30,7 +30,7 @@ use crate::error::{Unsolved, Verdict};
 use crate::fabrikant::{
     Approximation, Error, Family, LowerBound, Problem, RadialRule, Sectors, Settings, THIRD, first_rung,
 };
-use crate::gap::Gap;
+use crate::gap::{AnyGap, Gap};
 use crate::material::EffectiveModulus;
 use climb::{curvature, maximise};
 use concave::Concave;
@@ -65,11 +65,12 @@ const CUT_SHORT: f64 = 1e-2;
 /// # Errors
 /// `NoMaximum` when the ellipse grows or shrinks without end, or ends where the force is not a maximum.
 pub fn ellipse(
-    gap: &dyn Gap,
+    gap: impl Into<AnyGap>,
     modulus: EffectiveModulus,
     depth: f64,
     settings: &Settings,
 ) -> Result<Approximation, Error> {
+    let gap = &gap.into();
     best(gap, modulus, depth, Family::Ellipse, settings)
 }
 
@@ -78,16 +79,17 @@ pub fn ellipse(
 /// # Errors
 /// As [`ellipse`].
 pub fn circle(
-    gap: &dyn Gap,
+    gap: impl Into<AnyGap>,
     modulus: EffectiveModulus,
     depth: f64,
     settings: &Settings,
 ) -> Result<Approximation, Error> {
+    let gap = &gap.into();
     best(gap, modulus, depth, Family::Circle, settings)
 }
 
 fn best(
-    gap: &dyn Gap,
+    gap: &AnyGap,
     modulus: EffectiveModulus,
     depth: f64,
     family: Family,
@@ -276,7 +278,7 @@ fn report(
     settings: &Settings,
     peak: Peak,
 ) -> Approximation {
-    let scaled = &problem.overlap.gap;
+    let units = problem.overlap.units;
     let ([a, b], along, _) = peak.e.axes();
     let (agm, _) = mean_and_share(a, b);
     let force = problem.force_unit() * agm * peak.f;
@@ -296,14 +298,14 @@ fn report(
         family,
         why: String::new(),
         force,
-        stiffness: 2.0 * modulus.e_star() * scaled.length * agm,
+        stiffness: 2.0 * modulus.e_star() * units.length * agm,
         d: force / (2.0 * modulus.e_star()),
-        second_variation: peak.largest.map(|largest| largest * agm * peak.f * scaled.depth),
+        second_variation: peak.largest.map(|largest| largest * agm * peak.f * units.height),
         residual: peak.residual,
         margin: None,
         centroid: boundary.centre,
         boundary,
-        area: std::f64::consts::PI * (a * scaled.length) * (b * scaled.length),
+        area: std::f64::consts::PI * (a * units.length) * (b * units.length),
         quadrature_error: peak.errors,
         rays: peak.rays,
         iterations: peak.iterations,

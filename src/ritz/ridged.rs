@@ -21,7 +21,7 @@ use nalgebra::{SMatrix, Vector2};
 
 use super::coordinates::{Ellipse, Step};
 use super::disc::Means;
-use crate::fabrikant::Overlap;
+use crate::fabrikant::ScaledOverlap;
 use crate::gap::{Gap, Ridges};
 
 /// Second derivatives in the coordinates of a [`Step`].
@@ -29,7 +29,7 @@ pub(super) type Bend = SMatrix<f64, 5, 5>;
 
 /// A polyhedral gap, with the buffers of its evaluation.
 pub(super) struct Ridged<'a> {
-    pub overlap: &'a Overlap<'a>,
+    pub overlap: &'a ScaledOverlap,
     pub ridges: Ridges,
     /// The corners in the coordinates of the ellipse, and whether each lies in the disc.
     corners: Vec<(Vector2<f64>, bool)>,
@@ -54,7 +54,7 @@ struct Stretch {
 
 impl<'a> Ridged<'a> {
     /// `None` when the gap is not polyhedral.
-    pub fn of(overlap: &'a Overlap<'a>) -> Option<Self> {
+    pub fn of(overlap: &'a ScaledOverlap) -> Option<Self> {
         let ridges = overlap.gap.ridges()?;
         let corners = Vec::with_capacity(ridges.corners.len());
         let crossings = Vec::with_capacity(2 * ridges.all.len());
@@ -196,13 +196,13 @@ fn stretch(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fabrikant::{Overlap, Sectors, THIRD};
-    use crate::gap::{Polyhedron, Scaled};
+    use crate::fabrikant::{ScaledOverlap, Sectors, THIRD};
+    use crate::gap::{AnyGap, Polyhedron};
     use crate::ritz::disc::Disc;
     use nalgebra::Matrix2;
 
-    fn overlap(gap: &dyn Gap) -> Overlap<'_> {
-        Overlap::new(Scaled { gap, origin: [0.0; 2], length: 1.0, depth: 1.0 }, 1.0)
+    fn overlap(gap: impl Into<AnyGap>) -> ScaledOverlap {
+        ScaledOverlap::unscaled(&gap.into())
     }
 
     fn gaps() -> [Polyhedron; 4] {

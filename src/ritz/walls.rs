@@ -20,7 +20,7 @@ use super::coordinates::{Ellipse, Step};
 use super::disc::Disc;
 use super::runaway;
 use crate::error::Unsolved;
-use crate::fabrikant::Overlap;
+use crate::fabrikant::ScaledOverlap;
 use crate::gap::Gap;
 
 /// Rays that trace the edge.
@@ -36,14 +36,14 @@ const INSIDE: f64 = 0.05;
 
 /// The edges of the punch around an overlap.
 pub(super) struct Walls<'a> {
-    overlap: &'a Overlap<'a>,
+    overlap: &'a ScaledOverlap,
     reach: f64,
     kinks: Vec<f64>,
 }
 
 impl<'a> Walls<'a> {
     /// `None` when there is no edge in sight at which the bodies overlap.
-    pub fn of(overlap: &'a Overlap<'a>, reach: f64) -> Option<Self> {
+    pub fn of(overlap: &'a ScaledOverlap, reach: f64) -> Option<Self> {
         let mut walls = Self { overlap, reach: 1.01 * reach, kinks: Vec::new() };
         let circle = Ellipse { c: Vector2::zeros(), m: nalgebra::Matrix2::identity() };
         let met = (0..RAYS).any(|k| walls.edge(&circle, TAU * k as f64 / RAYS as f64, f64::INFINITY).is_finite());

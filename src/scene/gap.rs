@@ -10,8 +10,8 @@ use crate::error::InputError;
 #[cfg(feature = "formula")]
 use crate::gap::Formula;
 use crate::gap::{
-    AnyGap, Cone, Flat, HeightMap, Heights, MapFormat, Minimum, Outline, Paraboloid, Placed, Polyhedron, Power,
-    Revolved, Sphere, Sum, Surface, Zero,
+    AnyGap, Cone, Flat, HeightMap, Heights, MapFormat, Minimum, Outline, Paraboloid, Polyhedron, Power, Revolved,
+    Sphere, Sum, Surface, Zero,
 };
 
 /// The initial gap of the undeformed bodies at zero depth.
@@ -340,7 +340,7 @@ pub(super) fn gap(value: &Json, path: &str, directory: &Path) -> Result<AnyGap, 
         return Ok(inner);
     }
     let turn = rotate.unwrap_or(0.0).rem_euclid(360.0).to_radians();
-    Placed::new(inner, at.unwrap_or([0.0; 2]), turn).map(AnyGap::new).map_err(|e| e.within(path))
+    inner.placed(at.unwrap_or([0.0; 2]), turn).map_err(|e| e.within(path))
 }
 
 /// The gap of this kind in its own place.

@@ -1,15 +1,23 @@
 //! Gaps written as formulas.
 
+mod far;
 mod parse;
 mod planes;
+mod structure;
 mod tape;
 
-use super::descent::lowest;
-use super::search::{pieces, search};
-use super::{Gap, Outline, Polyhedron, Reach, mean};
+use std::sync::OnceLock;
+
+use super::{
+    AnyGap, Axis, Degree, Face, Gap, Generatrix, Growth, Known, Law, Material, Outline, Polyhedron, Quadratic, Reach,
+    Taylor, enclosure, growth, mean, sum,
+};
 use crate::error::InputError;
 use crate::geometry::Rect;
-use tape::{Dual, Tape};
+use crate::numeric::Interval;
+use crate::numeric::derivatives::{Dual, Jet};
+use structure::Tree;
+use tape::Tape;
 
 const R: usize = 2;
 const THETA: usize = 3;
@@ -39,7 +47,9 @@ pub struct Formula {
     tape: Tape,
     region: Option<Outline>,
     polyhedron: Option<Polyhedron>,
-    centre: [f64; 2],
+    known: Known,
+    /// The reach at a depth of 1 above the lowest point of a formula with a law and without a region.
+    unit_reach: OnceLock<Reach>,
 }
 
 impl Formula {
@@ -47,7 +57,7 @@ impl Formula {
     ///
     /// # Errors
     /// Names `expression`, with the column of what cannot be read or is not known. At most 4000 characters and 48
-    /// operands that wait for one another; no value anywhere that was looked is an error too.
+    /// operands that wait for one another; no value anywhere is an error too.
     pub fn new(expression: &str) -> Result<Self, InputError> {
         Self::build(expression, None)
     }
@@ -62,19 +72,123 @@ impl Formula {
 
     fn build(expression: &str, region: Option<Outline>) -> Result<Self, InputError> {
         let tape = parse::parse(expression)?;
-        let start = region.as_ref().map_or([0.0; 2], Outline::inner_point);
+        let tree = Tree::new(&tape);
         let polyhedron = if region.is_none() { planes::polyhedron(&tape) } else { None };
-        let mut formula = Self { expression: expression.to_owned(), tape, region, polyhedron, centre: start };
-        formula.centre = match &formula.polyhedron {
-            Some(polyhedron) => polyhedron.centre(),
-            None => lowest(&formula, start),
+        let known = Known::nothing();
+        let mut formula =
+            Self { expression: expression.to_owned(), tape, region, polyhedron, known, unit_reach: OnceLock::new() };
+        formula.known = match &formula.polyhedron {
+            Some(polyhedron) => polyhedron.describe(),
+            None => formula.read(&tree),
         };
-        let [x, y] = formula.centre;
-        if !formula.gap(x, y).is_finite() {
-            let allowed = "a formula with a finite value somewhere around the origin or the middle of its region";
+        let place = formula.region.as_ref().map_or_else(everywhere, Outline::bounds);
+        let values = formula.values(&place);
+        if values.is_empty() || values.lo == f64::INFINITY || values.hi == f64::NEG_INFINITY {
+            let allowed = "a formula with a finite value somewhere in its region";
             return Err(InputError::new("expression", expression, allowed));
         }
         Ok(formula)
+    }
+
+    /// What the tree tells.
+    fn read(&self, tree: &Tree) -> Known {
+        let about = tree.about();
+        let quadratic = tree.quadratic();
+        let axis = tree.generatrix().map(|generatrix| Axis { at: about, generatrix });
+        let law = tree.law();
+        let place = self.region.as_ref().map_or_else(everywhere, Outline::bounds);
+        let values = self.values(&place);
+        let mut known = Known {
+            centre: about,
+            floor: values.lo,
+            law,
+            quadratic,
+            axis,
+            material: Material::Everywhere,
+            mirrors: tree.mirrors(),
+            ..Known::nothing()
+        };
+        if let Some(lowest) = quadratic.and_then(|q| q.lowest()) {
+            // A form that curves upwards is symmetric and homogeneous about its lowest point.
+            if lowest != known.centre {
+                let straight = quadratic.is_some_and(|q| q.hessian[1] == 0.0);
+                known = Known { centre: lowest, mirrors: [straight; 2], law: quadratic.and_then(sum::law_of), ..known };
+                known.axis = known.axis.filter(|axis| axis.at == lowest);
+            }
+        }
+        known.floor = known.floor.max(quadratic.map_or(f64::NEG_INFINITY, |q| q.floor()));
+        match &self.region {
+            Some(region) => self.cut(known, region),
+            None => known,
+        }
+    }
+
+    /// What is left of it inside a region: no law but that of a flat, no form that holds everywhere.
+    fn cut(&self, known: Known, region: &Outline) -> Known {
+        let round = region.semi_axes();
+        let disc = round.is_some_and(|[a, b]| a == b);
+        let plane = known.quadratic.filter(|q| q.hessian == [0.0; 3]).map(|q| q.about([0.0; 2]));
+        let face =
+            plane.map(|q| Face { outline: region.clone(), at: [0.0; 2], turn: 0.0, value: q.value, slope: q.gradient });
+        let level = face.as_ref().filter(|face| face.slope == [0.0; 2]);
+        let at_origin = known.centre == [0.0; 2];
+        let inside = region.contains(known.centre);
+        Known {
+            centre: if inside && level.is_none() { known.centre } else { region.inner_point() },
+            law: level.map(|face| Law { degree: Degree::Flat, lowest: face.value }),
+            quadratic: None,
+            axis: known
+                .axis
+                .filter(|axis| disc && axis.at == [0.0; 2])
+                .map(|axis| Axis { generatrix: Generatrix::General, ..axis }),
+            material: Material::Within(region.bounds()),
+            mirrors: if round.is_some() && at_origin { known.mirrors } else { [false; 2] },
+            face,
+            ..known
+        }
+    }
+
+    /// Bounds of the values over a rectangle, of the formula alone.
+    fn values(&self, rect: &Rect) -> Interval {
+        let [x, y] = [0, 1].map(|m| Interval::new(rect.min[m], rect.max[m]));
+        let r = if self.tape.uses(R) { x.hypot(y) } else { Interval::ZERO };
+        let theta = if self.tape.uses(THETA) { y.atan2(x) } else { Interval::ZERO };
+        // A value that is not finite is none: minus infinity, too, is where there is no material.
+        self.tape.run([x, y, r, theta])
+    }
+
+    /// Bounds of the gap over a rectangle, the region counted.
+    fn range(&self, rect: &Rect) -> [f64; 2] {
+        let (inside, covered) = match &self.region {
+            Some(region) => (rect.intersection(&region.bounds()), region.covers(rect)),
+            None => (Some(*rect), true),
+        };
+        let missed = self.region.as_ref().is_some_and(|region| region.misses(rect));
+        let Some(inside) = inside.filter(|_| !missed) else { return [f64::INFINITY; 2] };
+        let values = self.values(&inside);
+        if values.is_empty() {
+            return [f64::INFINITY; 2];
+        }
+        [values.lo, if covered && values.defined { values.hi } else { f64::INFINITY }]
+    }
+
+    fn searched_reach(&self, depth: f64) -> Reach {
+        let outer = match &self.region {
+            Some(region) => Reach::Within(region.bounds()),
+            None => growth::reach(|sector, from| self.growth(sector, from), depth),
+        };
+        match outer {
+            Reach::Within(rect) => enclosure::tightened(&|rect| self.lower(rect), depth, &rect),
+            other => other,
+        }
+    }
+
+    fn lower(&self, rect: &Rect) -> f64 {
+        let low = self.range(rect)[0];
+        match self.taylor(rect) {
+            Some(taylor) => low.max(taylor.bounds(rect.size(), [0.0; 2])[0]),
+            None => low,
+        }
     }
 
     /// The formula as given.
@@ -100,8 +214,38 @@ impl Formula {
         let r = if self.tape.uses(R) { x.hypot(y) } else { 0.0 };
         let theta = if self.tape.uses(THETA) { y.atan2(x) } else { 0.0 };
         let value = self.tape.run([x, y, r, theta]);
-        if value.is_finite() { value } else { f64::INFINITY }
+        if value.is_finite() {
+            return value;
+        }
+        // No value at all, or one that the numbers could not hold on the way.
+        if self.values(&Rect { min: [x, y], max: [x, y] }).is_empty() || !self.tape.overflows([x, y, r, theta]) {
+            f64::INFINITY
+        } else {
+            f64::NAN
+        }
     }
+
+    fn jet(&self, rect: &Rect) -> Option<Jet<Interval>> {
+        let sides = [0, 1].map(|m| Interval::new(rect.min[m], rect.max[m]));
+        let one = |m: usize| Jet {
+            value: sides[m],
+            gradient: [0, 1].map(|k| Interval::point(f64::from(u8::from(k == m)))),
+            hessian: [Interval::ZERO; 3],
+        };
+        Some(self.tape.run(self.variables(one(0), one(1))))
+    }
+
+    /// x, y, r and theta from x and y.
+    fn variables<T: tape::Number>(&self, x: T, y: T) -> [T; 4] {
+        let r = if self.tape.uses(R) { x.two(y, tape::Two::Hypot) } else { T::constant(0.0) };
+        let theta = if self.tape.uses(THETA) { y.two(x, tape::Two::Atan2) } else { T::constant(0.0) };
+        [x, y, r, theta]
+    }
+}
+
+/// The whole plane.
+fn everywhere() -> Rect {
+    Rect { min: [f64::NEG_INFINITY; 2], max: [f64::INFINITY; 2] }
 }
 
 impl Gap for Formula {
@@ -126,44 +270,128 @@ impl Gap for Formula {
             Dual { value: r, gradient: [cos, sin] },
             Dual { value: theta, gradient: [-sin / r, cos / r] },
         ]);
-        (value.is_finite() && gradient.iter().all(|g| g.is_finite())).then_some(gradient)
+        (value.is_finite() && gradient.iter().all(|g: &f64| g.is_finite())).then_some(gradient)
+    }
+
+    fn describe(&self) -> Known {
+        self.known.clone()
     }
 
     fn reach(&self, depth: f64) -> Reach {
         if let Some(polyhedron) = &self.polyhedron {
             return polyhedron.reach(depth);
         }
-        let found = search(&|x, y| self.gap(x, y), depth, self.centre);
-        let Some(region) = &self.region else { return found };
-        match found {
-            Reach::Within(rect) => rect.intersection(&region.bounds()).map_or(Reach::Nowhere, Reach::Within),
-            Reach::Nowhere => Reach::Nowhere,
-            _ => Reach::Within(region.bounds()),
+        if let Some(reach) = self.known.quadratic.and_then(|q: Quadratic| q.reach(depth)) {
+            return reach;
         }
+        if depth <= self.known.floor {
+            return Reach::Nowhere;
+        }
+        // Similar at every depth: found once.
+        if let (Some(Law { degree: Degree::Power(k), lowest }), None) = (self.known.law, &self.region)
+            && self.known.floor >= lowest
+        {
+            let unit = self.unit_reach.get_or_init(|| self.searched_reach(lowest + 1.0));
+            if let Reach::Within(rect) = unit {
+                let longer = (depth - lowest).powf(1.0 / k) * (1.0 + 16.0 * f64::EPSILON / k.min(1.0));
+                let c = self.known.centre;
+                let moved = |p: [f64; 2]| [0, 1].map(|m| c[m] + longer * (p[m] - c[m]));
+                let rect = Rect { min: moved(rect.min), max: moved(rect.max) };
+                if rect.size().iter().all(|s| *s > 0.0 && s.is_finite()) {
+                    return Reach::Within(rect);
+                }
+            }
+            if let Reach::Unbounded { along, .. } = unit {
+                return Reach::Unbounded { along: *along, beyond: 0.0 };
+            }
+        }
+        self.searched_reach(depth)
     }
 
-    fn pieces(&self, depth: f64) -> Option<Vec<Rect>> {
-        if let Some(polyhedron) = &self.polyhedron {
-            return polyhedron.pieces(depth);
+    fn components(&self, depth: f64) -> Option<Vec<Rect>> {
+        match self.reach(depth) {
+            Reach::Within(rect) if self.polyhedron.is_some() || self.known.quadratic.is_some() => Some(vec![rect]),
+            Reach::Within(rect) => {
+                let lower = |rect: &Rect| self.lower(rect);
+                let parts = enclosure::components(&lower, depth, &rect).into_iter();
+                let tight = parts.filter_map(|part| match enclosure::tightened(&lower, depth, &part) {
+                    Reach::Within(rect) => Some(rect),
+                    _ => None,
+                });
+                Some(tight.collect())
+            }
+            Reach::Nowhere => Some(Vec::new()),
+            _ => None,
         }
-        let found = pieces(&|x, y| self.gap(x, y), depth, self.centre);
-        let Some(bounds) = self.region.as_ref().map(Outline::bounds) else { return found };
-        found.map_or(Some(vec![bounds]), |found| Some(found.iter().filter_map(|p| p.intersection(&bounds)).collect()))
     }
 
     fn mean(&self, cell: &Rect) -> f64 {
         match (&self.polyhedron, &self.region) {
             (Some(polyhedron), _) => polyhedron.mean(cell),
             (None, Some(region)) if !region.covers(cell) => f64::INFINITY,
-            _ => mean::by_quadrature(|x, y| self.value(x, y), cell),
+            _ => match &self.known.quadratic {
+                Some(q) => {
+                    let ([w, h], here) = (cell.size(), q.about(cell.centre()));
+                    here.value + (here.hessian[0] * w * w + here.hessian[2] * h * h) / 24.0
+                }
+                None => mean::by_quadrature(|x, y| self.value(x, y), cell),
+            },
         }
     }
 
-    fn range(&self, rect: &Rect, slope: [f64; 2]) -> Option<[f64; 2]> {
-        self.polyhedron.as_ref()?.range(rect, slope)
+    fn bounds(&self, rect: &Rect, slope: [f64; 2]) -> Option<[f64; 2]> {
+        if let Some(polyhedron) = &self.polyhedron {
+            return polyhedron.bounds(rect, slope);
+        }
+        let [low, high] = self.range(rect);
+        if low == f64::INFINITY {
+            return Some([low; 2]);
+        }
+        let [w, h] = rect.size();
+        let half = (0.5 * (slope[0].abs() * w + slope[1].abs() * h)).next_up();
+        let [mut low, mut high] = [low - half, high + half];
+        if let Some(taylor) = self.taylor(rect) {
+            let [a, b] = taylor.bounds([w, h], slope);
+            (low, high) = (low.max(a), high.min(b));
+        }
+        Some([low, high])
     }
 
-    fn planes(&self) -> Option<&[[f64; 3]]> {
+    fn taylor(&self, rect: &Rect) -> Option<Taylor> {
+        if let Some(polyhedron) = &self.polyhedron {
+            return polyhedron.taylor(rect);
+        }
+        if self.region.as_ref().is_some_and(|region| !region.covers(rect)) {
+            return None;
+        }
+        let hessian = self.jet(rect)?.hessian;
+        let c = rect.centre().map(Interval::point);
+        let one =
+            |m: usize| Dual { value: c[m], gradient: [0, 1].map(|k| Interval::point(f64::from(u8::from(k == m)))) };
+        let Dual { value, gradient } = self.tape.run(self.variables(one(0), one(1)));
+        Taylor { value, gradient, hessian }.finite()
+    }
+
+    fn mean_bounds(&self, rect: &Rect) -> Option<[f64; 2]> {
+        match &self.polyhedron {
+            Some(polyhedron) => polyhedron.mean_bounds(rect),
+            None => enclosure::mean(self, rect),
+        }
+    }
+
+    fn growth(&self, sector: Interval, from: f64) -> Option<Growth> {
+        match (&self.polyhedron, &self.region) {
+            (Some(polyhedron), _) => polyhedron.growth(sector, from),
+            (None, None) => far::growth(&self.tape, sector, from),
+            _ => None,
+        }
+    }
+
+    fn restricted(&self, rect: &Rect) -> Option<AnyGap> {
+        self.polyhedron.as_ref().and_then(|polyhedron| polyhedron.restricted(rect))
+    }
+
+    fn planes(&self) -> Option<Vec<[f64; 3]>> {
         self.polyhedron.as_ref().and_then(Gap::planes)
     }
 
@@ -185,8 +413,8 @@ impl Gap for Formula {
         }
     }
 
-    fn centre(&self) -> [f64; 2] {
-        self.centre
+    fn ridges(&self) -> Option<super::Ridges> {
+        self.polyhedron.as_ref().and_then(Gap::ridges)
     }
 }
 
@@ -244,12 +472,13 @@ mod tests {
         assert!(three.polyhedron().is_some());
         let diamond = Formula::new("abs(x - 1) + 2*abs(y)").unwrap();
         assert_eq!(diamond.polyhedron().map(|p| p.planes().len()), Some(4));
-        assert!((diamond.centre()[0] - 1.0).abs() < 1e-12);
+        assert!((diamond.describe().centre[0] - 1.0).abs() < 1e-12);
         assert!(Formula::new("-abs(x) + 3*abs(y)").unwrap().polyhedron().is_none());
         assert!(Formula::new("max(x, y^2)").unwrap().polyhedron().is_none());
         let bowl = Formula::new("(x-1)^2 + 4*(y+2)^2 + x*y/10").unwrap();
-        let g = bowl.gradient(bowl.centre()[0], bowl.centre()[1]).unwrap();
+        let [x, y] = bowl.describe().centre;
+        let g = bowl.gradient(x, y).unwrap();
         assert!(g[0].hypot(g[1]) < 1e-13, "{g:?}");
-        assert_eq!(Formula::new("x^2 + y^2").unwrap().centre(), [0.0; 2]);
+        assert_eq!(Formula::new("x^2 + y^2").unwrap().describe().centre, [0.0; 2]);
     }
 }

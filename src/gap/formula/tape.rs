@@ -1,4 +1,6 @@
-//! A formula as a tape of operations, run on numbers or on numbers with their gradient.
+//! A formula as a tape of operations, run on numbers or intervals, alone or with their derivatives.
+
+use crate::numeric::derivatives::{Chain, Dual, Jet, Real};
 
 /// Operands that can wait at once; enough for any formula a person writes.
 pub(super) const STACK: usize = 48;
@@ -57,119 +59,202 @@ pub(super) enum Two {
 /// What a tape can be run on.
 pub(super) trait Number: Copy {
     fn constant(value: f64) -> Self;
-    fn value(self) -> f64;
-    /// A function of this number: its value, and its slope where that is needed.
-    fn chain(self, value: f64, slope: impl FnOnce() -> f64) -> Self;
-    /// A function of two numbers: its value, and its two partial derivatives where they are needed.
-    fn chain2(self, other: Self, value: f64, slopes: impl FnOnce() -> [f64; 2]) -> Self;
-}
-
-impl Number for f64 {
-    fn constant(value: f64) -> Self {
-        value
-    }
-
-    fn value(self) -> f64 {
-        self
-    }
-
-    fn chain(self, value: f64, _: impl FnOnce() -> f64) -> Self {
-        value
-    }
-
-    fn chain2(self, _: Self, value: f64, _: impl FnOnce() -> [f64; 2]) -> Self {
-        value
-    }
-}
-
-/// A number and its derivatives with respect to x and y (forward differentiation, Wengert 1964).
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Dual {
-    pub value: f64,
-    pub gradient: [f64; 2],
-}
-
-impl Number for Dual {
-    fn constant(value: f64) -> Self {
-        Self { value, gradient: [0.0; 2] }
-    }
-
-    fn value(self) -> f64 {
-        self.value
-    }
-
-    fn chain(self, value: f64, slope: impl FnOnce() -> f64) -> Self {
-        let slope = slope();
-        Self { value, gradient: self.gradient.map(|g| times(slope, g)) }
-    }
-
-    fn chain2(self, other: Self, value: f64, slopes: impl FnOnce() -> [f64; 2]) -> Self {
-        let [a, b] = slopes();
-        let [s, o] = [self.gradient, other.gradient];
-        Self { value, gradient: [0, 1].map(|m| times(a, s[m]) + times(b, o[m])) }
-    }
-}
-
-/// What does not change has no share, however steep the function: x^y at constant y asks for ln x, which may not exist.
-fn times(slope: f64, change: f64) -> f64 {
-    if change == 0.0 && !slope.is_infinite() { 0.0 } else { slope * change }
+    fn one(self, f: One) -> Self;
+    fn two(self, b: Self, f: Two) -> Self;
+    fn whole(self, n: i32) -> Self;
 }
 
 impl One {
-    fn apply<T: Number>(self, a: T) -> T {
-        let v = a.value();
+    fn value<T: Real>(self, v: T) -> T {
         match self {
-            Self::Negate => a.chain(-v, || -1.0),
-            Self::Abs => a.chain(v.abs(), || 1f64.copysign(v)),
-            Self::Sign => a.chain(if v == 0.0 { 0.0 } else { v.signum() }, || 0.0),
-            Self::Sqrt => a.chain(v.sqrt(), || 0.5 / v.sqrt()),
-            Self::Cbrt => a.chain(v.cbrt(), || 1.0 / (3.0 * v.cbrt().powi(2))),
-            Self::Exp => a.chain(v.exp(), || v.exp()),
-            Self::Ln => a.chain(v.ln(), || 1.0 / v),
-            Self::Log10 => a.chain(v.log10(), || std::f64::consts::LOG10_E / v),
-            Self::Log2 => a.chain(v.log2(), || std::f64::consts::LOG2_E / v),
-            Self::Sin => a.chain(v.sin(), || v.cos()),
-            Self::Cos => a.chain(v.cos(), || -v.sin()),
-            Self::Tan => a.chain(v.tan(), || 1.0 + v.tan().powi(2)),
-            Self::Asin => a.chain(v.asin(), || 1.0 / ((1.0 - v) * (1.0 + v)).sqrt()),
-            Self::Acos => a.chain(v.acos(), || -1.0 / ((1.0 - v) * (1.0 + v)).sqrt()),
-            Self::Atan => a.chain(v.atan(), || 1.0 / (1.0 + v * v)),
-            Self::Sinh => a.chain(v.sinh(), || v.cosh()),
-            Self::Cosh => a.chain(v.cosh(), || v.sinh()),
-            Self::Tanh => a.chain(v.tanh(), || 1.0 - v.tanh().powi(2)),
-            Self::Floor => a.chain(v.floor(), || 0.0),
-            Self::Ceil => a.chain(v.ceil(), || 0.0),
+            Self::Negate => -v,
+            Self::Abs => v.abs(),
+            Self::Sign => v.sign(),
+            Self::Sqrt => v.sqrt(),
+            Self::Cbrt => v.cbrt(),
+            Self::Exp => v.exp(),
+            Self::Ln => v.ln(),
+            Self::Log10 => v.log10(),
+            Self::Log2 => v.log2(),
+            Self::Sin => v.sin(),
+            Self::Cos => v.cos(),
+            Self::Tan => v.tan(),
+            Self::Asin => v.asin(),
+            Self::Acos => v.acos(),
+            Self::Atan => v.atan(),
+            Self::Sinh => v.sinh(),
+            Self::Cosh => v.cosh(),
+            Self::Tanh => v.tanh(),
+            Self::Floor => v.floor(),
+            Self::Ceil => v.ceil(),
+        }
+    }
+
+    fn slope<T: Real>(self, v: T) -> T {
+        let c = T::from;
+        match self {
+            Self::Negate => c(-1.0),
+            Self::Abs => v.slope_of_abs(),
+            Self::Sign => v.flat_but_at_zero(),
+            Self::Sqrt => c(0.5) / v.sqrt(),
+            Self::Cbrt => c(1.0) / (c(3.0) * v.cbrt().powi(2)),
+            Self::Exp => v.exp(),
+            Self::Ln => c(1.0) / v,
+            Self::Log10 => c(std::f64::consts::LOG10_E) / v,
+            Self::Log2 => c(std::f64::consts::LOG2_E) / v,
+            Self::Sin => v.cos(),
+            Self::Cos => -v.sin(),
+            Self::Tan => c(1.0) + v.tan().powi(2),
+            Self::Asin => c(1.0) / ((c(1.0) - v) * (c(1.0) + v)).sqrt(),
+            Self::Acos => c(-1.0) / ((c(1.0) - v) * (c(1.0) + v)).sqrt(),
+            Self::Atan => c(1.0) / (c(1.0) + v.powi(2)),
+            Self::Sinh => v.cosh(),
+            Self::Cosh => v.sinh(),
+            Self::Tanh => c(1.0) - v.tanh().powi(2),
+            Self::Floor | Self::Ceil => v.flat_but_at_whole(),
+        }
+    }
+
+    fn curvature<T: Real>(self, v: T) -> T {
+        let c = T::from;
+        match self {
+            Self::Negate => c(0.0),
+            Self::Abs | Self::Sign => v.flat_but_at_zero(),
+            Self::Sqrt => c(-0.25) / (v * v.sqrt()),
+            Self::Cbrt => c(-2.0) / (c(9.0) * v * v.cbrt().powi(2)),
+            Self::Exp => v.exp(),
+            Self::Ln => c(-1.0) / v.powi(2),
+            Self::Log10 => c(-std::f64::consts::LOG10_E) / v.powi(2),
+            Self::Log2 => c(-std::f64::consts::LOG2_E) / v.powi(2),
+            Self::Sin => -v.sin(),
+            Self::Cos => -v.cos(),
+            Self::Tan => c(2.0) * v.tan() * (c(1.0) + v.tan().powi(2)),
+            Self::Asin => {
+                let s = (c(1.0) - v) * (c(1.0) + v);
+                v / (s * s.sqrt())
+            }
+            Self::Acos => -Self::Asin.curvature(v),
+            Self::Atan => c(-2.0) * v / (c(1.0) + v.powi(2)).powi(2),
+            Self::Sinh => v.sinh(),
+            Self::Cosh => v.cosh(),
+            Self::Tanh => c(-2.0) * v.tanh() * (c(1.0) - v.tanh().powi(2)),
+            Self::Floor | Self::Ceil => v.flat_but_at_whole(),
         }
     }
 }
 
 impl Two {
-    fn apply<T: Number>(self, a: T, b: T) -> T {
-        let (v, w) = (a.value(), b.value());
-        let chosen = |first: bool| if first { [1.0, 0.0] } else { [0.0, 1.0] };
-        // Unlike f64::min and max, NaN stays NaN: what has no value has no material.
-        let undefined = v.is_nan() || w.is_nan();
+    fn value<T: Real>(self, v: T, w: T) -> T {
         match self {
-            Self::Add => a.chain2(b, v + w, || [1.0, 1.0]),
-            Self::Subtract => a.chain2(b, v - w, || [1.0, -1.0]),
-            Self::Multiply => a.chain2(b, v * w, || [w, v]),
-            Self::Divide => a.chain2(b, v / w, || [1.0 / w, -v / w / w]),
-            Self::Power => a.chain2(b, v.powf(w), || {
-                let rise = if w == 0.0 { 0.0 } else { w * v.powf(w - 1.0) };
-                [rise, if v == 0.0 && w > 0.0 { 0.0 } else { v.powf(w) * v.ln() }]
-            }),
-            Self::Min => a.chain2(b, if undefined { f64::NAN } else { v.min(w) }, || chosen(v <= w)),
-            Self::Max => a.chain2(b, if undefined { f64::NAN } else { v.max(w) }, || chosen(v >= w)),
-            Self::Atan2 => a.chain2(b, v.atan2(w), || [w / (v * v + w * w), -v / (v * v + w * w)]),
-            Self::Hypot => a.chain2(b, v.hypot(w), || [v / v.hypot(w), w / v.hypot(w)]),
+            Self::Add => v + w,
+            Self::Subtract => v - w,
+            Self::Multiply => v * w,
+            Self::Divide => v / w,
+            Self::Power => v.powf(w),
+            Self::Min => v.min(w),
+            Self::Max => v.max(w),
+            Self::Atan2 => v.atan2(w),
+            Self::Hypot => v.hypot(w),
+        }
+    }
+
+    fn slopes<T: Real>(self, v: T, w: T) -> [T; 2] {
+        let c = T::from;
+        match self {
+            Self::Add => [c(1.0), c(1.0)],
+            Self::Subtract => [c(1.0), c(-1.0)],
+            Self::Multiply => [w, v],
+            Self::Divide => [c(1.0) / w, -v / w.powi(2)],
+            Self::Power => [if w.is_zero() { w } else { w * v.powf(w - c(1.0)) }, v.powf(w) * v.ln()],
+            Self::Min | Self::Max => {
+                // Where it changes which of them it is, [`Number`] takes both.
+                let first = v.is_below(w).unwrap_or(true) == (self == Self::Min);
+                if first { [c(1.0), c(0.0)] } else { [c(0.0), c(1.0)] }
+            }
+            Self::Atan2 => {
+                let s = v.powi(2) + w.powi(2);
+                [w / s, -v / s]
+            }
+            Self::Hypot => [v / v.hypot(w), w / v.hypot(w)],
+        }
+    }
+
+    fn curvatures<T: Real>(self, v: T, w: T) -> [T; 3] {
+        let c = T::from;
+        match self {
+            Self::Add | Self::Subtract | Self::Min | Self::Max => [c(0.0); 3],
+            Self::Multiply => [c(0.0), c(1.0), c(0.0)],
+            Self::Divide => [c(0.0), c(-1.0) / w.powi(2), c(2.0) * v / w.powi(3)],
+            Self::Power => {
+                let both = v.powf(w - c(1.0)) * (c(1.0) + w * v.ln());
+                let first = w * (w - c(1.0)) * v.powf(w - c(2.0));
+                [if (w - c(1.0)).is_zero() { c(0.0) } else { first }, both, v.powf(w) * v.ln().powi(2)]
+            }
+            Self::Atan2 => {
+                let s = (v.powi(2) + w.powi(2)).powi(2);
+                let mixed = (v.powi(2) - w.powi(2)) / s;
+                [c(-2.0) * v * w / s, mixed, c(2.0) * v * w / s]
+            }
+            Self::Hypot => {
+                let r = v.hypot(w).powi(3);
+                [w.powi(2) / r, -(v * w) / r, v.powi(2) / r]
+            }
         }
     }
 }
 
-fn whole<T: Number>(a: T, n: i32) -> T {
-    let v = a.value();
-    a.chain(v.powi(n), || if n == 0 { 0.0 } else { f64::from(n) * v.powi(n - 1) })
+impl<T: Real> Number for T {
+    fn constant(value: f64) -> Self {
+        T::from(value)
+    }
+
+    fn one(self, f: One) -> Self {
+        f.value(self)
+    }
+
+    fn two(self, b: Self, f: Two) -> Self {
+        f.value(self, b)
+    }
+
+    fn whole(self, n: i32) -> Self {
+        self.powi(n)
+    }
 }
+
+/// A tape is run on quantities with derivatives in the same way to first and to second order.
+macro_rules! with_derivatives {
+    ($quantity:ident) => {
+        impl<T: Real> Number for $quantity<T> {
+            fn constant(value: f64) -> Self {
+                Chain::constant(value)
+            }
+
+            fn one(self, f: One) -> Self {
+                let v = self.value;
+                self.chain(f.value(v), || f.slope(v), || f.curvature(v))
+            }
+
+            fn two(self, b: Self, f: Two) -> Self {
+                let (v, w) = (self.value, b.value);
+                let value = f.value(v, w);
+                if matches!(f, Two::Min | Two::Max) && v.is_below(w).is_none() {
+                    return self.either(b, value);
+                }
+                self.chain2(b, value, || f.slopes(v, w), || f.curvatures(v, w))
+            }
+
+            fn whole(self, n: i32) -> Self {
+                let v = self.value;
+                let c = f64::from(n);
+                let power = |k: i32, c: f64| if c == 0.0 { T::from(0.0) } else { T::from(c) * v.powi(k) };
+                self.chain(v.powi(n), || power(n - 1, c), || power(n - 2, c * (c - 1.0)))
+            }
+        }
+    };
+}
+
+with_derivatives!(Dual);
+with_derivatives!(Jet);
 
 /// A checked sequence of operations that leaves one number.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -193,9 +278,9 @@ impl Tape {
         self.highest = self.highest.max(self.height);
         let kept = self.ops.len() - taken;
         let op = match (op, &self.ops[kept..]) {
-            (Op::One(f), &[Op::Constant(a)]) => Op::Constant(f.apply(a)),
-            (Op::Whole(n), &[Op::Constant(a)]) => Op::Constant(whole(a, n)),
-            (Op::Two(f), &[Op::Constant(a), Op::Constant(b)]) => Op::Constant(f.apply(a, b)),
+            (Op::One(f), &[Op::Constant(a)]) => Op::Constant(a.one(f)),
+            (Op::Whole(n), &[Op::Constant(a)]) => Op::Constant(a.whole(n)),
+            (Op::Two(f), &[Op::Constant(a), Op::Constant(b)]) => Op::Constant(a.two(b, f)),
             // Whole powers by multiplication.
             (Op::Two(Two::Power), &[.., Op::Constant(n)]) if n.fract() == 0.0 && n.abs() <= 16.0 => {
                 self.ops.pop();
@@ -225,6 +310,36 @@ impl Tape {
         self.ops.contains(&Op::Variable(variable))
     }
 
+    /// Whether a step towards the value made an infinite number of finite ones without a division by zero or a logarithm of it: the
+    /// value is then beyond the range of numbers, or not to be told.
+    pub(super) fn overflows(&self, variables: [f64; 4]) -> bool {
+        let mut stack: Vec<f64> = Vec::new();
+        for &op in &self.ops {
+            let (value, too_large) = match op {
+                Op::Constant(c) => (c, false),
+                Op::Variable(k) => (variables[k], false),
+                Op::Whole(n) => {
+                    let a = stack.pop().unwrap_or(f64::NAN);
+                    (a.whole(n), a.is_finite() && a != 0.0)
+                }
+                Op::One(f) => {
+                    let a = stack.pop().unwrap_or(f64::NAN);
+                    (a.one(f), a.is_finite() && matches!(f, One::Exp | One::Sinh | One::Cosh))
+                }
+                Op::Two(f) => {
+                    let (b, a) = (stack.pop().unwrap_or(f64::NAN), stack.pop().unwrap_or(f64::NAN));
+                    let zero = (f == Two::Divide && b == 0.0) || (f == Two::Power && a == 0.0);
+                    (a.two(b, f), a.is_finite() && b.is_finite() && !zero)
+                }
+            };
+            if value.is_infinite() && too_large {
+                return true;
+            }
+            stack.push(value);
+        }
+        false
+    }
+
     /// The value for these x, y, r, theta.
     pub(super) fn run<T: Number>(&self, variables: [T; 4]) -> T {
         let mut stack = [T::constant(0.0); STACK];
@@ -239,11 +354,11 @@ impl Tape {
                     stack[top] = variables[k];
                     top += 1;
                 }
-                Op::Whole(n) => stack[top - 1] = whole(stack[top - 1], n),
-                Op::One(f) => stack[top - 1] = f.apply(stack[top - 1]),
+                Op::Whole(n) => stack[top - 1] = stack[top - 1].whole(n),
+                Op::One(f) => stack[top - 1] = stack[top - 1].one(f),
                 Op::Two(f) => {
                     top -= 1;
-                    stack[top - 1] = f.apply(stack[top - 1], stack[top]);
+                    stack[top - 1] = stack[top - 1].two(stack[top], f);
                 }
             }
         }

@@ -1,14 +1,20 @@
 //! Measured surfaces: gaps given by heights on a regular grid.
 
+mod extremes;
 mod heights;
 mod npy;
 mod text;
 
 pub use heights::{Heights, MapFormat};
 
-use super::{Gap, Reach};
+use super::{Gap, Known, Material, Reach, Taylor};
 use crate::error::InputError;
 use crate::geometry::Rect;
+use crate::numeric::Interval;
+use extremes::Extremes;
+
+/// With more cells than this the extremes of blocks stand for them.
+const MANY: usize = 64;
 
 /// Rounding that does not take a point off the map, in steps of the map.
 const ROUNDING: f64 = 1e-9;
@@ -55,6 +61,10 @@ pub struct HeightMap {
     /// Gap at the nodes, x fastest; infinite in holes.
     gaps: Vec<f64>,
     centre: [f64; 2],
+    /// The least gap of all cells with material.
+    floor: f64,
+    /// Least and greatest gap of blocks of cells.
+    extremes: Extremes,
 }
 
 impl HeightMap {
@@ -102,7 +112,8 @@ impl HeightMap {
             }
         }
         let (shape, spacing, origin) = (frame.shape(), frame.spacing(), frame.origin());
-        let mut map = Self { shape, spacing, origin, gaps, centre: [0.0; 2] };
+        let mut map =
+            Self { shape, spacing, origin, gaps, centre: [0.0; 2], floor: 0.0, extremes: Extremes::default() };
         let least = (0..shape[1] - 1)
             .flat_map(|j| (0..shape[0] - 1).map(move |i| [i, j]))
             .filter_map(|[i, j]| map.corners(i, j))
@@ -118,6 +129,9 @@ impl HeightMap {
         if zero == Zero::FirstTouch {
             map.gaps.iter_mut().for_each(|gap| *gap -= least);
         }
+        map.floor = if zero == Zero::FirstTouch { 0.0 } else { least };
+        let cell = |i, j| map.corners(i, j).map(|c| c.iter().fold([c[0]; 2], |[a, b], &g| [a.min(g), b.max(g)]));
+        map.extremes = Extremes::new([shape[0] - 1, shape[1] - 1], cell);
         map.centre = map.lowest_node();
         Ok(map)
     }
@@ -212,6 +226,15 @@ impl HeightMap {
         Some((first..end).map(piece).collect())
     }
 
+    /// The cells from one to another along both sides that a rectangle touches; `None` off the map.
+    fn blocks(&self, rect: &Rect) -> Option<[[usize; 2]; 2]> {
+        let side = |m: usize| {
+            let parts = self.parts(m, rect);
+            Some([parts.first()?.0, parts.last()?.0])
+        };
+        Some([side(0)?, side(1)?])
+    }
+
     /// Every cell that a side of a rectangle touches, with the part of it in [0, 1]; none off the map.
     fn parts(&self, m: usize, rect: &Rect) -> Vec<(usize, [f64; 2])> {
         let [a, b] = [rect.min[m], rect.max[m]].map(|v| (v - self.origin[m]) / self.spacing[m]);
@@ -239,6 +262,79 @@ impl Gap for HeightMap {
         let ([a, b, c, d], [s, t]) = self.locate(x, y)?;
         let along_x = ((b - a) * (1.0 - t) + (d - c) * t) / self.spacing[0];
         Some([along_x, ((c - a) * (1.0 - s) + (d - b) * s) / self.spacing[1]])
+    }
+
+    fn describe(&self) -> Known {
+        Known { centre: self.centre, floor: self.floor, material: Material::Within(self.extent()), ..Known::nothing() }
+    }
+
+    fn components(&self, depth: f64) -> Option<Vec<Rect>> {
+        // Connected groups of cells that dip below the depth, corners counted.
+        let [nx, ny] = self.shape.map(|n| n - 1);
+        let below = |i: usize, j: usize| self.corners(i, j).is_some_and(|c| c.iter().any(|&g| g < depth));
+        let mut seen = vec![false; nx * ny];
+        let mut found = Vec::new();
+        let mut stack = Vec::new();
+        for start in 0..nx * ny {
+            if seen[start] || !below(start % nx, start / nx) {
+                continue;
+            }
+            seen[start] = true;
+            stack.push(start);
+            let [mut low, mut high] = [[usize::MAX; 2], [0; 2]];
+            while let Some(k) = stack.pop() {
+                let at = [k % nx, k / nx];
+                low = [low[0].min(at[0]), low[1].min(at[1])];
+                high = [high[0].max(at[0] + 1), high[1].max(at[1] + 1)];
+                for j in at[1].saturating_sub(1)..(at[1] + 2).min(ny) {
+                    for i in at[0].saturating_sub(1)..(at[0] + 2).min(nx) {
+                        if !seen[j * nx + i] && below(i, j) {
+                            seen[j * nx + i] = true;
+                            stack.push(j * nx + i);
+                        }
+                    }
+                }
+            }
+            found.push(Rect { min: self.node(low[0], low[1]), max: self.node(high[0], high[1]) });
+        }
+        Some(found)
+    }
+
+    fn taylor(&self, rect: &Rect) -> Option<Taylor> {
+        let [c, r] = [0, 1].map(|m| self.parts(m, rect));
+        let ([(i, _)], [(j, _)]) = (c.as_slice(), r.as_slice()) else { return None };
+        let whole = self.extent();
+        let on_map = (0..2).all(|m| whole.min[m] <= rect.min[m] && rect.max[m] <= whole.max[m]);
+        let [a, b, c, d] = self.corners(*i, *j).filter(|_| on_map)?.map(Interval::point);
+        let [x0, y0] = self.node(*i, *j);
+        let [x, y] = rect.centre();
+        let place =
+            |v: f64, v0: f64, m: usize| (Interval::point(v) - Interval::point(v0)) / Interval::point(self.spacing[m]);
+        let (s, t) = (place(x, x0, 0), place(y, y0, 1));
+        let one = Interval::point(1.0);
+        let [dx, dy] = self.spacing.map(Interval::point);
+        let (low, high) = (a * (one - s) + b * s, c * (one - s) + d * s);
+        let (left, right) = (a * (one - t) + c * t, b * (one - t) + d * t);
+        Taylor {
+            value: (one - t) * low + t * high,
+            gradient: [(right - left) / dx, (high - low) / dy],
+            hessian: [Interval::ZERO, (a - b - c + d) / (dx * dy), Interval::ZERO],
+        }
+        .finite()
+    }
+
+    fn mean_bounds(&self, rect: &Rect) -> Option<[f64; 2]> {
+        let mean = self.mean(rect);
+        if !mean.is_finite() {
+            return Some([self.bounds(rect, [0.0; 2])?[0], f64::INFINITY]);
+        }
+        // A sum of products of the heights, and where its pieces lie to rounding.
+        let [low, high] = self.extremes.over(self.blocks(rect)?);
+        let steps =
+            self.spacing.map(|step| rect.max.iter().chain(&rect.min).fold(0.0_f64, |m, v| m.max(v.abs())) / step);
+        let rounding =
+            f64::EPSILON * (16.0 * low.abs().max(high.abs()) + 4.0 * (high - low) * (steps[0] + steps[1] + 4.0));
+        Some([mean - rounding, mean + rounding])
     }
 
     fn reach(&self, depth: f64) -> Reach {
@@ -303,13 +399,20 @@ impl Gap for HeightMap {
         self.gap(x, y)
     }
 
-    fn range(&self, rect: &Rect, slope: [f64; 2]) -> Option<[f64; 2]> {
+    fn bounds(&self, rect: &Rect, slope: [f64; 2]) -> Option<[f64; 2]> {
         // A bilinear function less a plane is least and greatest at corners of a rectangle.
         let centre = rect.centre();
         let whole = self.extent();
         let all_on_map = (0..2).all(|m| whole.min[m] <= rect.min[m] && rect.max[m] <= whole.max[m]);
         let [mut low, mut high] = [f64::INFINITY, if all_on_map { f64::NEG_INFINITY } else { f64::INFINITY }];
         let (columns, rows) = (self.parts(0, rect), self.parts(1, rect));
+        if columns.len() * rows.len() > MANY {
+            // Blocks of cells: their extremes, and the variation of the plane.
+            let [a, b] = self.extremes.over(self.blocks(rect)?);
+            let [w, h] = rect.size();
+            let half = 0.5 * (slope[0].abs() * w + slope[1].abs() * h);
+            return Some([a - half, if all_on_map { b + half } else { f64::INFINITY }]);
+        }
         for &(j, t) in &rows {
             for &(i, s) in &columns {
                 let Some(corners) = self.corners(i, j) else {
@@ -329,7 +432,11 @@ impl Gap for HeightMap {
                 }
             }
         }
-        Some([low, high.max(low)])
+        // Rounding: of heights, and of where in a cell a corner lies.
+        let size = [low, high].iter().filter(|v| v.is_finite()).fold(0.0_f64, |m, v| m.max(v.abs()));
+        let steep = slope.iter().zip(rect.size()).map(|(s, w)| (s * w).abs()).sum::<f64>();
+        let rounding = 1e-13 * (size + steep);
+        Some([low - rounding, high.max(low) + rounding])
     }
 
     fn ray_kinks(&self, from: [f64; 2], direction: [f64; 2], kinks: &mut Vec<f64>) {
@@ -354,9 +461,5 @@ impl Gap for HeightMap {
         if on_line(0) {
             angles.extend([quarter, -quarter]);
         }
-    }
-
-    fn centre(&self) -> [f64; 2] {
-        self.centre
     }
 }

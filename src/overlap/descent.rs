@@ -1,6 +1,6 @@
-//! Sliding down to the lowest place of a gap.
+//! Descent to a low point of a gap. What it finds is sampled: a start, a unit of depth, the depth of first touch as far as is seen.
 
-use super::Gap;
+use crate::gap::{AnyGap, Gap};
 
 /// The point at this angle and distance.
 pub(super) fn along(p: [f64; 2], angle: f64, r: f64) -> [f64; 2] {
@@ -62,11 +62,23 @@ pub(super) fn lowest(gap: &dyn Gap, start: [f64; 2]) -> [f64; 2] {
     p
 }
 
-/// The lowest place that can be slid to from the gap's own centre, and the gap there: the depth of first touch.
-pub(crate) fn least(gap: &dyn Gap) -> ([f64; 2], f64) {
-    let [x, y] = lowest(gap, gap.centre());
-    ([x, y], gap.gap(x, y))
+/// The lowest point that a descent from the gap's own centre reaches, and the gap there: the depth of first touch.
+pub(crate) fn least(gap: &AnyGap) -> ([f64; 2], f64) {
+    let known = gap.known();
+    let [x, y] = known.centre;
+    // Known to be the lowest.
+    let value = gap.gap(x, y);
+    if value <= known.floor || known.law.is_some_and(|law| law.lowest == value && known.floor > f64::NEG_INFINITY) {
+        return (known.centre, value);
+    }
+    // Every tip is a start of its own.
+    let starts = known.tips.iter().take(MOST_STARTS).copied().chain([known.centre]);
+    let found = starts.map(|start| lowest(gap, start)).map(|p| (p, gap.gap(p[0], p[1])));
+    found.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((known.centre, value))
 }
+
+/// Tips from which a descent starts.
+const MOST_STARTS: usize = 16;
 
 /// p less (second derivatives)^-1 gradient, the second derivatives by differences over `h`.
 fn newton_step(gap: &dyn Gap, p: [f64; 2], h: f64) -> Option<[f64; 2]> {
@@ -136,11 +148,11 @@ pub(super) fn descend(gap: &dyn Fn(f64, f64) -> f64, start: [f64; 2], size: f64,
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gap::Paraboloid;
+    use crate::gap::{Paraboloid, Place};
 
     #[test]
     fn lowest_place_of_a_tilted_bowl_to_the_last_digits() {
-        let bowl = crate::gap::Placed::new(Paraboloid::new([1.0, 300.0]).unwrap(), [0.3, -2.0], 0.4).unwrap();
+        let bowl = Paraboloid::new([1.0, 300.0]).unwrap().placed([0.3, -2.0], 0.4).unwrap();
         let [x, y] = lowest(&bowl, [0.0; 2]);
         assert!((x - 0.3).abs() < 1e-12 && (y + 2.0).abs() < 1e-12, "{x} {y}");
         assert_eq!(lowest(&Paraboloid::new([1.0, 2.0]).unwrap(), [0.0; 2]), [0.0; 2]);

@@ -1,8 +1,8 @@
-//! A gap beside other contacts, whose pressure has pushed the surface away.
+//! The gap that is left to a contact by the loads of others, which have displaced the surface.
 
 use std::f64::consts::PI;
 
-use super::{AnyGap, Gap, Reach};
+use crate::gap::{AnyGap, Gap, Known, Reach};
 use crate::geometry::Rect;
 
 /// Chebyshev points along a side: enough for ten digits of the displacement by loads half a side away.
@@ -10,15 +10,15 @@ const POINTS: usize = 16;
 
 /// The gap within a rectangle, widened by the displacement there under loads outside of it.
 #[derive(Clone)]
-pub(crate) struct Beside {
+pub(crate) struct DisplacedGap {
     gap: AnyGap,
     within: Rect,
     /// u = sum of c_ij T_i(x) T_j(y), x and y from -1 to 1 over the rectangle; no loads: empty.
     coefficients: Vec<[f64; POINTS]>,
 }
 
-impl Beside {
-    /// `gap` within the rectangle, beside point loads (where, force/E*) that lie at least half of its longer side outside.
+impl DisplacedGap {
+    /// `gap` within the rectangle, displaced point loads (where, force/E*) that lie at least half of its longer side outside.
     pub fn new(gap: AnyGap, within: Rect, loads: &[([f64; 2], f64)]) -> Self {
         if loads.is_empty() {
             return Self { gap, within, coefficients: Vec::new() };
@@ -72,9 +72,16 @@ fn polynomials(x: f64) -> [f64; POINTS] {
     all
 }
 
-impl Gap for Beside {
+impl Gap for DisplacedGap {
     fn gap(&self, x: f64, y: f64) -> f64 {
         self.gap.gap(x, y) + self.displacement([x, y])
+    }
+
+    fn describe(&self) -> Known {
+        let own = self.gap.known();
+        let centre = if self.within.contains(own.centre) { own.centre } else { self.within.centre() };
+        // The loads push the surface away: the gap is nowhere less than without them.
+        Known { centre, reference: own.reference, tips: own.tips.clone(), floor: own.floor, ..Known::nothing() }
     }
 
     fn reach(&self, _depth: f64) -> Reach {
@@ -88,19 +95,6 @@ impl Gap for Beside {
         let u = points.map(|x| self.displacement(at(cell, x))).iter().sum::<f64>() / 4.0;
         self.gap.mean(cell) + u
     }
-
-    fn centre(&self) -> [f64; 2] {
-        let c = self.gap.centre();
-        if self.within.contains(c) { c } else { self.within.centre() }
-    }
-
-    fn tips(&self) -> Vec<[f64; 2]> {
-        self.gap.tips()
-    }
-
-    fn reference(&self) -> [f64; 2] {
-        self.gap.reference()
-    }
 }
 
 #[cfg(test)]
@@ -112,13 +106,13 @@ mod tests {
         let within = Rect { min: [-1.0, 2.0], max: [3.0, 5.0] };
         let loads = [([-3.0, 2.5], 0.7), ([9.0, 8.0], 2.0), ([1.0, -1.0], 0.3)];
         let flat = AnyGap::new(|_: f64, _: f64| 0.25);
-        let beside = Beside::new(flat, within, &loads);
+        let displaced = DisplacedGap::new(flat, within, &loads);
         for [x, y] in [[-1.0, 2.0], [0.3, 3.1], [3.0, 2.0], [-0.99, 4.2]] {
             let exact = loads.iter().map(|([a, b], q)| q / f64::hypot(x - a, y - b)).sum::<f64>() / PI;
-            assert!((beside.gap(x, y) - 0.25 - exact).abs() < 1e-8 * exact, "{x} {y}");
+            assert!((displaced.gap(x, y) - 0.25 - exact).abs() < 1e-8 * exact, "{x} {y}");
         }
         let cell = Rect { min: [0.0, 3.0], max: [0.05, 3.05] };
-        let middle = beside.gap(0.025, 3.025);
-        assert!((beside.mean(&cell) - middle).abs() < 1e-4 * middle);
+        let middle = displaced.gap(0.025, 3.025);
+        assert!((displaced.mean(&cell) - middle).abs() < 1e-4 * middle);
     }
 }

@@ -1,0 +1,291 @@
+//! A gap of any kind, wherever it was put: what is known of it is found once.
+
+use std::sync::Arc;
+
+use super::transform::{Transform, quarter_exact};
+use super::{Gap, Growth, Known, Material, Reach, Ridges, Taylor, enclosure, mean, range};
+use crate::error::{InputError, finite};
+use crate::geometry::Rect;
+use crate::numeric::Interval;
+
+/// A gap behind a shared pointer, moved, turned, tilted or seen in other units, so that gaps of different kinds can stand side by side.
+#[derive(Clone)]
+pub struct AnyGap {
+    inner: Arc<dyn Gap>,
+    transform: Transform,
+    known: Arc<Known>,
+    /// The planes whose highest it is, turned but not moved, where they are few and it is turned.
+    turned: Option<Arc<[[f64; 3]]>>,
+}
+
+impl AnyGap {
+    /// Any gap, its kind forgotten.
+    pub fn new(gap: impl Gap + 'static) -> Self {
+        gap.into_any()
+    }
+
+    pub(super) fn of(inner: Arc<dyn Gap>) -> Self {
+        let known = Arc::new(inner.describe());
+        Self { inner, transform: Transform::identity(), known, turned: None }
+    }
+
+    /// What is known of it at no depth in particular.
+    #[must_use]
+    pub fn known(&self) -> &Known {
+        &self.known
+    }
+
+    fn under(&self, transform: Transform) -> Self {
+        let turned = if transform.is_upright() {
+            None
+        } else {
+            self.inner.planes().filter(|planes| planes.len() <= mean::MOST_PLANES).map(|planes| {
+                let turn = |p: &[f64; 3]| {
+                    let [a, b] = transform.direction_outward([p[0], p[1]]);
+                    [a, b, p[2]]
+                };
+                planes.iter().map(turn).collect()
+            })
+        };
+        let known = Arc::new(transform.known_outward(&self.inner.describe()));
+        let mut gap = Self { inner: self.inner.clone(), transform, known, turned };
+        // A tilted body that ends somewhere is lowest there.
+        if let (f64::NEG_INFINITY, Material::Within(rect)) = (gap.known.floor, gap.known.material)
+            && let Some([floor, _]) = gap.bounds(&rect, [0.0; 2])
+        {
+            gap.known = Arc::new(Known { floor, ..(*gap.known).clone() });
+        }
+        gap
+    }
+
+    /// Put with its origin at `at` and turned about it, counter-clockwise, by `rotation` (radians): the value at x is the gap's own at
+    /// R(-rotation)(x - at).
+    ///
+    /// # Errors
+    /// Names `at` or `rotate` when not finite.
+    pub fn placed(&self, at: [f64; 2], rotation: f64) -> Result<Self, InputError> {
+        finite("at[0]", at[0])?;
+        finite("at[1]", at[1])?;
+        let turn = quarter_exact(finite("rotate", rotation)?);
+        Ok(self.through(&Transform::place(at, turn)))
+    }
+
+    /// Under a body tilted by (ax, ay), radians, small: with depth d the overlap is d + ax x + ay y - g.
+    #[must_use]
+    pub fn tilted(&self, tilt: [f64; 2]) -> Self {
+        if tilt == [0.0; 2] { self.clone() } else { self.through(&Transform::tilt(tilt)) }
+    }
+
+    /// Seen in other units: its value at xi is g(origin + length xi)/depth.
+    #[must_use]
+    pub fn scaled(&self, origin: [f64; 2], length: f64, depth: f64) -> Self {
+        self.through(&Transform::units(origin, length, depth))
+    }
+
+    /// The same gap seen through a transform, its own one before it.
+    fn through(&self, outer: &Transform) -> Self {
+        self.under(outer.after(&self.transform))
+    }
+
+    /// A rectangle in the frame in which planes are turned but not moved.
+    fn unturned(&self, rect: &Rect) -> Rect {
+        Rect { min: self.transform.unturned(rect.min), max: self.transform.unturned(rect.max) }
+    }
+
+    /// {f > 0} of a tilted gap from that of the level one: {g < depth + tilt . x} lies in {g < depth + s} where s is the largest rise
+    /// over its own rectangle; grown until it does.
+    fn raised(&self, depth: f64) -> Reach {
+        let level = |depth: f64| self.transform.reach_outward(self.inner.reach(self.transform.depth_inward(depth)));
+        let mut rise = 0.0;
+        for _ in 0..60 {
+            match level(depth + rise) {
+                Reach::Within(rect) => {
+                    let most = rect.corners().map(|c| self.transform.rise(c)).into_iter().fold(0.0, f64::max);
+                    if most <= rise {
+                        return self.tightened(depth, &rect);
+                    }
+                    rise = 2.0 * most;
+                }
+                // Nothing is reached on the way up only if nothing was reached at the bottom.
+                Reach::Nowhere if rise == 0.0 => rise = depth.abs().max(f64::MIN_POSITIVE),
+                // A level gap without end may have one under a tilt, and the other way round.
+                _ => break,
+            }
+        }
+        match super::growth::reach(|sector, from| self.growth(sector, from), depth) {
+            Reach::Within(rect) => self.tightened(depth, &rect),
+            other => other,
+        }
+    }
+
+    fn tightened(&self, depth: f64, rect: &Rect) -> Reach {
+        if self.bounds(rect, [0.0; 2]).is_none() {
+            return Reach::Within(*rect);
+        }
+        enclosure::tightened(&|rect| self.bounds(rect, [0.0; 2]).map_or(f64::NEG_INFINITY, |b| b[0]), depth, rect)
+    }
+}
+
+impl<G: Gap + Clone + 'static> From<&G> for AnyGap {
+    fn from(gap: &G) -> Self {
+        gap.clone().into_any()
+    }
+}
+
+impl std::fmt::Debug for AnyGap {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("AnyGap")
+    }
+}
+
+#[warn(clippy::missing_trait_methods)]
+impl Gap for AnyGap {
+    fn gap(&self, x: f64, y: f64) -> f64 {
+        let [u, v] = self.transform.inward([x, y]);
+        self.transform.height_outward(self.inner.gap(u, v), [x, y])
+    }
+
+    fn gradient(&self, x: f64, y: f64) -> Option<[f64; 2]> {
+        let [u, v] = self.transform.inward([x, y]);
+        self.inner.gradient(u, v).map(|g| self.transform.gradient_outward(g))
+    }
+
+    fn describe(&self) -> Known {
+        (*self.known).clone()
+    }
+
+    fn reach(&self, depth: f64) -> Reach {
+        if self.transform.is_identity() {
+            return self.inner.reach(depth);
+        }
+        if let Some(reach) = self.known.quadratic.and_then(|q| q.reach(depth)) {
+            return reach;
+        }
+        if self.transform.is_tilted() {
+            return self.raised(depth);
+        }
+        self.transform.reach_outward(self.inner.reach(self.transform.depth_inward(depth)))
+    }
+
+    fn components(&self, depth: f64) -> Option<Vec<Rect>> {
+        let outward = |found: Vec<Rect>| found.iter().map(|rect| self.transform.rect_outward(rect)).collect();
+        if !self.transform.is_tilted() {
+            return self.inner.components(self.transform.depth_inward(depth)).map(outward);
+        }
+        // As for the reach: the pieces at a depth that is larger by the largest rise over them hold those of the tilted gap.
+        let Reach::Within(all) = self.reach(depth) else { return None };
+        let rise = all.corners().map(|c| self.transform.rise(c)).into_iter().fold(0.0, f64::max);
+        let level = self.inner.components(self.transform.depth_inward(depth + rise)).map(outward)?;
+        Some(level.iter().filter_map(|rect: &Rect| rect.intersection(&all)).collect())
+    }
+
+    fn mean(&self, cell: &Rect) -> f64 {
+        let own = if self.transform.is_upright() {
+            // Quarter turns take rectangles to rectangles.
+            let corners = [self.transform.inward(cell.min), self.transform.inward(cell.max)];
+            Rect::holding(corners).map_or(f64::INFINITY, |cell| self.inner.mean(&cell))
+        } else if let Some(planes) = &self.turned {
+            mean::of_planes(planes, &self.unturned(cell))
+        } else {
+            mean::by_quadrature(
+                |x, y| {
+                    let [u, v] = self.transform.inward([x, y]);
+                    self.inner.gap(u, v)
+                },
+                cell,
+            )
+        };
+        self.transform.height_outward(own, cell.centre())
+    }
+
+    fn bounds(&self, rect: &Rect, slope: [f64; 2]) -> Option<[f64; 2]> {
+        if self.transform.is_identity() {
+            return self.inner.bounds(rect, slope);
+        }
+        if let Some(planes) = &self.turned {
+            let unturned = self.unturned(rect);
+            let steep = self.transform.direction_outward(self.transform.slope_inward(slope));
+            return Some(self.transform.bounds_outward(range::of_planes(planes, &unturned, steep), steep, rect));
+        }
+        let steep = self.transform.slope_inward(slope);
+        let own = self.inner.bounds(&self.transform.rect_inward(rect), steep)?;
+        let [low, high] = self.transform.bounds_outward(own, steep, rect);
+        // The turned rectangle has less room than the upright one around it.
+        match self.taylor(rect).filter(|_| !self.transform.is_upright()) {
+            Some(taylor) => {
+                let [a, b] = taylor.bounds(rect.size(), slope);
+                Some([low.max(a), high.min(b)])
+            }
+            None => Some([low, high]),
+        }
+    }
+
+    fn taylor(&self, rect: &Rect) -> Option<Taylor> {
+        if self.transform.is_identity() {
+            return self.inner.taylor(rect);
+        }
+        self.inner.taylor(&self.transform.rect_inward(rect)).and_then(|own| self.transform.taylor_outward(&own, rect))
+    }
+
+    fn mean_bounds(&self, rect: &Rect) -> Option<[f64; 2]> {
+        if self.transform.is_identity() {
+            return self.inner.mean_bounds(rect);
+        }
+        if let Some(planes) = &self.turned {
+            let own = mean::of_planes_enclosed(planes, &self.unturned(rect));
+            return Some(self.transform.bounds_outward(own, [0.0; 2], rect));
+        }
+        if self.transform.is_upright() {
+            let own = self.inner.mean_bounds(&self.transform.rect_inward(rect))?;
+            return Some(self.transform.bounds_outward(own, [0.0; 2], rect));
+        }
+        enclosure::mean(self, rect)
+    }
+
+    fn growth(&self, sector: Interval, from: f64) -> Option<Growth> {
+        if self.transform.is_identity() {
+            return self.inner.growth(sector, from);
+        }
+        self.transform.growth_outward(sector, from, |sector, from| self.inner.growth(sector, from))
+    }
+
+    fn restricted(&self, rect: &Rect) -> Option<AnyGap> {
+        let simpler = self.inner.restricted(&self.transform.rect_inward(rect))?;
+        Some(simpler.through(&self.transform))
+    }
+
+    fn ray_kinks(&self, from: [f64; 2], direction: [f64; 2], kinks: &mut Vec<f64>) {
+        let known = kinks.len();
+        self.inner.ray_kinks(self.transform.inward(from), self.transform.direction_inward(direction), kinks);
+        kinks[known..].iter_mut().for_each(|r| *r = self.transform.length_outward(*r));
+    }
+
+    fn kink_directions(&self, from: [f64; 2], angles: &mut Vec<f64>) {
+        let known = angles.len();
+        self.inner.kink_directions(self.transform.inward(from), angles);
+        angles[known..].iter_mut().for_each(|a| *a += self.transform.angle());
+    }
+
+    fn ridges(&self) -> Option<Ridges> {
+        // A plane taken off all planes moves no ridge.
+        let t = &self.transform;
+        self.inner.ridges().map(|r| r.seen(|p| t.outward(p), |v| t.direction_outward(v), |j| t.jump_outward(j)))
+    }
+
+    fn planes(&self) -> Option<Vec<[f64; 3]>> {
+        let outward = |p: &[f64; 3]| {
+            let [a, b] = self.transform.gradient_outward([p[0], p[1]]);
+            let [u, v] = self.transform.inward([0.0; 2]);
+            [a, b, self.transform.height_outward(p[0] * u + p[1] * v + p[2], [0.0; 2])]
+        };
+        self.inner.planes().map(|planes| planes.iter().map(outward).collect())
+    }
+
+    fn alternatives(&self) -> Option<Vec<AnyGap>> {
+        self.inner.alternatives().map(|parts| parts.iter().map(|part| part.through(&self.transform)).collect())
+    }
+
+    fn into_any(self) -> AnyGap {
+        self
+    }
+}

@@ -1,0 +1,223 @@
+//! What follows from certain bounds of a gap over rectangles: where it is below a depth, in how many parts, and its mean.
+
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+
+use super::{Gap, Reach};
+use crate::geometry::Rect;
+
+/// A side is found to this part of the rectangle's extent.
+const FINE: f64 = 0.004;
+
+/// The same while the rectangle still shrinks.
+const COARSE: f64 = 0.1;
+
+/// Rectangles looked at for one side.
+const BUDGET: usize = 600;
+
+/// Rounds of shrinking: each leaves at most four fifths.
+const ROUNDS: usize = 200;
+
+/// A rectangle that may hold points below the depth, and how far it reaches towards the side in question.
+struct Candidate {
+    far: f64,
+    rect: Rect,
+}
+
+impl PartialEq for Candidate {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Candidate {}
+
+impl PartialOrd for Candidate {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Candidate {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.far.total_cmp(&other.far)
+    }
+}
+
+/// The two halves of a rectangle, cut across the side that is longer in units of `extent`.
+fn halves(rect: &Rect, extent: [f64; 2]) -> [Rect; 2] {
+    let ([w, h], c) = (rect.size(), rect.centre());
+    let (mut a, mut b) = (*rect, *rect);
+    let axis = usize::from(h / extent[1] > w / extent[0]);
+    (a.max[axis], b.min[axis]) = (c[axis], c[axis]);
+    [a, b]
+}
+
+/// How far {lower < depth} inside `outer` reaches along an axis (`upwards` or down), to `fine` of the extent; `None` when it is empty.
+fn farthest(
+    lower: &dyn Fn(&Rect) -> f64,
+    depth: f64,
+    outer: &Rect,
+    axis: usize,
+    upwards: bool,
+    fine: f64,
+) -> Option<f64> {
+    let extent = outer.size();
+    let far = |rect: &Rect| if upwards { rect.max[axis] } else { -rect.min[axis] };
+    let mut open = BinaryHeap::from([Candidate { far: far(outer), rect: *outer }]);
+    for _ in 0..BUDGET {
+        let Candidate { far: reached, rect } = open.pop()?;
+        if !(lower(&rect) < depth) {
+            continue;
+        }
+        if rect.size()[axis] <= fine * extent[axis] {
+            return Some(if upwards { reached } else { -reached });
+        }
+        for half in halves(&rect, extent) {
+            open.push(Candidate { far: far(&half), rect: half });
+        }
+    }
+    open.pop().map(|c| if upwards { c.far } else { -c.far })
+}
+
+/// The part of `outer` that holds all points where the gap can be below the depth, from lower bounds of the gap over rectangles.
+pub(super) fn tightened(lower: &dyn Fn(&Rect) -> f64, depth: f64, outer: &Rect) -> Reach {
+    let mut rect = *outer;
+    let mut fine = COARSE;
+    for _ in 0..ROUNDS {
+        let before = rect.size();
+        for (axis, upwards) in [(0, true), (0, false), (1, true), (1, false)] {
+            let Some(side) = farthest(lower, depth, &rect, axis, upwards, fine) else { return Reach::Nowhere };
+            if upwards {
+                rect.max[axis] = side;
+            } else {
+                rect.min[axis] = side;
+            }
+        }
+        let snug = (0..2).all(|m| rect.size()[m] > 0.8 * before[m]);
+        if snug && fine == FINE {
+            break;
+        }
+        if snug {
+            fine = FINE;
+        }
+    }
+    Reach::Within(rect)
+}
+
+/// Parts along a side into which a rectangle is cut when its pieces are told apart.
+const PARTS: usize = 24;
+
+/// Zooming into a piece ends after so many levels: each is at most a quarter as long as the one before.
+const DEEPEST: usize = 60;
+
+/// More pieces than this are not told apart.
+const MOST: usize = 256;
+
+/// Rectangles that together hold all points of `outer` where the gap can be below the depth, separate as far as bounds over
+/// rectangles tell them apart.
+pub(super) fn components(lower: &dyn Fn(&Rect) -> f64, depth: f64, outer: &Rect) -> Vec<Rect> {
+    let mut done = Vec::new();
+    let mut open = vec![(*outer, 0)];
+    while let Some((rect, level)) = open.pop() {
+        let parts = clusters(lower, depth, &rect);
+        for part in parts {
+            let (size, whole) = (part.size(), rect.size());
+            let small = (0..2).all(|m| size[m] < 0.25 * whole[m]);
+            if small && level < DEEPEST && open.len() + done.len() < MOST {
+                open.push((part, level + 1));
+            } else {
+                done.push(part);
+            }
+        }
+        if done.len() + open.len() > MOST {
+            return vec![*outer];
+        }
+    }
+    done
+}
+
+/// The connected groups of cells of a lattice over the rectangle that can hold points below the depth, each as its rectangle.
+fn clusters(lower: &dyn Fn(&Rect) -> f64, depth: f64, rect: &Rect) -> Vec<Rect> {
+    let lattice = crate::grid::Grid::over(rect, [PARTS; 2]);
+    let alive: Vec<bool> = (0..PARTS * PARTS).map(|k| lower(&lattice.cell(k % PARTS, k / PARTS)) < depth).collect();
+    let mut label = vec![usize::MAX; alive.len()];
+    let mut found: Vec<Rect> = Vec::new();
+    for start in (0..alive.len()).filter(|&k| alive[k]).collect::<Vec<_>>() {
+        if label[start] != usize::MAX {
+            continue;
+        }
+        let (group, mut stack) = (found.len(), vec![start]);
+        label[start] = group;
+        let mut hull = lattice.cell(start % PARTS, start / PARTS);
+        while let Some(k) = stack.pop() {
+            let (i, j) = (k % PARTS, k / PARTS);
+            hull = hull.union(&lattice.cell(i, j));
+            for m in j.saturating_sub(1)..(j + 2).min(PARTS) {
+                for n in i.saturating_sub(1)..(i + 2).min(PARTS) {
+                    let next = m * PARTS + n;
+                    if alive[next] && label[next] == usize::MAX {
+                        label[next] = group;
+                        stack.push(next);
+                    }
+                }
+            }
+        }
+        found.push(hull);
+    }
+    found
+}
+
+/// Bounds of the mean of a gap over a rectangle, from its Taylor form or its range.
+pub(super) fn mean(gap: &(impl Gap + ?Sized), rect: &Rect) -> Option<[f64; 2]> {
+    use crate::numeric::Interval;
+    if let Some(taylor) = gap.taylor(rect) {
+        // The mean of (x - c)^2 over an interval of length w is w^2/12, that of (x - c)(y - d) over a rectangle 0 for a constant
+        // second derivative and at most w h/16 times half its variation else.
+        let [w, h] = rect.size().map(Interval::point);
+        let [xx, xy, yy] = taylor.hessian;
+        let twist = 0.5 * xy.width() * (rect.size()[0] * rect.size()[1] / 16.0).next_up();
+        let mean = taylor.value
+            + xx * w.powi(2) * Interval::new((1.0f64 / 24.0).next_down(), (1.0f64 / 24.0).next_up())
+            + yy * h.powi(2) * Interval::new((1.0f64 / 24.0).next_down(), (1.0f64 / 24.0).next_up())
+            + Interval::new(-twist.next_up(), twist.next_up());
+        return Some([mean.lo, mean.hi]);
+    }
+    let [x, y] = rect.centre();
+    let slope = gap.gradient(x, y).filter(|g| g.iter().all(|g| g.is_finite())).unwrap_or([0.0; 2]);
+    gap.bounds(rect, slope)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Least distance squared of a rectangle from a point.
+    fn near(rect: &Rect, [x, y]: [f64; 2]) -> f64 {
+        let d = |m: usize, v: f64| (rect.min[m] - v).max(v - rect.max[m]).max(0.0);
+        d(0, x).powi(2) + d(1, y).powi(2)
+    }
+
+    #[test]
+    fn a_small_disc_in_a_vast_rectangle_is_found() {
+        for scale in [1.0, 1e-9, 1e-80] {
+            let lower = |rect: &Rect| near(rect, [0.3, -0.7]);
+            let outer = Rect::around([0.0; 2], [1.0; 2]);
+            let Reach::Within(found) = tightened(&lower, scale * scale * 1e-4, &outer) else { panic!("bounded") };
+            let r = 1e-2 * scale;
+            if scale > 1e-20 {
+                assert!(found.max[0] >= 0.3 + r && found.max[0] <= 0.3 + 1.1 * r, "{scale}: {found:?}");
+                assert!(found.min[1] <= -0.7 - r && found.min[1] >= -0.7 - 1.1 * r, "{scale}: {found:?}");
+            }
+        }
+        assert_eq!(tightened(&|_| 2.0, 1.0, &Rect::around([0.0; 2], [1.0; 2])), Reach::Nowhere);
+    }
+
+    #[test]
+    fn two_pits_a_million_radii_apart_are_two() {
+        let lower = |rect: &Rect| near(rect, [-1.0, 0.0]).min(near(rect, [1.0, 0.3]));
+        let found = components(&lower, 1e-12, &Rect::around([0.0; 2], [1.5; 2]));
+        assert_eq!(found.len(), 2);
+        assert!(found.iter().all(|r| r.size()[0] < 2e-5 && r.size()[0] >= 2e-6), "{found:?}");
+    }
+}

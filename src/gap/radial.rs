@@ -1,0 +1,67 @@
+//! Gaps that are smooth functions of the distance from the origin: bounds, Taylor form and growth from those of one variable.
+
+use super::{Growth, Taylor};
+use crate::geometry::Rect;
+use crate::numeric::Interval;
+
+/// The sides of a rectangle as intervals.
+pub(super) fn sides(rect: &Rect) -> [Interval; 2] {
+    [0, 1].map(|m| Interval::new(rect.min[m], rect.max[m]))
+}
+
+/// Distances of the points of a rectangle from the origin.
+pub(super) fn distances(rect: &Rect) -> Interval {
+    let [x, y] = sides(rect);
+    x.hypot(y)
+}
+
+/// A function of r over a set of radii.
+pub(super) struct Profile {
+    /// g.
+    pub value: Interval,
+    /// g'/r.
+    pub slope_over_r: Interval,
+    /// g''.
+    pub curvature: Interval,
+}
+
+/// The Taylor form over a rectangle of g(r), given as a function of a set of radii.
+pub(super) fn taylor(rect: &Rect, g: impl Fn(Interval) -> Profile) -> Option<Taylor> {
+    let c = rect.centre().map(Interval::point);
+    let (here, all) = (g(c[0].hypot(c[1])), g(distances(rect)));
+    let [x, y] = sides(rect);
+    // H = q I + (g'' - q) n n', q = g'/r, n the unit vector outwards.
+    let r2 = x.powi(2) + y.powi(2);
+    let unit = Interval::new(0.0, 1.0);
+    let share = |product: Interval, least: f64| {
+        let quotient = if r2.hi > 0.0 { product / r2 } else { Interval::UNKNOWN };
+        Interval { lo: quotient.lo.max(least), hi: quotient.hi.min(1.0), defined: true }
+    };
+    let (q, d) = (all.slope_over_r, all.curvature - all.slope_over_r);
+    let (nxx, nyy) = (share(x.powi(2), 0.0), share(y.powi(2), 0.0));
+    let nxy = if r2.lo > 0.0 { share(x * y, -1.0) } else { unit * Interval::new(-0.5, 0.5) };
+    let nxy = Interval { lo: nxy.lo.max(-0.5), hi: nxy.hi.min(0.5), defined: true };
+    Taylor {
+        value: here.value,
+        gradient: c.map(|c| here.slope_over_r * c),
+        hessian: [q + d * nxx, d * nxy, q + d * nyy],
+    }
+    .finite()
+}
+
+/// Bounds of g - slope . (x - c) over a rectangle: from the Taylor form where there is one, and from the values of g(r).
+pub(super) fn bounds(rect: &Rect, slope: [f64; 2], value: Interval, taylor: Option<Taylor>) -> [f64; 2] {
+    let [w, h] = rect.size();
+    let half = (0.5 * (slope[0].abs() * w + slope[1].abs() * h)).next_up();
+    let high = if value.defined { value.hi + half } else { f64::INFINITY };
+    let low = if value.is_empty() { f64::INFINITY } else { value.lo - half };
+    match taylor.map(|t| t.bounds([w, h], slope)) {
+        Some([a, b]) => [low.max(a), high.min(b)],
+        None => [low, high],
+    }
+}
+
+/// c r^n, whatever the sector.
+pub(super) fn power(coefficient: f64, exponent: f64, from: f64) -> Growth {
+    Growth::power(exponent, Interval::point(coefficient), from)
+}

@@ -1,0 +1,362 @@
+//! Two curved bodies: the sum of several gaps.
+
+use super::{AnyGap, Axis, Gap, Generatrix, Growth, Known, Law, Material, Quadratic, Reach, Taylor, enclosure, growth};
+use crate::error::InputError;
+use crate::geometry::Rect;
+use crate::numeric::Interval;
+
+/// The sum of several gaps: two curved bodies, each turned its own way, against each other.
+///
+/// ```
+/// use contact_patch::gap::{AnyGap, Gap, Paraboloid, Sum};
+/// // Two cylinders of radii 0.02 and 0.05 with axes at right angles.
+/// let one = Paraboloid::new([0.02, f64::INFINITY])?;
+/// let other = Paraboloid::new([0.05, f64::INFINITY])?.placed([0.0, 0.0], 90f64.to_radians())?;
+/// let crossed = Sum::new(vec![AnyGap::new(one), other])?;
+/// assert_eq!(crossed.gap(1e-3, 2e-3), Paraboloid::new([0.02, 0.05])?.gap(1e-3, 2e-3));
+/// # Ok::<(), contact_patch::InputError>(())
+/// ```
+#[derive(Clone)]
+pub struct Sum {
+    parts: Vec<AnyGap>,
+    known: Known,
+}
+
+impl Sum {
+    /// The sum of these gaps.
+    ///
+    /// # Errors
+    /// Names `of` when there are none.
+    pub fn new(parts: Vec<AnyGap>) -> Result<Self, InputError> {
+        if parts.is_empty() {
+            return Err(InputError::new("of", "an empty list", "at least one gap"));
+        }
+        let known = known_of(&parts);
+        Ok(Self { parts, known })
+    }
+
+    /// The gaps that are added.
+    #[must_use]
+    pub fn parts(&self) -> &[AnyGap] {
+        &self.parts
+    }
+
+    /// Least values of all parts but one, added up.
+    fn floor_of_others(&self, but: usize) -> f64 {
+        let others = self.parts.iter().enumerate().filter(|(k, _)| *k != but);
+        let sum = others.map(|(_, part)| Interval::new(part.known().floor, part.known().floor));
+        sum.fold(Interval::ZERO, |sum, floor| sum + floor).lo
+    }
+
+    /// A rectangle that holds {g < depth}, from what the parts know: each is less than the depth less the least values of the
+    /// others, and ends where its material does.
+    fn held(&self, depth: f64) -> Reach {
+        let mut held: Option<Rect> = None;
+        let mut cut = |rect: Rect| {
+            held = Some(held.map_or(Some(rect), |held| held.intersection(&rect))?);
+            Some(())
+        };
+        for (k, part) in self.parts.iter().enumerate() {
+            if let Material::Within(rect) = part.known().material
+                && cut(rect).is_none()
+            {
+                return Reach::Nowhere;
+            }
+            let others = self.floor_of_others(k);
+            if others == f64::NEG_INFINITY {
+                continue;
+            }
+            match part.reach((depth - others).next_up()) {
+                Reach::Nowhere => return Reach::Nowhere,
+                Reach::Within(rect) if cut(rect).is_none() => return Reach::Nowhere,
+                _ => {}
+            }
+        }
+        held.map_or(Reach::Unknown, Reach::Within)
+    }
+
+    fn lower(&self, rect: &Rect) -> f64 {
+        self.bounds(rect, [0.0; 2]).map_or(f64::NEG_INFINITY, |b| b[0])
+    }
+
+    fn has_bounds(&self, rect: &Rect) -> bool {
+        self.parts.iter().all(|part| part.bounds(rect, [0.0; 2]).is_some())
+    }
+}
+
+/// What follows from the parts.
+fn known_of(parts: &[AnyGap]) -> Known {
+    if let [one] = parts {
+        return one.known().clone();
+    }
+    let all = || parts.iter().map(AnyGap::known);
+    let quadratic =
+        all().map(|k| k.quadratic).reduce(|a, b| a.zip(b).map(|(a, b): (Quadratic, _)| a.plus(&b))).flatten();
+    let value = |p: [f64; 2]| parts.iter().map(|part| part.gap(p[0], p[1])).sum::<f64>();
+    let lowest_of = || all().map(|k| k.centre).min_by(|&a, &b| value(a).total_cmp(&value(b)));
+    let centre = quadratic.and_then(|q| q.lowest()).or_else(lowest_of).unwrap_or_default();
+    let common = all().all(|k| k.centre == centre);
+    let law = all().map(|k| k.law).reduce(|a, b| {
+        let (a, b) = a.zip(b)?;
+        (a.degree == b.degree).then_some(Law { lowest: a.lowest + b.lowest, ..a })
+    });
+    // Flat punches together are one only where they cover the same.
+    let law = law.flatten().filter(|law| common && law.degree.inverse() > 0.0);
+    let material = all().map(|k| k.material).reduce(|a, b| match (a, b) {
+        (Material::Within(a), Material::Within(b)) => {
+            Material::Within(a.intersection(&b).unwrap_or(Rect { min: a.min, max: a.min }))
+        }
+        (Material::Within(a), _) | (_, Material::Within(a)) => Material::Within(a),
+        (Material::Everywhere, Material::Everywhere) => Material::Everywhere,
+        _ => Material::Unknown,
+    });
+    let floors = all().map(|k| Interval::new(k.floor, k.floor)).fold(Interval::ZERO, |sum, floor| sum + floor);
+    let floor = quadratic.map_or(f64::NEG_INFINITY, |q| q.floor()).max(floors.lo);
+    Known {
+        centre,
+        reference: [0.0; 2],
+        tips: parts.iter().flat_map(tips_of).collect(),
+        floor,
+        law: law.or_else(|| quadratic.and_then(law_of)),
+        quadratic,
+        axis: common_axis(parts, &mut Generatrix::plus),
+        face: None,
+        material: material.unwrap_or(Material::Unknown),
+        mirrors: common_mirrors(parts, centre),
+    }
+}
+
+/// A quadratic form that curves upwards is homogeneous about its lowest point.
+pub(super) fn law_of(quadratic: Quadratic) -> Option<Law> {
+    let lowest = quadratic.about(quadratic.lowest()?).value;
+    Some(Law { degree: super::Degree::Power(2.0), lowest })
+}
+
+/// The tips of a part, or the point that it is drawn about.
+pub(super) fn tips_of(part: &AnyGap) -> Vec<[f64; 2]> {
+    let known = part.known();
+    if known.tips.is_empty() { vec![known.centre] } else { known.tips.clone() }
+}
+
+/// The mirrors through this point that all parts have.
+pub(super) fn common_mirrors(parts: &[AnyGap], centre: [f64; 2]) -> [bool; 2] {
+    parts
+        .iter()
+        .map(AnyGap::known)
+        .fold([true; 2], |all, known| [0, 1].map(|m| all[m] && known.mirrors[m] && known.centre[m] == centre[m]))
+}
+
+/// The axis that all parts share, and what becomes of their generatrices.
+pub(super) fn common_axis(
+    parts: &[AnyGap],
+    together: &mut dyn FnMut(&Generatrix, &Generatrix) -> Generatrix,
+) -> Option<Axis> {
+    let axes = parts.iter().map(|part| part.known().axis);
+    axes.reduce(|a, b| {
+        let (a, b) = a.zip(b)?;
+        (a.at == b.at).then(|| Axis { at: a.at, generatrix: together(&a.generatrix, &b.generatrix) })
+    })
+    .flatten()
+}
+
+#[warn(clippy::missing_trait_methods)]
+impl Gap for Sum {
+    fn gap(&self, x: f64, y: f64) -> f64 {
+        let sum: f64 = self.parts.iter().map(|part| part.gap(x, y)).sum();
+        // One part without material is enough; minus infinity is no gap.
+        if sum.is_nan() && self.parts.iter().any(|part| part.gap(x, y) == f64::INFINITY) { f64::INFINITY } else { sum }
+    }
+
+    fn gradient(&self, x: f64, y: f64) -> Option<[f64; 2]> {
+        self.parts.iter().try_fold([0.0; 2], |sum, part| part.gradient(x, y).map(|g| [sum[0] + g[0], sum[1] + g[1]]))
+    }
+
+    fn describe(&self) -> Known {
+        self.known.clone()
+    }
+
+    fn reach(&self, depth: f64) -> Reach {
+        if let Some(reach) = self.known.quadratic.and_then(|q| q.reach(depth)) {
+            return reach;
+        }
+        if depth <= self.known.floor {
+            return Reach::Nowhere;
+        }
+        let outer = match self.held(depth) {
+            Reach::Unknown => growth::reach(|sector, from| self.growth(sector, from), depth),
+            held => held,
+        };
+        match outer {
+            Reach::Within(rect) if self.has_bounds(&rect) => enclosure::tightened(&|r| self.lower(r), depth, &rect),
+            other => other,
+        }
+    }
+
+    fn components(&self, depth: f64) -> Option<Vec<Rect>> {
+        let Reach::Within(all) = self.reach(depth) else {
+            return (self.reach(depth) == Reach::Nowhere).then(Vec::new);
+        };
+        // Every piece lies in a piece of each part, at the depth that the others leave to it.
+        let mut found = vec![all];
+        for (k, part) in self.parts.iter().enumerate() {
+            let others = self.floor_of_others(k);
+            if others == f64::NEG_INFINITY {
+                continue;
+            }
+            let Some(own) = part.components((depth - others).next_up()) else { continue };
+            if found.len() * own.len() <= MOST_PAIRS {
+                found = found.iter().flat_map(|a| own.iter().filter_map(|b| a.intersection(b))).collect();
+            }
+        }
+        if !self.has_bounds(&all) {
+            return Some(found);
+        }
+        let lower = |rect: &Rect| self.lower(rect);
+        let parts = found.iter().flat_map(|rect| enclosure::components(&lower, depth, rect));
+        let tight = parts.filter_map(|rect| match enclosure::tightened(&lower, depth, &rect) {
+            Reach::Within(rect) => Some(rect),
+            _ => None,
+        });
+        Some(tight.collect())
+    }
+
+    fn mean(&self, cell: &Rect) -> f64 {
+        let sum: f64 = self.parts.iter().map(|part| part.mean(cell)).sum();
+        if sum.is_nan() { f64::INFINITY } else { sum }
+    }
+
+    fn bounds(&self, rect: &Rect, slope: [f64; 2]) -> Option<[f64; 2]> {
+        // Each part less its own slope in the middle; what is left of the slope goes to the first.
+        let [x, y] = rect.centre();
+        let own: Vec<[f64; 2]> = self.parts.iter().map(|part| part.gradient(x, y).unwrap_or_default()).collect();
+        let finite = own.iter().flatten().all(|s| s.is_finite());
+        let mut bounds = Interval::ZERO;
+        for (k, part) in self.parts.iter().enumerate() {
+            let mut share = if finite { own[k] } else { [0.0; 2] };
+            if k == 0 {
+                for m in 0..2 {
+                    let others: f64 = if finite { own[1..].iter().map(|s| s[m]).sum() } else { 0.0 };
+                    share[m] = slope[m] - others;
+                }
+            }
+            let [low, high] = part.bounds(rect, share)?;
+            if low == f64::INFINITY {
+                return Some([f64::INFINITY; 2]);
+            }
+            bounds = bounds + Interval::new(low, high);
+        }
+        // The shares add up to the slope but for rounding.
+        let [w, h] = rect.size();
+        let size = own.iter().flatten().chain(&slope).fold(0.0_f64, |m, s| m.max(s.abs()));
+        let off = 4.0 * f64::EPSILON * self.parts.len() as f64 * if finite { size } else { 0.0 } * (w + h);
+        let [mut low, mut high] = [bounds.lo - off, bounds.hi + off];
+        if let Some(taylor) = self.taylor(rect) {
+            let [a, b] = taylor.bounds([w, h], slope);
+            (low, high) = (low.max(a), high.min(b));
+        }
+        Some([low, if high.is_nan() { f64::INFINITY } else { high }])
+    }
+
+    fn taylor(&self, rect: &Rect) -> Option<Taylor> {
+        let mut parts = self.parts.iter().map(|part| part.taylor(rect));
+        let first = parts.next()??;
+        parts.try_fold(first, |sum, part| part.map(|part| sum.plus(&part)))?.finite()
+    }
+
+    fn mean_bounds(&self, rect: &Rect) -> Option<[f64; 2]> {
+        let sum = self.parts.iter().try_fold(Interval::ZERO, |sum, part| {
+            part.mean_bounds(rect).map(|[low, high]| sum + Interval::new(low, high))
+        })?;
+        Some([sum.lo, sum.hi])
+    }
+
+    fn growth(&self, sector: Interval, from: f64) -> Option<Growth> {
+        let mut parts = self.parts.iter().map(|part| part.growth(sector, from));
+        let first = parts.next()??;
+        parts.try_fold(first, |sum, part| part.map(|part| sum.plus(&part)))
+    }
+
+    fn restricted(&self, rect: &Rect) -> Option<AnyGap> {
+        let simpler: Vec<Option<AnyGap>> = self.parts.iter().map(|part| part.restricted(rect)).collect();
+        if simpler.iter().all(Option::is_none) {
+            return None;
+        }
+        let parts = simpler.into_iter().zip(&self.parts).map(|(simpler, part)| simpler.unwrap_or_else(|| part.clone()));
+        Self::new(parts.collect()).ok().map(AnyGap::new)
+    }
+
+    fn alternatives(&self) -> Option<Vec<AnyGap>> {
+        None
+    }
+
+    fn ray_kinks(&self, from: [f64; 2], direction: [f64; 2], kinks: &mut Vec<f64>) {
+        self.parts.iter().for_each(|part| part.ray_kinks(from, direction, kinks));
+    }
+
+    fn kink_directions(&self, from: [f64; 2], angles: &mut Vec<f64>) {
+        self.parts.iter().for_each(|part| part.kink_directions(from, angles));
+    }
+
+    fn ridges(&self) -> Option<super::Ridges> {
+        None
+    }
+
+    fn planes(&self) -> Option<Vec<[f64; 3]>> {
+        None
+    }
+
+    fn into_any(self) -> AnyGap {
+        // The sum of one gap is that gap.
+        match <[AnyGap; 1]>::try_from(self.parts) {
+            Ok([one]) => one,
+            Err(parts) => AnyGap::of(std::sync::Arc::new(Self { parts, known: self.known })),
+        }
+    }
+}
+
+/// Pairs of pieces of two parts that are looked at.
+const MOST_PAIRS: usize = 4096;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gap::{Paraboloid, Place, Polyhedron};
+
+    fn cylinder(radius: f64, turn: f64) -> AnyGap {
+        Paraboloid::new([radius, f64::INFINITY]).unwrap().placed([0.0; 2], turn).unwrap()
+    }
+
+    #[test]
+    fn crossed_cylinders_reach_as_far_as_their_paraboloid() {
+        for turn in [90f64, 30.0, 1.0] {
+            let crossed = Sum::new(vec![cylinder(0.02, 0.0), cylinder(0.05, turn.to_radians())]).unwrap();
+            let centre = crossed.describe().centre;
+            assert!(centre[0].hypot(centre[1]) < 1e-15);
+            let Reach::Within(rect) = crossed.reach(1e-6) else { panic!("{turn}: {:?}", crossed.reach(1e-6)) };
+            // Largest x and y on x^T B x = 2 d with B = sum of n n^T/R.
+            let (s, c) = turn.to_radians().sin_cos();
+            let (xx, xy, yy) = (1.0 / 0.02 + c * c / 0.05, s * c / 0.05, s * s / 0.05);
+            let det = xx * yy - xy * xy;
+            let half = [yy, xx].map(|b| (2e-6 * b / det).sqrt());
+            for m in 0..2 {
+                assert!(rect.max[m] >= half[m] && rect.max[m] < 1.01 * half[m], "{turn}: {rect:?} {half:?}");
+                assert!(-rect.min[m] >= half[m] && -rect.min[m] < 1.01 * half[m]);
+            }
+        }
+        let parallel = Sum::new(vec![cylinder(0.02, 0.0), cylinder(0.05, 0.0)]).unwrap();
+        assert!(matches!(parallel.reach(1e-6), Reach::Unbounded { .. } | Reach::Unknown), "{:?}", parallel.reach(1e-6));
+        assert_eq!(parallel.reach(0.0), Reach::Nowhere);
+    }
+
+    #[test]
+    fn a_sum_with_a_polyhedron_keeps_its_proved_bounds() {
+        let wedge = AnyGap::new(Polyhedron::pyramid(2, 0.3).unwrap());
+        let sum = Sum::new(vec![wedge, cylinder(1.0, 90f64.to_radians())]).unwrap();
+        let Reach::Within(rect) = sum.reach(0.1) else { panic!("bounded") };
+        assert!(
+            (rect.max[0] - 0.1 / 0.3f64.tan()).abs() < 1e-2 && (rect.max[1] - 0.2f64.sqrt()).abs() < 1e-2,
+            "{rect:?}"
+        );
+        assert!(Sum::new(Vec::new()).is_err());
+    }
+}

@@ -1,0 +1,302 @@
+//! Forward differentiation (Wengert 1964) to first and second order, on numbers and on intervals.
+
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+use super::Interval;
+
+/// What derivatives can be carried over: numbers, or intervals that enclose them.
+pub(crate) trait Real:
+    Copy
+    + From<f64>
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+{
+    fn abs(self) -> Self;
+    fn sign(self) -> Self;
+    fn sqrt(self) -> Self;
+    fn cbrt(self) -> Self;
+    fn exp(self) -> Self;
+    fn ln(self) -> Self;
+    fn log10(self) -> Self;
+    fn log2(self) -> Self;
+    fn sin(self) -> Self;
+    fn cos(self) -> Self;
+    fn tan(self) -> Self;
+    fn asin(self) -> Self;
+    fn acos(self) -> Self;
+    fn atan(self) -> Self;
+    fn sinh(self) -> Self;
+    fn cosh(self) -> Self;
+    fn tanh(self) -> Self;
+    fn floor(self) -> Self;
+    fn ceil(self) -> Self;
+    fn powi(self, n: i32) -> Self;
+    fn powf(self, exponent: Self) -> Self;
+    fn hypot(self, other: Self) -> Self;
+    fn atan2(self, other: Self) -> Self;
+    fn min(self, other: Self) -> Self;
+    fn max(self, other: Self) -> Self;
+    /// The slope of |a|: that of the right side at 0.
+    fn slope_of_abs(self) -> Self;
+    /// 0, or anything where `self` may be 0: the derivative of what jumps there.
+    fn flat_but_at_zero(self) -> Self;
+    /// 0, or anything where `self` may pass a whole number.
+    fn flat_but_at_whole(self) -> Self;
+    /// Which of two is the lesser: `None` when that changes within the set.
+    fn is_below(self, other: Self) -> Option<bool>;
+    /// What holds both.
+    fn hull(self, other: Self) -> Self;
+    /// Anything.
+    fn unknown() -> Self;
+    /// Whether this is 0 throughout.
+    fn is_zero(self) -> bool;
+    /// Whether this is a number and not infinite.
+    fn is_finite(self) -> bool;
+}
+
+macro_rules! same {
+    ($of:ty: $($name:ident),*) => { $(fn $name(self) -> Self { <$of>::$name(self) })* };
+}
+
+impl Real for f64 {
+    same!(f64: abs, sqrt, cbrt, exp, ln, log10, log2, sin, cos, tan, asin, acos, atan, sinh, cosh, tanh, floor, ceil);
+
+    fn sign(self) -> Self {
+        if self == 0.0 { 0.0 } else { self.signum() }
+    }
+
+    fn powi(self, n: i32) -> Self {
+        f64::powi(self, n)
+    }
+
+    fn powf(self, exponent: Self) -> Self {
+        f64::powf(self, exponent)
+    }
+
+    fn hypot(self, other: Self) -> Self {
+        f64::hypot(self, other)
+    }
+
+    fn atan2(self, other: Self) -> Self {
+        f64::atan2(self, other)
+    }
+
+    // Unlike f64::min and max, NaN stays NaN: what has no value has no material.
+    fn min(self, other: Self) -> Self {
+        if self.is_nan() || other.is_nan() { f64::NAN } else { f64::min(self, other) }
+    }
+
+    fn max(self, other: Self) -> Self {
+        if self.is_nan() || other.is_nan() { f64::NAN } else { f64::max(self, other) }
+    }
+
+    fn slope_of_abs(self) -> Self {
+        1f64.copysign(self)
+    }
+
+    fn flat_but_at_zero(self) -> Self {
+        0.0
+    }
+
+    fn flat_but_at_whole(self) -> Self {
+        0.0
+    }
+
+    fn is_below(self, other: Self) -> Option<bool> {
+        Some(self <= other)
+    }
+
+    fn hull(self, _: Self) -> Self {
+        self
+    }
+
+    fn unknown() -> Self {
+        f64::NAN
+    }
+
+    fn is_zero(self) -> bool {
+        self == 0.0
+    }
+
+    fn is_finite(self) -> bool {
+        f64::is_finite(self)
+    }
+}
+
+impl Real for Interval {
+    same!(Interval: abs, sign, sqrt, cbrt, exp, ln, log10, log2, sin, cos, tan, asin, acos, atan, sinh, cosh, tanh, floor, ceil);
+
+    fn powi(self, n: i32) -> Self {
+        Interval::powi(self, n)
+    }
+
+    fn powf(self, exponent: Self) -> Self {
+        Interval::powf(self, exponent)
+    }
+
+    fn hypot(self, other: Self) -> Self {
+        Interval::hypot(self, other)
+    }
+
+    fn atan2(self, other: Self) -> Self {
+        Interval::atan2(self, other)
+    }
+
+    fn min(self, other: Self) -> Self {
+        Interval::min(self, other)
+    }
+
+    fn max(self, other: Self) -> Self {
+        Interval::max(self, other)
+    }
+
+    fn slope_of_abs(self) -> Self {
+        if self.lo >= 0.0 {
+            Self::point(1.0)
+        } else if self.hi <= 0.0 {
+            Self::point(-1.0)
+        } else {
+            Self::new(-1.0, 1.0)
+        }
+    }
+
+    fn flat_but_at_zero(self) -> Self {
+        if self.lo < 0.0 && self.hi > 0.0 { Self::UNKNOWN } else { Self::ZERO }
+    }
+
+    fn flat_but_at_whole(self) -> Self {
+        if self.lo.floor() == self.hi.floor() { Self::ZERO } else { Self::UNKNOWN }
+    }
+
+    fn is_below(self, other: Self) -> Option<bool> {
+        if self.hi <= other.lo {
+            Some(true)
+        } else if other.hi <= self.lo {
+            Some(false)
+        } else {
+            None
+        }
+    }
+
+    fn hull(self, other: Self) -> Self {
+        self.union(other)
+    }
+
+    fn unknown() -> Self {
+        Self::UNKNOWN
+    }
+
+    fn is_zero(self) -> bool {
+        self.lo == 0.0 && self.hi == 0.0
+    }
+
+    fn is_finite(self) -> bool {
+        self.defined && self.lo.is_finite() && self.hi.is_finite()
+    }
+}
+
+/// A quantity with its derivatives with respect to x and y.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Dual<T> {
+    pub value: T,
+    pub gradient: [T; 2],
+}
+
+/// The same to second order: xx, xy, yy.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Jet<T> {
+    pub value: T,
+    pub gradient: [T; 2],
+    pub hessian: [T; 3],
+}
+
+/// What does not change has no share, however steep the function: x^y at constant y asks for ln x, which may not exist.
+fn share<T: Real>(slope: T, change: T) -> T {
+    if change.is_zero() { T::from(0.0) } else { slope * change }
+}
+
+/// A function of one or two quantities with derivatives.
+pub(crate) trait Chain<T: Real>: Copy {
+    fn constant(value: f64) -> Self;
+    fn value(self) -> T;
+    /// f(a) from its value; slope and curvature where they are needed.
+    fn chain(self, value: T, slope: impl FnOnce() -> T, curvature: impl FnOnce() -> T) -> Self;
+    /// f(a, b) from its value; (f_a, f_b) and (f_aa, f_ab, f_bb) where they are needed.
+    fn chain2(self, b: Self, value: T, slopes: impl FnOnce() -> [T; 2], curvatures: impl FnOnce() -> [T; 3]) -> Self;
+    /// One of two, whichever it may be, with this value.
+    fn either(self, b: Self, value: T) -> Self;
+}
+
+impl<T: Real> Chain<T> for Dual<T> {
+    fn constant(value: f64) -> Self {
+        Self { value: T::from(value), gradient: [T::from(0.0); 2] }
+    }
+
+    fn value(self) -> T {
+        self.value
+    }
+
+    fn chain(self, value: T, slope: impl FnOnce() -> T, _: impl FnOnce() -> T) -> Self {
+        let slope = slope();
+        Self { value, gradient: self.gradient.map(|g| share(slope, g)) }
+    }
+
+    fn chain2(self, b: Self, value: T, slopes: impl FnOnce() -> [T; 2], _: impl FnOnce() -> [T; 3]) -> Self {
+        let [fa, fb] = slopes();
+        Self { value, gradient: [0, 1].map(|m| share(fa, self.gradient[m]) + share(fb, b.gradient[m])) }
+    }
+
+    fn either(self, b: Self, value: T) -> Self {
+        Self { value, gradient: [0, 1].map(|m| self.gradient[m].hull(b.gradient[m])) }
+    }
+}
+
+/// The pairs (i, j) of the entries xx, xy, yy.
+const PAIRS: [(usize, usize); 3] = [(0, 0), (0, 1), (1, 1)];
+
+/// g_i g_j; the square of one quantity is not negative.
+fn product<T: Real>(g: [T; 2], n: usize) -> T {
+    let (i, j) = PAIRS[n];
+    if i == j { g[i].powi(2) } else { g[i] * g[j] }
+}
+
+impl<T: Real> Chain<T> for Jet<T> {
+    fn constant(value: f64) -> Self {
+        Self { value: T::from(value), gradient: [T::from(0.0); 2], hessian: [T::from(0.0); 3] }
+    }
+
+    fn value(self) -> T {
+        self.value
+    }
+
+    fn chain(self, value: T, slope: impl FnOnce() -> T, curvature: impl FnOnce() -> T) -> Self {
+        let (slope, curvature, g) = (slope(), curvature(), self.gradient);
+        let entry = |n: usize| share(curvature, product(g, n)) + share(slope, self.hessian[n]);
+        Self { value, gradient: g.map(|g| share(slope, g)), hessian: [entry(0), entry(1), entry(2)] }
+    }
+
+    fn chain2(self, b: Self, value: T, slopes: impl FnOnce() -> [T; 2], curvatures: impl FnOnce() -> [T; 3]) -> Self {
+        let ([fa, fb], [faa, fab, fbb]) = (slopes(), curvatures());
+        let (p, q) = (self.gradient, b.gradient);
+        let entry = |n: usize| {
+            let (i, j) = PAIRS[n];
+            share(faa, product(p, n))
+                + share(fab, p[i] * q[j] + p[j] * q[i])
+                + share(fbb, product(q, n))
+                + share(fa, self.hessian[n])
+                + share(fb, b.hessian[n])
+        };
+        Self {
+            value,
+            gradient: [0, 1].map(|m| share(fa, p[m]) + share(fb, q[m])),
+            hessian: [entry(0), entry(1), entry(2)],
+        }
+    }
+
+    fn either(self, b: Self, value: T) -> Self {
+        Self { value, gradient: [0, 1].map(|m| self.gradient[m].hull(b.gradient[m])), hessian: [T::unknown(); 3] }
+    }
+}

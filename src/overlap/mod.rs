@@ -1,0 +1,200 @@
+//! A gap under a load: where the undeformed bodies overlap, found once for a state and handed to every method.
+//!
+//! [`Overlap`] asks the gap first; what follows from its construction is *certain*. Only where the gap cannot tell (a closure) is it
+//! searched, and then marked as sampled: good enough to choose a grid, never enough for a number, an error or a proof.
+
+mod components;
+mod descent;
+mod search;
+mod units;
+
+use std::sync::OnceLock;
+
+use crate::error::{Unsolved, Verdict};
+use crate::gap::{AnyGap, Gap, Known, Reach};
+use crate::geometry::Rect;
+use crate::grid::Grid;
+pub(crate) use descent::least;
+pub(crate) use units::{Scaled, Units};
+
+/// {f > 0} of a gap at a depth, f = depth - gap.
+#[derive(Debug)]
+pub(crate) struct Overlap {
+    /// The gap, tilted where the body is.
+    pub gap: AnyGap,
+    /// The depth.
+    pub depth: f64,
+    /// A rectangle that holds {f > 0}.
+    pub reach: Rect,
+    /// Whether that follows from the construction of the gap.
+    pub certain: bool,
+    /// f at the deepest point that is known or was seen; the unit of heights.
+    pub deepest: f64,
+    components: OnceLock<Vec<Rect>>,
+}
+
+/// Points a side at which the deepest overlap is looked for.
+const LOOKS: usize = 33;
+
+/// Points a side at which it is looked at whether {f > 0} fills its box.
+const FILLING: usize = 32;
+
+/// What fills this share of its box is one component.
+const FULL: f64 = 0.3;
+
+impl Overlap {
+    /// The overlap of a gap at a depth; `None` when the bodies do not touch.
+    ///
+    /// # Errors
+    /// `Unbounded` when the overlap has no end, with the direction in which it has none.
+    pub fn of(gap: &AnyGap, depth: f64) -> Result<Option<Self>, Unsolved> {
+        let certain = gap.reach(depth);
+        let found = if certain == Reach::Unknown { reach_of(gap, depth) } else { certain };
+        let reach = match found {
+            Reach::Within(rect) => rect,
+            Reach::Nowhere => return Ok(None),
+            Reach::Unbounded { along, beyond } if certain != Reach::Unknown => {
+                return Err(endless(depth, along, beyond));
+            }
+            _ => {
+                let reason = format!(
+                    "the gap stays below the depth {depth:e} however far it was followed: the contact has no end"
+                );
+                return Err(Unsolved::new(Verdict::Unbounded, reason));
+            }
+        };
+        let certain = certain != Reach::Unknown;
+        let [w, h] = reach.size();
+        if !(w.max(h) > 0.0) {
+            return Ok(None);
+        }
+        let deepest = depth - lowest(gap, depth, &reach);
+        // No point was seen to overlap, and none was excluded: contact too small to be resolved.
+        if !(deepest > 0.0) {
+            if !certain {
+                return Ok(None);
+            }
+            let (_, low) = least(gap);
+            if !(depth > low) {
+                let reason = format!("whether the bodies touch at depth {depth:e} is not to be told from rounding");
+                return Err(Unsolved::new(Verdict::NotApplicable, reason));
+            }
+            return Ok(Some(Self {
+                gap: gap.clone(),
+                depth,
+                reach,
+                certain,
+                deepest: depth - low,
+                components: OnceLock::new(),
+            }));
+        }
+        Ok(Some(Self { gap: gap.clone(), depth, reach, certain, deepest, components: OnceLock::new() }))
+    }
+
+    /// What is known of the gap at no depth in particular.
+    pub fn known(&self) -> &Known {
+        self.gap.known()
+    }
+
+    /// Rectangles around the parts of {f > 0} that lie at least half the side of either from one another; one when there is but one.
+    pub fn components(&self) -> &[Rect] {
+        self.components.get_or_init(|| {
+            let lattice = Grid::over(&self.reach, [FILLING; 2]);
+            let enough = (FULL * lattice.len() as f64) as usize;
+            let filled = lattice.centres().filter(|[x, y]| self.gap.gap(*x, *y) < self.depth).nth(enough).is_some();
+            let known = || self.gap.components(self.depth);
+            let seen = || search::pieces(&|x, y| self.gap.gap(x, y), self.depth, self.known().centre);
+            let pieces = if filled { None } else { known().or_else(seen) };
+            pieces.map(components::merged).filter(|pieces| !pieces.is_empty()).unwrap_or_else(|| vec![self.reach])
+        })
+    }
+}
+
+/// Where a gap is less than a depth: what follows from its construction, or where it cannot tell, what a search finds; never
+/// [`Reach::Unknown`].
+///
+/// ```
+/// use contact_patch::{gap::Reach, overlap::extent};
+/// let ball = |x: f64, y: f64| 0.5 * ((x - 3.0).powi(2) + y * y);
+/// let Reach::Within(rect) = extent(&ball, 1e-6) else { panic!("bounded") };
+/// assert!((rect.min[0] - (3.0 - 2e-6f64.sqrt())).abs() < 1e-5);
+/// assert!(matches!(extent(&|x: f64, _: f64| x * x, 1.0), Reach::Unbounded { .. }));
+/// ```
+#[must_use]
+pub fn extent(gap: impl Into<AnyGap>, depth: f64) -> Reach {
+    reach_of(&gap.into(), depth)
+}
+
+pub(crate) fn reach_of(gap: &AnyGap, depth: f64) -> Reach {
+    match gap.reach(depth) {
+        Reach::Unknown => search::search(&|x, y| gap.gap(x, y), depth, gap.known().centre),
+        known => known,
+    }
+}
+
+fn endless(depth: f64, along: f64, beyond: f64) -> Unsolved {
+    let degrees = along.to_degrees();
+    let from = if beyond > 0.0 { format!("beyond a distance of {beyond:.2e} from the origin ") } else { String::new() };
+    let reason = format!(
+        "the gap stays below the depth {depth:e} {from}in the direction of {degrees:.1} degrees from x: the contact has no end there"
+    );
+    Unsolved::new(Verdict::Unbounded, reason)
+}
+
+/// The least gap: that of the centre where it is known to be the lowest point, else the least on a lattice over the reach.
+fn lowest(gap: &AnyGap, depth: f64, reach: &Rect) -> f64 {
+    let known = gap.known();
+    let [x, y] = known.centre;
+    let low = gap.gap(x, y);
+    if low - known.floor <= 1e-9 * (depth - low) {
+        return low;
+    }
+    let lattice = Grid::over(reach, [LOOKS; 2]).centres();
+    let tips = known.tips.iter().copied().filter(|&tip| reach.contains(tip)).take(LOOKS * LOOKS);
+    lattice.chain(tips).map(|[x, y]| gap.gap(x, y)).filter(|g| !g.is_nan()).fold(low, f64::min)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gap::{Minimum, Paraboloid, Place, Sphere, Sum};
+
+    fn tips(at: &[[f64; 2]]) -> AnyGap {
+        let tip = |&p: &[f64; 2]| Paraboloid::new([0.5, 0.5]).unwrap().placed(p, 0.0).unwrap();
+        AnyGap::new(Minimum::new(at.iter().map(tip).collect()).unwrap())
+    }
+
+    fn count(gap: &AnyGap, depth: f64) -> usize {
+        Overlap::of(gap, depth).unwrap().unwrap().components().len()
+    }
+
+    #[test]
+    fn tips_are_told_apart_from_two_radii_to_a_million() {
+        for far in [4.0, 30.0, 1e6] {
+            let gap = tips(&[[0.0, 0.0], [far, 0.0], [0.0, far]]);
+            assert_eq!(count(&gap, 1.0), 3, "{far}");
+            // Inside a sum nothing is lost.
+            let ball = AnyGap::new(Sphere::new(1e9 * far).unwrap());
+            let sum = AnyGap::new(Sum::new(vec![gap.clone(), ball]).unwrap());
+            assert_eq!(count(&sum, 1.0), 3, "{far} in a sum");
+            let own = gap.clone();
+            let formula = AnyGap::new(move |x: f64, y: f64| own.gap(x, y));
+            assert!(far > 1e3 || count(&formula, 1.0) == 3, "{far} by its values");
+        }
+        assert_eq!(count(&tips(&[[0.0, 0.0], [2.5, 0.0]]), 1.0), 1);
+    }
+
+    #[test]
+    fn one_slender_contact_is_one() {
+        let turned = Paraboloid::new([1e4, 1.0]).unwrap().placed([3.0, 1.0], 0.7).unwrap();
+        assert_eq!(count(&turned, 1.0), 1);
+    }
+
+    #[test]
+    fn a_searched_reach_is_not_certain() {
+        let gap = AnyGap::new(|x: f64, y: f64| x * x + y * y);
+        assert!(!Overlap::of(&gap, 1.0).unwrap().unwrap().certain);
+        let named = AnyGap::new(Paraboloid::new([0.5; 2]).unwrap());
+        assert!(Overlap::of(&named, 1.0).unwrap().unwrap().certain);
+    }
+}
