@@ -114,8 +114,9 @@ fn revolution(overlap: &Overlap, axis: Axis, modulus: EffectiveModulus) -> Resul
     let mut kinks = Vec::new();
     gap.ray_kinks(axis.at, [1.0, 0.0], &mut kinks);
     kinks.retain(|&r| r.is_finite() && r > 0.0);
-    let corners = overlap.reach.corners();
-    let farthest = corners.map(|c| (c[0] - x).hypot(c[1] - y)).into_iter().fold(0.0, f64::max);
+    // The rectangle holds a disc about the axis.
+    let sides = [overlap.reach.min, overlap.reach.max];
+    let farthest = sides.into_iter().flat_map(|c| [(c[0] - x).abs(), (c[1] - y).abs()]).fold(0.0, f64::max);
     let rim = end_of_material(gap, axis.at, farthest);
     let own = gap.clone();
     let has_slope = (1..8).all(|k| gap.gradient(x + farthest * 0.1 * f64::from(k), y).is_some());
@@ -134,7 +135,7 @@ fn revolution(overlap: &Overlap, axis: Axis, modulus: EffectiveModulus) -> Resul
 /// Radius at which the material ends, infinite when it does not within the reach.
 fn end_of_material(gap: &AnyGap, [x, y]: [f64; 2], farthest: f64) -> f64 {
     let solid = |r: f64| gap.gap(x + r, y) < f64::INFINITY;
-    let (mut inside, mut outside) = (0.0, 2.0 * farthest);
+    let (mut inside, mut outside) = (0.0, 1.001 * farthest);
     if solid(outside) {
         return f64::INFINITY;
     }

@@ -42,10 +42,12 @@ impl fmt::Display for Plan {
 /// Plans a solve, by the detection that the solve itself would use.
 ///
 /// ```
+/// use contact_patch::gap::{AnyGap, Paraboloid, Place, Sum};
 /// use contact_patch::{Contact, EffectiveModulus, Loading, Method, Settings, plan};
 /// let modulus = EffectiveModulus::from_e_star(1.0)?;
-/// // Two crossed cylinders, written as a formula: a quadratic form, so Hertz.
-/// let gap = |x: f64, y: f64| 0.5 * (x * x / 0.02 + y * y / 0.05);
+/// // Two crossed cylinders: their sum is known to be a quadratic form, so Hertz.
+/// let cylinder = |radius| Paraboloid::new([radius, f64::INFINITY]);
+/// let gap = Sum::new(vec![AnyGap::new(cylinder(0.02)?), cylinder(0.05)?.placed([0.0; 2], std::f64::consts::FRAC_PI_2)?])?;
 /// let contact = Contact::new(modulus, gap, Loading::depth(1e-6))?;
 /// assert_eq!(plan(&contact, &Settings::default())?.method, Some(Method::ClosedForm));
 /// # Ok::<(), Box<dyn std::error::Error>>(())

@@ -145,7 +145,7 @@ pub(crate) fn solution(
     if states.is_empty() {
         return Ok(Solution::apart(Method::Fft, depth, tilt));
     }
-    let matrix = growth(contact, &ones, depth, gap, rectangles, with_matrix)?;
+    let matrix = growth(contact, &ones, gap, rectangles, with_matrix)?;
     let mut all = together(states, settings, missed * contact.modulus().e_star());
     all.stiffness = matrix[0][0];
     all.stiffness_matrix = with_matrix.then_some(matrix);
@@ -158,7 +158,6 @@ pub(crate) fn solution(
 fn growth(
     contact: &Contact,
     ones: &[One],
-    depth: f64,
     gap: &AnyGap,
     rectangles: &[Rect],
     with_matrix: bool,

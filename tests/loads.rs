@@ -2,8 +2,8 @@
 #![cfg(all(feature = "qp", feature = "scene", feature = "formula"))]
 
 use contact_patch::gap::{
-    AnyGap, Cone, Flat, Gap, HeightMap, Heights, Outline, Paraboloid, Place, Polyhedron, Power, Revolved, Sphere, Sum,
-    Surface, Zero,
+    AnyGap, Cone, Flat, Formula, Gap, HeightMap, Heights, Outline, Paraboloid, Place, Polyhedron, Power, Revolved,
+    Sphere, Sum, Surface, Zero,
 };
 use contact_patch::{
     Contact, Discrete, EffectiveModulus, Grid, Kernel, Load, Loading, Method, Outputs, Scene, Settings, Solution,
@@ -266,7 +266,7 @@ fn closed_forms_have_exact_slopes() {
         ("revolved", AnyGap::new(Revolved::new(vec![[0.0, 0.0], [0.5, 0.2], [9.0, 7.0]]).unwrap())),
         ("sum", AnyGap::new(sum.unwrap())),
         ("moved", Paraboloid::new([1.0, 5.0]).unwrap().placed([2.0, -1.0], 0.3).unwrap()),
-        ("formula", AnyGap::new(|x: f64, y: f64| 0.5 * (x * x + y * y) + 0.1 * (x * x + y * y).powi(2))),
+        ("formula", AnyGap::new(Formula::new("(x^2 + y^2)/2 + 0.1*(x^2 + y^2)^2").unwrap())),
     ];
     let settings = Settings { method: Method::ClosedForm, ..Settings::default() };
     for (name, gap) in gaps {

@@ -94,7 +94,7 @@ impl Gap for Paraboloid {
             return Reach::Nowhere;
         }
         if let Some(axis) = (0..2).find(|&m| self.radii[m] == f64::INFINITY) {
-            return Reach::Unbounded { along: axis as f64 * std::f64::consts::FRAC_PI_2, beyond: 0.0 };
+            return Reach::Unbounded { from: [0.0; 2], along: axis as f64 * std::f64::consts::FRAC_PI_2 };
         }
         Reach::Within(Rect::around([0.0; 2], self.radii.map(|r| (2.0 * r).sqrt() * depth.sqrt() * ROUNDING)))
     }
@@ -178,6 +178,10 @@ impl Gap for Sphere {
 
     fn taylor(&self, rect: &Rect) -> Option<Taylor> {
         radial::taylor(rect, |r| self.profile(r))
+    }
+
+    fn growth(&self, _: Interval, from: f64) -> Option<Growth> {
+        Growth::ended(&Rect::around([0.0; 2], [self.radius; 2]), from)
     }
 }
 

@@ -92,37 +92,28 @@ impl AnyGap {
         Rect { min: self.transform.unturned(rect.min), max: self.transform.unturned(rect.max) }
     }
 
-    /// {f > 0} of a tilted gap from that of the level one: {g < depth + tilt . x} lies in {g < depth + s} where s is the largest rise
-    /// over its own rectangle; grown until it does.
-    fn raised(&self, depth: f64) -> Reach {
-        let level = |depth: f64| self.transform.reach_outward(self.inner.reach(self.transform.depth_inward(depth)));
-        let mut rise = 0.0;
-        for _ in 0..60 {
-            match level(depth + rise) {
-                Reach::Within(rect) => {
-                    let most = rect.corners().map(|c| self.transform.rise(c)).into_iter().fold(0.0, f64::max);
-                    if most <= rise {
-                        return self.tightened(depth, &rect);
-                    }
-                    rise = 2.0 * most;
-                }
-                // Nothing is reached on the way up only if nothing was reached at the bottom.
-                Reach::Nowhere if rise == 0.0 => rise = depth.abs().max(f64::MIN_POSITIVE),
-                // A level gap without end may have one under a tilt, and the other way round.
-                _ => break,
-            }
-        }
-        match super::growth::reach(|sector, from| self.growth(sector, from), depth) {
+    /// {f > 0} of a tilted gap: where its material is, or inside a disc beyond which it has risen above the depth.
+    fn tilted_reach(&self, depth: f64) -> Reach {
+        let outer = match self.known.material {
+            Material::Within(rect) => Reach::Within(rect),
+            _ => super::growth::reach(|sector, from| self.growth(sector, from), depth, self.mirrors_at_origin()),
+        };
+        match outer {
             Reach::Within(rect) => self.tightened(depth, &rect),
             other => other,
         }
+    }
+
+    fn mirrors_at_origin(&self) -> [bool; 2] {
+        [0, 1].map(|m| self.known.mirrors[m] && self.known.centre[m] == 0.0)
     }
 
     fn tightened(&self, depth: f64, rect: &Rect) -> Reach {
         if self.bounds(rect, [0.0; 2]).is_none() {
             return Reach::Within(*rect);
         }
-        enclosure::tightened(&|rect| self.bounds(rect, [0.0; 2]).map_or(f64::NEG_INFINITY, |b| b[0]), depth, rect)
+        let lower = |rect: &Rect| self.bounds(rect, [0.0; 2]).map_or(f64::NEG_INFINITY, |b| b[0]);
+        enclosure::tightened(&lower, depth, rect, (self.known.centre, self.known.mirrors))
     }
 }
 
@@ -162,7 +153,7 @@ impl Gap for AnyGap {
             return reach;
         }
         if self.transform.is_tilted() {
-            return self.raised(depth);
+            return self.tilted_reach(depth);
         }
         self.transform.reach_outward(self.inner.reach(self.transform.depth_inward(depth)))
     }

@@ -1,7 +1,8 @@
 //! A closure with what its author knows about it.
 
-use super::{Axis, Degree, Gap, Generatrix, Known, Law, Material, Outline, Reach};
+use super::{Axis, Degree, Gap, Generatrix, Growth, Known, Law, Material, Outline, Reach};
 use crate::geometry::Rect;
+use crate::numeric::Interval;
 
 type Slopes = Box<dyn Fn(f64, f64) -> [f64; 2] + Send + Sync>;
 
@@ -117,6 +118,10 @@ impl<F: Fn(f64, f64) -> f64 + Send + Sync> Gap for Declared<F> {
             (Some(outline), _) => Reach::Within(outline.bounds()),
             _ => Reach::Unknown,
         }
+    }
+
+    fn growth(&self, _: Interval, from: f64) -> Option<Growth> {
+        Growth::ended(&self.outline.as_ref()?.bounds(), from)
     }
 
     fn mean(&self, cell: &Rect) -> f64 {

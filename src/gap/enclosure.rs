@@ -7,10 +7,10 @@ use super::{Gap, Reach};
 use crate::geometry::Rect;
 
 /// A side is found to this part of the rectangle's extent.
-const FINE: f64 = 0.004;
+const FINE: f64 = 1.0 / 32.0;
 
 /// The same while the rectangle still shrinks.
-const COARSE: f64 = 0.1;
+const COARSE: f64 = 0.25;
 
 /// Rectangles looked at for one side.
 const BUDGET: usize = 600;
@@ -81,21 +81,37 @@ fn farthest(
 }
 
 /// The part of `outer` that holds all points where the gap can be below the depth, from lower bounds of the gap over rectangles.
-pub(super) fn tightened(lower: &dyn Fn(&Rect) -> f64, depth: f64, outer: &Rect) -> Reach {
+/// `mirrors`: a point, and whether the gap is its own image in the lines x = c and y = c through it.
+pub(super) fn tightened(
+    lower: &dyn Fn(&Rect) -> f64,
+    depth: f64,
+    outer: &Rect,
+    mirrors: ([f64; 2], [bool; 2]),
+) -> Reach {
     let mut rect = *outer;
+    let (c, mirrored) = mirrors;
     let mut fine = COARSE;
     for _ in 0..ROUNDS {
         let before = rect.size();
         for (axis, upwards) in [(0, true), (0, false), (1, true), (1, false)] {
-            let Some(side) = farthest(lower, depth, &rect, axis, upwards, fine) else { return Reach::Nowhere };
-            if upwards {
-                rect.max[axis] = side;
+            let side = if mirrored[axis] && !upwards {
+                // The other side was found already.
+                let image = 2.0 * c[axis] - rect.max[axis];
+                image - 4.0 * f64::EPSILON * (image.abs() + c[axis].abs())
             } else {
-                rect.min[axis] = side;
+                match farthest(lower, depth, &rect, axis, upwards, fine) {
+                    Some(side) => side,
+                    None => return Reach::Nowhere,
+                }
+            };
+            if upwards {
+                rect.max[axis] = rect.max[axis].min(side);
+            } else {
+                rect.min[axis] = rect.min[axis].max(side);
             }
         }
-        let snug = (0..2).all(|m| rect.size()[m] > 0.8 * before[m]);
-        if snug && fine == FINE {
+        let snug = (0..2).all(|m| rect.size()[m] > 0.7 * before[m]);
+        if fine == FINE {
             break;
         }
         if snug {
@@ -103,6 +119,58 @@ pub(super) fn tightened(lower: &dyn Fn(&Rect) -> f64, depth: f64, outer: &Rect) 
         }
     }
     Reach::Within(rect)
+}
+
+/// Least value of a gap over a rectangle: a point, the value there, and a bound below all others.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Least {
+    /// Where the least value was found.
+    pub at: [f64; 2],
+    /// The value there.
+    pub value: f64,
+    /// No value is less.
+    pub bound: f64,
+}
+
+/// Rectangles looked at for the least value.
+const LEAST_BUDGET: usize = 20_000;
+
+/// The least value of a gap over a rectangle, by branch and bound on its lower bounds: until value and bound differ by less than
+/// `close`, a value is less than `enough`, or every bound is at least `enough`. `None` where the gap has no bounds.
+pub(crate) fn least(gap: &(impl Gap + ?Sized), outer: &Rect, close: f64, enough: f64) -> Option<Least> {
+    let value = |[x, y]: [f64; 2]| Some(gap.gap(x, y)).filter(|g| !g.is_nan()).unwrap_or(f64::INFINITY);
+    let c = outer.centre();
+    let mut best = Least { at: c, value: value(c), bound: gap.bounds(outer, [0.0; 2])?[0] };
+    let mut open = BinaryHeap::from([Candidate { far: -best.bound, rect: *outer }]);
+    let mut dropped = f64::INFINITY;
+    for _ in 0..LEAST_BUDGET {
+        let Some(Candidate { far, rect }) = open.pop() else { break };
+        best.bound = (-far).min(dropped);
+        if best.value - best.bound <= close || best.value < enough || best.bound >= enough {
+            return Some(best);
+        }
+        for half in halves(&rect, outer.size()) {
+            let [low, _] = gap.bounds(&half, [0.0; 2])?;
+            let mut points = vec![half.centre()];
+            points.extend(half.corners());
+            for at in points {
+                let here = value(at);
+                if here < best.value {
+                    best = Least { at, value: here, ..best };
+                }
+            }
+            let c = half.centre();
+            // A rectangle that cannot be cut any more is a point.
+            let cut = (0..2).any(|m| half.min[m] < c[m] && c[m] < half.max[m]);
+            if low < best.value && cut {
+                open.push(Candidate { far: -low, rect: half });
+            } else {
+                dropped = dropped.min(low.max(best.value));
+            }
+        }
+    }
+    best.bound = open.peek().map_or(best.value, |c| -c.far).min(dropped).min(best.value);
+    Some(best)
 }
 
 /// Parts along a side into which a rectangle is cut when its pieces are told apart.
@@ -192,6 +260,8 @@ pub(super) fn mean(gap: &(impl Gap + ?Sized), rect: &Rect) -> Option<[f64; 2]> {
 mod tests {
     use super::*;
 
+    const NONE: ([f64; 2], [bool; 2]) = ([0.0; 2], [false; 2]);
+
     /// Least distance squared of a rectangle from a point.
     fn near(rect: &Rect, [x, y]: [f64; 2]) -> f64 {
         let d = |m: usize, v: f64| (rect.min[m] - v).max(v - rect.max[m]).max(0.0);
@@ -203,14 +273,14 @@ mod tests {
         for scale in [1.0, 1e-9, 1e-80] {
             let lower = |rect: &Rect| near(rect, [0.3, -0.7]);
             let outer = Rect::around([0.0; 2], [1.0; 2]);
-            let Reach::Within(found) = tightened(&lower, scale * scale * 1e-4, &outer) else { panic!("bounded") };
+            let Reach::Within(found) = tightened(&lower, scale * scale * 1e-4, &outer, NONE) else { panic!("bounded") };
             let r = 1e-2 * scale;
             if scale > 1e-20 {
                 assert!(found.max[0] >= 0.3 + r && found.max[0] <= 0.3 + 1.1 * r, "{scale}: {found:?}");
                 assert!(found.min[1] <= -0.7 - r && found.min[1] >= -0.7 - 1.1 * r, "{scale}: {found:?}");
             }
         }
-        assert_eq!(tightened(&|_| 2.0, 1.0, &Rect::around([0.0; 2], [1.0; 2])), Reach::Nowhere);
+        assert_eq!(tightened(&|_| 2.0, 1.0, &Rect::around([0.0; 2], [1.0; 2]), NONE), Reach::Nowhere);
     }
 
     #[test]

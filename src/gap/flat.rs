@@ -1,6 +1,6 @@
 //! Flat punches.
 
-use super::{Axis, Degree, Face, Gap, Generatrix, Known, Law, Material, Outline, Reach, Taylor};
+use super::{Axis, Degree, Face, Gap, Generatrix, Growth, Known, Law, Material, Outline, Reach, Taylor};
 use crate::geometry::Rect;
 use crate::numeric::Interval;
 
@@ -83,6 +83,10 @@ impl Gap for Flat {
         } else {
             [if self.outline.misses(rect) { f64::INFINITY } else { 0.0 }, f64::INFINITY]
         })
+    }
+
+    fn growth(&self, _: Interval, from: f64) -> Option<Growth> {
+        Growth::ended(&self.outline.bounds(), from)
     }
 
     fn mean(&self, cell: &Rect) -> f64 {

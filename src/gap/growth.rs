@@ -34,6 +34,18 @@ impl Growth {
         Self { terms, count: 1, from }
     }
 
+    /// No material farther out than a rectangle; `None` where that is not beyond `from`.
+    #[must_use]
+    pub fn ended(material: &Rect, from: f64) -> Option<Self> {
+        let farthest = material.corners().map(|[x, y]| x.hypot(y)).into_iter().fold(0.0, f64::max);
+        (from > farthest * (1.0 + 1e-12)).then(|| Self::power(0.0, Interval::EMPTY, from))
+    }
+
+    /// Whether there is no material.
+    pub(crate) fn is_ended(&self) -> bool {
+        self.range().is_empty()
+    }
+
     fn terms(&self) -> &[(f64, Interval)] {
         &self.terms[..self.count]
     }
@@ -251,20 +263,35 @@ const FIRST: usize = 8;
 const EXPONENTS: [i32; 2] = [-1020, 1020];
 
 /// Where a gap with this growth (sector, start -> bounds about the origin) is less than a depth: inside a disc about the origin, or
-/// without limit along some ray.
-pub(super) fn reach(growth: impl Fn(Interval, f64) -> Option<Growth>, depth: f64) -> Reach {
+/// without limit along some ray. `mirrors`: whether it is its own image in x = 0 and in y = 0.
+pub(super) fn reach(growth: impl Fn(Interval, f64) -> Option<Growth>, depth: f64, mirrors: [bool; 2]) -> Reach {
     let turn = std::f64::consts::TAU;
-    // Whether the gap is at least the depth beyond a radius, in all directions.
-    let holds = |from: f64| {
-        let mut open: Vec<[f64; 2]> =
-            (0..FIRST).map(|k| [k as f64, (k + 1) as f64].map(|k| k / FIRST as f64)).collect();
+    // Parts of a turn from -1/2 to 1/2 that stand for all.
+    let needed = match mirrors {
+        [true, true] => [0.0, 0.25],
+        [true, false] => [-0.25, 0.25],
+        [false, true] => [0.0, 0.5],
+        _ => [-0.5, 0.5],
+    };
+    let first = ((needed[1] - needed[0]) * FIRST as f64) as usize;
+    let at = |k: usize| needed[0] + k as f64 / FIRST as f64;
+    // Where the gap is not known to be at least the depth beyond a radius; the sector that failed last is tried first.
+    let mut failed: Option<[f64; 2]> = None;
+    let mut holds = |from: f64| {
+        let above = |[a, b]: [f64; 2]| {
+            let sector = Interval::new((turn * a).next_down(), (turn * b).next_up());
+            growth(sector, from).is_some_and(|growth| growth.range().lo >= depth)
+        };
+        if failed.is_some_and(|sector| !above(sector)) {
+            return false;
+        }
+        let mut open: Vec<[f64; 2]> = (0..first).map(|k| [at(k), at(k + 1)]).collect();
         while let Some([a, b]) = open.pop() {
-            let sector = Interval::new((turn * (a - 0.5)).next_down(), (turn * (b - 0.5)).next_up());
-            let Some(growth) = growth(sector, from) else { return false };
-            if growth.range().lo >= depth {
+            if above([a, b]) {
                 continue;
             }
             if b - a <= NARROWEST {
+                failed = Some([a, b]);
                 return false;
             }
             let middle = 0.5 * (a + b);
@@ -305,7 +332,8 @@ fn escape(growth: impl Fn(Interval, f64) -> Option<Growth>, depth: f64) -> Optio
         *if below(k, f64::from(middle).exp2()).is_some() { &mut high } else { &mut low } = middle;
     }
     let angle = below(k, at_last)?;
-    Some(Reach::Unbounded { along: angle, beyond: f64::from(high).exp2() })
+    let beyond = f64::from(high).exp2();
+    Some(Reach::Unbounded { from: [beyond * angle.cos(), beyond * angle.sin()], along: angle })
 }
 
 #[cfg(test)]
@@ -325,16 +353,19 @@ mod tests {
 
     #[test]
     fn a_gap_that_rises_at_last_has_a_disc() {
-        let Reach::Within(rect) = reach(mixed(-1.0, 1.0, 2.0, 0.3), 1.0) else { panic!("bounded") };
+        let Reach::Within(rect) = reach(mixed(-1.0, 1.0, 2.0, 0.3), 1.0, [false; 2]) else { panic!("bounded") };
         assert!(rect.max[0] >= 1.0 && rect.max[0] <= 8.0, "{rect:?}");
-        let Reach::Within(rect) = reach(mixed(0.0, 1.0, 1.0, 0.0), 1e-200) else { panic!("bounded") };
+        let Reach::Within(rect) = reach(mixed(0.0, 1.0, 1.0, 0.0), 1e-200, [true; 2]) else { panic!("bounded") };
         assert!(rect.max[0] >= 1e-100 && rect.max[0] <= 4e-100, "{rect:?}");
     }
 
     #[test]
     fn a_gap_that_falls_again_is_known_to_have_no_end() {
         // |x|^1.5 + 2 y^2 + 0.3 x y: below any depth beyond |x| = 7900 or so, along y = -0.075 x.
-        let Reach::Unbounded { along, beyond } = reach(mixed(1.0, 0.0, 2.0, 0.3), 0.01) else { panic!("unbounded") };
+        let Reach::Unbounded { from, along } = reach(mixed(1.0, 0.0, 2.0, 0.3), 0.01, [false; 2]) else {
+            panic!("unbounded")
+        };
+        let beyond = from[0].hypot(from[1]);
         assert!(along.tan() < 0.0 && along.tan() > -0.15 && beyond > 1e3 && beyond < 1e6, "{along} {beyond}");
     }
 
@@ -345,8 +376,8 @@ mod tests {
             let square = Growth::power(2.0, Interval::point(1.0), from);
             Some(square.quotient(&square.plus(&Growth::constant(1.0))))
         };
-        assert!(matches!(reach(growth, 1.2), Reach::Unbounded { .. }));
-        let Reach::Within(rect) = reach(growth, 0.5) else { panic!("bounded") };
+        assert!(matches!(reach(growth, 1.2, [true; 2]), Reach::Unbounded { .. }));
+        let Reach::Within(rect) = reach(growth, 0.5, [false; 2]) else { panic!("bounded") };
         assert!(rect.max[0] >= 1.0 && rect.max[0] <= 2.0, "{rect:?}");
     }
 }

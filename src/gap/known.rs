@@ -166,10 +166,10 @@ impl Quadratic {
         xx >= 0.0 && yy >= 0.0 && xx * yy - xy * xy >= 0.0
     }
 
-    /// Where the form is less than a depth; `None` where it is not one that curves upwards in every direction.
+    /// Where the form is less than a depth; `None` where rounding decides whether it rises in every direction.
     #[must_use]
     pub fn reach(&self, depth: f64) -> Option<Reach> {
-        let centre = self.lowest()?;
+        let Some(centre) = self.lowest() else { return self.endless(depth) };
         let overlap = depth - self.floor();
         if overlap <= 0.0 {
             return Some(Reach::Nowhere);
@@ -183,6 +183,43 @@ impl Quadratic {
         let margin = [0, 1].map(|m| 8.0 * f64::EPSILON * (centre[m].abs() + self.about[m].abs()));
         let rect = Rect::around(centre, [half[0] + margin[0], half[1] + margin[1]]);
         half.iter().all(|h| h.is_finite()).then_some(Reach::Within(rect))
+    }
+
+    /// A ray along which the form falls, or stays below a depth.
+    fn endless(&self, depth: f64) -> Option<Reach> {
+        let [xx, xy, yy] = self.hessian;
+        let turn = 0.5 * (2.0 * xy).atan2(xx - yy);
+        // The axes, and the principal direction of the lesser curvature.
+        for (sin, cos) in [(0.0, 1.0), (1.0, 0.0), (turn.cos(), -turn.sin())] {
+            let [hx, hy, hxy] = [xx * cos * cos, yy * sin * sin, 2.0 * xy * sin * cos];
+            let (curvature, rounding) = (hx + hy + hxy, 1e-14 * (hx.abs() + hy.abs() + hxy.abs()));
+            let slope = self.gradient[0] * cos + self.gradient[1] * sin;
+            let sense = if slope > 0.0 { -1.0 } else { 1.0 };
+            let direction = [sense * cos, sense * sin];
+            let excess = (self.value - depth).max(0.0);
+            let along = direction[1].atan2(direction[0]);
+            let at = |t: f64| [self.about[0] + t * direction[0], self.about[1] + t * direction[1]];
+            if curvature < -rounding {
+                let t = 2.0 * (2.0 * excess / -curvature).sqrt();
+                return Some(Reach::Unbounded { from: at(t), along });
+            }
+            if curvature == 0.0 && slope != 0.0 && xy == 0.0 {
+                return Some(Reach::Unbounded { from: at(2.0 * excess / slope.abs()), along });
+            }
+            if curvature == 0.0 && slope == 0.0 && xy == 0.0 {
+                // A cylinder: its lowest line.
+                let (across, bend) = (if cos == 0.0 { 0 } else { 1 }, if cos == 0.0 { xx } else { yy });
+                let mut from = self.about;
+                if bend > 0.0 {
+                    from[across] -= self.gradient[across] / bend;
+                }
+                if self.about(from).value < depth {
+                    return Some(Reach::Unbounded { from, along });
+                }
+                return (depth <= self.floor()).then_some(Reach::Nowhere);
+            }
+        }
+        None
     }
 
     /// Whether the form curves upwards by the same amount in every direction.

@@ -12,7 +12,7 @@ const MOST_PARTS: usize = 100_000;
 /// The least of several gaps: a punch with several tips.
 ///
 /// ```
-/// use contact_patch::gap::{Gap, Minimum, Sphere};
+/// use contact_patch::gap::{Gap, Minimum, Place, Sphere};
 /// let tip = |x: f64| Sphere::new(1e-3)?.placed([x, 0.0], 0.0);
 /// let punch = Minimum::new(vec![tip(-5e-4)?, tip(5e-4)?])?;
 /// assert_eq!(punch.gap(-5e-4, 0.0), 0.0);
@@ -189,9 +189,11 @@ impl Gap for Minimum {
     }
 
     fn growth(&self, sector: Interval, from: f64) -> Option<Growth> {
-        let mut parts = self.parts.iter().map(|part| part.growth(sector, from));
-        let first = parts.next()??;
-        parts.try_fold(first, |least, part| part.map(|part| least.lesser(&part)))
+        let parts: Option<Vec<Growth>> = self.parts.iter().map(|part| part.growth(sector, from)).collect();
+        let parts = parts?;
+        // Where a part has no material the others count.
+        let lasting = parts.iter().filter(|part| !part.is_ended()).copied().reduce(|a, b| a.lesser(&b));
+        lasting.or_else(|| parts.first().copied())
     }
 
     fn restricted(&self, rect: &Rect) -> Option<AnyGap> {

@@ -9,7 +9,7 @@
 mod analytic;
 mod any;
 mod declared;
-mod enclosure;
+pub(crate) mod enclosure;
 mod flat;
 #[cfg(feature = "formula")]
 mod formula;
@@ -58,12 +58,12 @@ pub enum Reach {
     Within(Rect),
     /// Nowhere.
     Nowhere,
-    /// Without limit.
+    /// Without limit: at every point of a ray.
     Unbounded {
-        /// Angle (radians) of a direction in which it stays below the depth.
+        /// Where the ray begins.
+        from: [f64; 2],
+        /// Its angle, radians from x.
         along: f64,
-        /// Distance from the gap's own origin beyond which it does.
-        beyond: f64,
     },
     /// Not known.
     Unknown,

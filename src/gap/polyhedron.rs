@@ -346,7 +346,7 @@ impl Gap for Polyhedron {
                 return Reach::Nowhere;
             }
             if faces == 2 {
-                return Reach::Unbounded { along: FRAC_PI_2, beyond: 0.0 };
+                return Reach::Unbounded { from: [0.0; 2], along: FRAC_PI_2 };
             }
             let ridge = (depth / slope + self.flat) / (0.5 * TAU / faces as f64).cos();
             if self.flat > 0.0 {
@@ -365,11 +365,7 @@ impl Gap for Polyhedron {
         if let Some(along) = self.level_direction {
             // A corner below the depth, and everything beyond it in the level direction.
             let [x, y] = self.apex;
-            return if self.gap(x, y) < depth {
-                Reach::Unbounded { along, beyond: x.hypot(y) }
-            } else {
-                Reach::Unknown
-            };
+            return if self.gap(x, y) < depth { Reach::Unbounded { from: [x, y], along } } else { Reach::Unknown };
         }
         // Along every ray from the apex some plane rises by at least `rise` a unit of length: {g < depth} lies in this square; what lies
         // above the depth is cut off it.

@@ -2,7 +2,7 @@
 
 use super::outline::circle_crossings;
 use super::radial::{self, Profile, distances};
-use super::{Axis, Gap, Generatrix, Known, Material, Reach, Taylor, range};
+use super::{Axis, Gap, Generatrix, Growth, Known, Material, Reach, Taylor, range};
 use crate::error::{InputError, finite};
 use crate::geometry::Rect;
 use crate::numeric::Interval;
@@ -158,6 +158,10 @@ impl Gap for Revolved {
             slope_over_r: slope / r,
             curvature: Interval::ZERO,
         })
+    }
+
+    fn growth(&self, _: Interval, from: f64) -> Option<Growth> {
+        Growth::ended(&Rect::around([0.0; 2], [self.points[self.points.len() - 1][0]; 2]), from)
     }
 
     fn mean(&self, cell: &Rect) -> f64 {

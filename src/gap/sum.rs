@@ -8,7 +8,7 @@ use crate::numeric::Interval;
 /// The sum of several gaps: two curved bodies, each turned its own way, against each other.
 ///
 /// ```
-/// use contact_patch::gap::{AnyGap, Gap, Paraboloid, Sum};
+/// use contact_patch::gap::{AnyGap, Gap, Paraboloid, Place, Sum};
 /// // Two cylinders of radii 0.02 and 0.05 with axes at right angles.
 /// let one = Paraboloid::new([0.02, f64::INFINITY])?;
 /// let other = Paraboloid::new([0.05, f64::INFINITY])?.placed([0.0, 0.0], 90f64.to_radians())?;
@@ -183,11 +183,17 @@ impl Gap for Sum {
             return Reach::Nowhere;
         }
         let outer = match self.held(depth) {
-            Reach::Unknown => growth::reach(|sector, from| self.growth(sector, from), depth),
+            Reach::Unknown => {
+                let mirrors = [0, 1].map(|m| self.known.mirrors[m] && self.known.centre[m] == 0.0);
+                growth::reach(|sector, from| self.growth(sector, from), depth, mirrors)
+            }
             held => held,
         };
         match outer {
-            Reach::Within(rect) if self.has_bounds(&rect) => enclosure::tightened(&|r| self.lower(r), depth, &rect),
+            Reach::Within(rect) if self.has_bounds(&rect) => {
+                let mirrors = (self.known.centre, self.known.mirrors);
+                enclosure::tightened(&|r| self.lower(r), depth, &rect, mirrors)
+            }
             other => other,
         }
     }
@@ -213,7 +219,7 @@ impl Gap for Sum {
         }
         let lower = |rect: &Rect| self.lower(rect);
         let parts = found.iter().flat_map(|rect| enclosure::components(&lower, depth, rect));
-        let tight = parts.filter_map(|rect| match enclosure::tightened(&lower, depth, &rect) {
+        let tight = parts.filter_map(|rect| match enclosure::tightened(&lower, depth, &rect, ([0.0; 2], [false; 2])) {
             Reach::Within(rect) => Some(rect),
             _ => None,
         });

@@ -106,11 +106,6 @@ impl Transform {
         if self.plane == [0.0; 3] { own } else { own - (self.plane[0] * x + self.plane[1] * y + self.plane[2]) }
     }
 
-    /// Heights without the tilt.
-    pub fn height_upright(&self, height: f64) -> f64 {
-        height / self.per
-    }
-
     /// The depth in the gap's own frame at which the untilted gap is below it.
     pub fn depth_inward(&self, depth: f64) -> f64 {
         self.per * (depth + self.plane[2])
@@ -328,10 +323,9 @@ impl Transform {
     pub fn reach_outward(&self, reach: Reach) -> Reach {
         match reach {
             Reach::Within(rect) => Reach::Within(self.rect_outward(&rect)),
-            Reach::Unbounded { along, beyond } => Reach::Unbounded {
-                along: along + self.turn.angle(),
-                beyond: (beyond + self.offset.norm()) / self.scale,
-            },
+            Reach::Unbounded { from, along } => {
+                Reach::Unbounded { from: self.outward(from), along: along + self.turn.angle() }
+            }
             other => other,
         }
     }

@@ -53,8 +53,6 @@ pub(crate) trait Real:
     fn unknown() -> Self;
     /// Whether this is 0 throughout.
     fn is_zero(self) -> bool;
-    /// Whether this is a number and not infinite.
-    fn is_finite(self) -> bool;
 }
 
 macro_rules! same {
@@ -119,10 +117,6 @@ impl Real for f64 {
 
     fn is_zero(self) -> bool {
         self == 0.0
-    }
-
-    fn is_finite(self) -> bool {
-        f64::is_finite(self)
     }
 }
 
@@ -192,10 +186,6 @@ impl Real for Interval {
     fn is_zero(self) -> bool {
         self.lo == 0.0 && self.hi == 0.0
     }
-
-    fn is_finite(self) -> bool {
-        self.defined && self.lo.is_finite() && self.hi.is_finite()
-    }
 }
 
 /// A quantity with its derivatives with respect to x and y.
@@ -213,21 +203,29 @@ pub(crate) struct Jet<T> {
     pub hessian: [T; 3],
 }
 
-/// What does not change has no share, however steep the function: x^y at constant y asks for ln x, which may not exist.
-fn share<T: Real>(slope: T, change: T) -> T {
+/// What does not change has no share, however steep the function: x^y at constant y asks for ln x, which may not exist. Nor has
+/// anything in what a function is level in.
+fn share<T: Real>(slope: T, change: impl FnOnce() -> T) -> T {
+    if slope.is_zero() {
+        return T::from(0.0);
+    }
+    let change = change();
     if change.is_zero() { T::from(0.0) } else { slope * change }
 }
 
 /// A function of one or two quantities with derivatives.
 pub(crate) trait Chain<T: Real>: Copy {
     fn constant(value: f64) -> Self;
-    fn value(self) -> T;
     /// f(a) from its value; slope and curvature where they are needed.
     fn chain(self, value: T, slope: impl FnOnce() -> T, curvature: impl FnOnce() -> T) -> Self;
     /// f(a, b) from its value; (f_a, f_b) and (f_aa, f_ab, f_bb) where they are needed.
     fn chain2(self, b: Self, value: T, slopes: impl FnOnce() -> [T; 2], curvatures: impl FnOnce() -> [T; 3]) -> Self;
     /// One of two, whichever it may be, with this value.
     fn either(self, b: Self, value: T) -> Self;
+    /// a + b.
+    fn plus(self, b: Self) -> Self;
+    /// -a.
+    fn minus(self) -> Self;
 }
 
 impl<T: Real> Chain<T> for Dual<T> {
@@ -235,22 +233,26 @@ impl<T: Real> Chain<T> for Dual<T> {
         Self { value: T::from(value), gradient: [T::from(0.0); 2] }
     }
 
-    fn value(self) -> T {
-        self.value
-    }
-
     fn chain(self, value: T, slope: impl FnOnce() -> T, _: impl FnOnce() -> T) -> Self {
         let slope = slope();
-        Self { value, gradient: self.gradient.map(|g| share(slope, g)) }
+        Self { value, gradient: self.gradient.map(|g| share(slope, || g)) }
     }
 
     fn chain2(self, b: Self, value: T, slopes: impl FnOnce() -> [T; 2], _: impl FnOnce() -> [T; 3]) -> Self {
         let [fa, fb] = slopes();
-        Self { value, gradient: [0, 1].map(|m| share(fa, self.gradient[m]) + share(fb, b.gradient[m])) }
+        Self { value, gradient: [0, 1].map(|m| share(fa, || self.gradient[m]) + share(fb, || b.gradient[m])) }
     }
 
     fn either(self, b: Self, value: T) -> Self {
         Self { value, gradient: [0, 1].map(|m| self.gradient[m].hull(b.gradient[m])) }
+    }
+
+    fn plus(self, b: Self) -> Self {
+        Self { value: self.value + b.value, gradient: [0, 1].map(|m| self.gradient[m] + b.gradient[m]) }
+    }
+
+    fn minus(self) -> Self {
+        Self { value: -self.value, gradient: self.gradient.map(|g| -g) }
     }
 }
 
@@ -268,14 +270,10 @@ impl<T: Real> Chain<T> for Jet<T> {
         Self { value: T::from(value), gradient: [T::from(0.0); 2], hessian: [T::from(0.0); 3] }
     }
 
-    fn value(self) -> T {
-        self.value
-    }
-
     fn chain(self, value: T, slope: impl FnOnce() -> T, curvature: impl FnOnce() -> T) -> Self {
         let (slope, curvature, g) = (slope(), curvature(), self.gradient);
-        let entry = |n: usize| share(curvature, product(g, n)) + share(slope, self.hessian[n]);
-        Self { value, gradient: g.map(|g| share(slope, g)), hessian: [entry(0), entry(1), entry(2)] }
+        let entry = |n: usize| share(curvature, || product(g, n)) + share(slope, || self.hessian[n]);
+        Self { value, gradient: g.map(|g| share(slope, || g)), hessian: [entry(0), entry(1), entry(2)] }
     }
 
     fn chain2(self, b: Self, value: T, slopes: impl FnOnce() -> [T; 2], curvatures: impl FnOnce() -> [T; 3]) -> Self {
@@ -283,20 +281,32 @@ impl<T: Real> Chain<T> for Jet<T> {
         let (p, q) = (self.gradient, b.gradient);
         let entry = |n: usize| {
             let (i, j) = PAIRS[n];
-            share(faa, product(p, n))
-                + share(fab, p[i] * q[j] + p[j] * q[i])
-                + share(fbb, product(q, n))
-                + share(fa, self.hessian[n])
-                + share(fb, b.hessian[n])
+            share(faa, || product(p, n))
+                + share(fab, || p[i] * q[j] + p[j] * q[i])
+                + share(fbb, || product(q, n))
+                + share(fa, || self.hessian[n])
+                + share(fb, || b.hessian[n])
         };
         Self {
             value,
-            gradient: [0, 1].map(|m| share(fa, p[m]) + share(fb, q[m])),
+            gradient: [0, 1].map(|m| share(fa, || p[m]) + share(fb, || q[m])),
             hessian: [entry(0), entry(1), entry(2)],
         }
     }
 
     fn either(self, b: Self, value: T) -> Self {
         Self { value, gradient: [0, 1].map(|m| self.gradient[m].hull(b.gradient[m])), hessian: [T::unknown(); 3] }
+    }
+
+    fn plus(self, b: Self) -> Self {
+        Self {
+            value: self.value + b.value,
+            gradient: [0, 1].map(|m| self.gradient[m] + b.gradient[m]),
+            hessian: [0, 1, 2].map(|n| self.hessian[n] + b.hessian[n]),
+        }
+    }
+
+    fn minus(self) -> Self {
+        Self { value: -self.value, gradient: self.gradient.map(|g| -g), hessian: self.hessian.map(|h| -h) }
     }
 }

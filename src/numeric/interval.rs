@@ -165,8 +165,10 @@ impl Interval {
         // By squaring: at most 2 log2(n) roundings of half a unit each.
         let slack = 4.0 * f64::EPSILON * f64::from(n);
         let (lo, hi) = (below(base.lo.powi(n), slack), above(base.hi.powi(n), slack));
-        let floor = if n % 2 == 0 { 0.0 } else { f64::NEG_INFINITY };
-        Self { lo: lo.max(floor), hi, defined: self.defined }
+        // The sign of a power is exact.
+        let least = if base.lo >= 0.0 { 0.0 } else { f64::NEG_INFINITY };
+        let most = if base.hi <= 0.0 { 0.0 } else { f64::INFINITY };
+        Self { lo: lo.max(least), hi: hi.min(most), defined: self.defined }
     }
 
     /// a^b as the mathematical library has it: for a < 0 only whole b give a value.
@@ -445,7 +447,11 @@ impl Add for Interval {
         if self.lo == 0.0 && self.hi == 0.0 {
             return Self { defined, ..other };
         }
-        Self::outward(self.lo + other.lo, self.hi + other.hi, defined)
+        let sum = Self::outward(self.lo + other.lo, self.hi + other.hi, defined);
+        // So is that of a sum of numbers of one sign.
+        let least = if self.lo >= 0.0 && other.lo >= 0.0 { 0.0 } else { f64::NEG_INFINITY };
+        let most = if self.hi <= 0.0 && other.hi <= 0.0 { 0.0 } else { f64::INFINITY };
+        Self { lo: sum.lo.max(least), hi: sum.hi.min(most), ..sum }
     }
 }
 
@@ -485,7 +491,12 @@ impl Mul for Interval {
         let product = Self::outward(lo, hi, defined);
         // The sign of a product is exact.
         let positive = (self.lo >= 0.0 && other.lo >= 0.0) || (self.hi <= 0.0 && other.hi <= 0.0);
-        Self { lo: if positive { product.lo.max(0.0) } else { product.lo }, ..product }
+        let negative = (self.lo >= 0.0 && other.hi <= 0.0) || (self.hi <= 0.0 && other.lo >= 0.0);
+        Self {
+            lo: if positive { product.lo.max(0.0) } else { product.lo },
+            hi: if negative { product.hi.min(0.0) } else { product.hi },
+            ..product
+        }
     }
 }
 

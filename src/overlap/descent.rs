@@ -1,6 +1,6 @@
 //! Descent to a low point of a gap. What it finds is sampled: a start, a unit of depth, the depth of first touch as far as is seen.
 
-use crate::gap::{AnyGap, Gap};
+use crate::gap::{AnyGap, Gap, Reach, enclosure};
 
 /// The point at this angle and distance.
 pub(super) fn along(p: [f64; 2], angle: f64, r: f64) -> [f64; 2] {
@@ -70,6 +70,15 @@ pub(crate) fn least(gap: &AnyGap) -> ([f64; 2], f64) {
     let value = gap.gap(x, y);
     if value <= known.floor || known.law.is_some_and(|law| law.lowest == value && known.floor > f64::NEG_INFINITY) {
         return (known.centre, value);
+    }
+    // Proved, where the gap has bounds over rectangles.
+    let close = if known.floor > f64::NEG_INFINITY { 1e-9 * (value - known.floor).abs() } else { 1e-9 * value.abs() };
+    if let Reach::Within(rect) = gap.reach(value.next_up())
+        && let Some(found) = enclosure::least(gap, &rect, close, f64::NEG_INFINITY)
+    {
+        let [x, y] = lowest(gap, found.at);
+        let refined = gap.gap(x, y);
+        return if refined < found.value { ([x, y], refined) } else { (found.at, found.value) };
     }
     // Every tip is a start of its own.
     let starts = known.tips.iter().take(MOST_STARTS).copied().chain([known.centre]);

@@ -11,7 +11,7 @@ mod units;
 use std::sync::OnceLock;
 
 use crate::error::{Unsolved, Verdict};
-use crate::gap::{AnyGap, Gap, Known, Reach};
+use crate::gap::{AnyGap, Gap, Known, Reach, enclosure};
 use crate::geometry::Rect;
 use crate::grid::Grid;
 pub(crate) use descent::least;
@@ -53,9 +53,7 @@ impl Overlap {
         let reach = match found {
             Reach::Within(rect) => rect,
             Reach::Nowhere => return Ok(None),
-            Reach::Unbounded { along, beyond } if certain != Reach::Unknown => {
-                return Err(endless(depth, along, beyond));
-            }
+            Reach::Unbounded { from, along } if certain != Reach::Unknown => return Err(endless(depth, from, along)),
             _ => {
                 let reason = format!(
                     "the gap stays below the depth {depth:e} however far it was followed: the contact has no end"
@@ -69,25 +67,20 @@ impl Overlap {
             return Ok(None);
         }
         let deepest = depth - lowest(gap, depth, &reach);
-        // No point was seen to overlap, and none was excluded: contact too small to be resolved.
-        if !(deepest > 0.0) {
-            if !certain {
-                return Ok(None);
+        // No point of the lattice overlaps: find one that does, or prove that there is none.
+        let deepest = if deepest > 0.0 {
+            deepest
+        } else {
+            match enclosure::least(gap, &reach, 0.0, depth) {
+                Some(found) if found.value < depth => depth - found.value,
+                Some(found) if found.bound >= depth => return Ok(None),
+                None => return Ok(None),
+                Some(_) => {
+                    let reason = format!("whether the bodies touch at depth {depth:e} is not to be told from rounding");
+                    return Err(Unsolved::new(Verdict::NotApplicable, reason));
+                }
             }
-            let (_, low) = least(gap);
-            if !(depth > low) {
-                let reason = format!("whether the bodies touch at depth {depth:e} is not to be told from rounding");
-                return Err(Unsolved::new(Verdict::NotApplicable, reason));
-            }
-            return Ok(Some(Self {
-                gap: gap.clone(),
-                depth,
-                reach,
-                certain,
-                deepest: depth - low,
-                components: OnceLock::new(),
-            }));
-        }
+        };
         Ok(Some(Self { gap: gap.clone(), depth, reach, certain, deepest, components: OnceLock::new() }))
     }
 
@@ -132,11 +125,11 @@ pub(crate) fn reach_of(gap: &AnyGap, depth: f64) -> Reach {
     }
 }
 
-fn endless(depth: f64, along: f64, beyond: f64) -> Unsolved {
+fn endless(depth: f64, [x, y]: [f64; 2], along: f64) -> Unsolved {
     let degrees = along.to_degrees();
-    let from = if beyond > 0.0 { format!("beyond a distance of {beyond:.2e} from the origin ") } else { String::new() };
     let reason = format!(
-        "the gap stays below the depth {depth:e} {from}in the direction of {degrees:.1} degrees from x: the contact has no end there"
+        "the gap stays below the depth {depth:e} on the ray from ({x:.3e}, {y:.3e}) in the direction of {degrees:.1} degrees: \
+         the contact has no end there"
     );
     Unsolved::new(Verdict::Unbounded, reason)
 }

@@ -32,7 +32,7 @@ const MARGIN: f64 = 1e-3;
 /// in a hollow that wide. A value that is NaN (an overflow) counts as below the depth: it ends nothing.
 pub(super) fn search(gap: &dyn Fn(f64, f64) -> f64, depth: f64, centre: [f64; 2]) -> Reach {
     let inside = |p: [f64; 2]| !(gap(p[0], p[1]) >= depth);
-    let endless = |seed: [f64; 2]| Reach::Unbounded { along: 0.0, beyond: seed[0].hypot(seed[1]) };
+    let endless = |from: [f64; 2]| Reach::Unbounded { from, along: 0.0 };
     let Some(seed) = first_seed(gap, depth, centre) else { return Reach::Nowhere };
     let Some(mut rect) = piece(&inside, seed) else { return endless(seed) };
     for _ in 1..MOST_SEEDS {

@@ -12,6 +12,12 @@ impl Random {
         ((z ^ (z >> 31)) >> 11) as f64 / 9_007_199_254_740_992.0
     }
 
+    /// A whole number below n.
+    #[allow(dead_code)]
+    pub fn below(&mut self, n: usize) -> usize {
+        (self.next() * n as f64) as usize
+    }
+
     pub fn between(&mut self, a: f64, b: f64) -> f64 {
         a + (b - a) * self.next()
     }

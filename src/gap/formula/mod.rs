@@ -133,8 +133,13 @@ impl Formula {
         let level = face.as_ref().filter(|face| face.slope == [0.0; 2]);
         let at_origin = known.centre == [0.0; 2];
         let inside = region.contains(known.centre);
+        let at = |[x, y]: [f64; 2]| self.value(x, y);
         Known {
-            centre: if inside && level.is_none() { known.centre } else { region.inner_point() },
+            centre: if inside && level.is_none() && at(known.centre) <= at(region.inner_point()) {
+                known.centre
+            } else {
+                region.inner_point()
+            },
             law: level.map(|face| Law { degree: Degree::Flat, lowest: face.value }),
             quadratic: None,
             axis: known
@@ -175,16 +180,39 @@ impl Formula {
     fn searched_reach(&self, depth: f64) -> Reach {
         let outer = match &self.region {
             Some(region) => Reach::Within(region.bounds()),
-            None => growth::reach(|sector, from| self.growth(sector, from), depth),
+            None => {
+                let mirrors = [0, 1].map(|m| self.known.mirrors[m] && self.known.centre[m] == 0.0);
+                growth::reach(|sector, from| self.growth(sector, from), depth, mirrors)
+            }
         };
         match outer {
-            Reach::Within(rect) => enclosure::tightened(&|rect| self.lower(rect), depth, &rect),
+            Reach::Within(rect) => {
+                let mirrors = (self.known.centre, self.known.mirrors);
+                let enough = if self.gains_by_taylor(&rect) { depth } else { f64::NEG_INFINITY };
+                enclosure::tightened(&|rect| self.lower(rect, enough), depth, &rect, mirrors)
+            }
             other => other,
         }
     }
 
-    fn lower(&self, rect: &Rect) -> f64 {
+    /// Whether values that occur several times in the formula make the simple bound too wide: looked at in a few places.
+    fn gains_by_taylor(&self, outer: &Rect) -> bool {
+        let [w, h] = outer.size();
+        [0.3, 0.45, 0.6, 0.85].into_iter().any(|t| {
+            let c = [outer.min[0] + t * w, outer.min[1] + (1.1 - t) * h];
+            let rect = Rect::around(c, [w / 64.0, h / 64.0]);
+            let [low, high] = self.range(&rect);
+            let closer = self.taylor(&rect).map_or(low, |taylor| taylor.bounds(rect.size(), [0.0; 2])[0]);
+            closer - low > 0.1 * (high - low)
+        })
+    }
+
+    /// A lower bound over a rectangle; the closer one where the simple one is not above `enough`.
+    fn lower(&self, rect: &Rect, enough: f64) -> f64 {
         let low = self.range(rect)[0];
+        if low >= enough {
+            return low;
+        }
         match self.taylor(rect) {
             Some(taylor) => low.max(taylor.bounds(rect.size(), [0.0; 2])[0]),
             None => low,
@@ -302,7 +330,8 @@ impl Gap for Formula {
                 }
             }
             if let Reach::Unbounded { along, .. } = unit {
-                return Reach::Unbounded { along: *along, beyond: 0.0 };
+                // Along every ray from the centre the gap grows by one power: not at all, or falling, on this one.
+                return Reach::Unbounded { from: self.known.centre, along: *along };
             }
         }
         self.searched_reach(depth)
@@ -312,12 +341,13 @@ impl Gap for Formula {
         match self.reach(depth) {
             Reach::Within(rect) if self.polyhedron.is_some() || self.known.quadratic.is_some() => Some(vec![rect]),
             Reach::Within(rect) => {
-                let lower = |rect: &Rect| self.lower(rect);
+                let lower = |rect: &Rect| self.lower(rect, depth);
                 let parts = enclosure::components(&lower, depth, &rect).into_iter();
-                let tight = parts.filter_map(|part| match enclosure::tightened(&lower, depth, &part) {
-                    Reach::Within(rect) => Some(rect),
-                    _ => None,
-                });
+                let tight =
+                    parts.filter_map(|part| match enclosure::tightened(&lower, depth, &part, ([0.0; 2], [false; 2])) {
+                        Reach::Within(rect) => Some(rect),
+                        _ => None,
+                    });
                 Some(tight.collect())
             }
             Reach::Nowhere => Some(Vec::new()),
@@ -383,7 +413,7 @@ impl Gap for Formula {
         match (&self.polyhedron, &self.region) {
             (Some(polyhedron), _) => polyhedron.growth(sector, from),
             (None, None) => far::growth(&self.tape, sector, from),
-            _ => None,
+            (None, Some(region)) => Growth::ended(&region.bounds(), from),
         }
     }
 

@@ -36,6 +36,19 @@ impl Tree {
         let mut nodes: Vec<Node> = Vec::new();
         let mut stack = Vec::new();
         for &op in tape.ops() {
+            // Even powers of r are polynomials in x and y.
+            if let (Op::Whole(n), Some(&last)) = (op, stack.last())
+                && n % 2 == 0
+                && nodes[last] == Node::Variable(R)
+            {
+                stack.pop();
+                nodes.pop();
+                let first = nodes.len();
+                nodes.extend([Node::Variable(0), Node::Whole(first, 2), Node::Variable(1), Node::Whole(first + 2, 2)]);
+                nodes.extend([Node::Two(Two::Add, first + 1, first + 3), Node::Whole(first + 4, n / 2)]);
+                stack.push(first + 5);
+                continue;
+            }
             let mut take = || stack.pop().unwrap_or_default();
             let node = match op {
                 Op::Constant(c) => Node::Constant(c),
@@ -551,6 +564,7 @@ mod tests {
         }
         let turned = tree("x^2 + x*y + y^2 + 0.1").quadratic().unwrap();
         assert_eq!((turned.value, turned.hessian), (0.1, [2.0, 1.0, 2.0]));
+        assert_eq!(tree("r^2/2").quadratic().unwrap().hessian, [1.0, 0.0, 1.0]);
         assert!(tree("x^2 + y^4").quadratic().is_none());
         assert!(tree("x^2 + abs(y)^2").quadratic().is_none());
     }

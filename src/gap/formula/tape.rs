@@ -5,6 +5,9 @@ use crate::numeric::derivatives::{Chain, Dual, Jet, Real};
 /// Operands that can wait at once; enough for any formula a person writes.
 pub(super) const STACK: usize = 48;
 
+/// Operands that wait at once in most formulas.
+const FEW: usize = 5;
+
 /// One operation, in reverse Polish order.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Op {
@@ -231,11 +234,19 @@ macro_rules! with_derivatives {
 
             fn one(self, f: One) -> Self {
                 let v = self.value;
-                self.chain(f.value(v), || f.slope(v), || f.curvature(v))
+                match f {
+                    One::Negate => self.minus(),
+                    _ => self.chain(f.value(v), || f.slope(v), || f.curvature(v)),
+                }
             }
 
             fn two(self, b: Self, f: Two) -> Self {
                 let (v, w) = (self.value, b.value);
+                match f {
+                    Two::Add => return self.plus(b),
+                    Two::Subtract => return self.plus(b.minus()),
+                    _ => {}
+                }
                 let value = f.value(v, w);
                 if matches!(f, Two::Min | Two::Max) && v.is_below(w).is_none() {
                     return self.either(b, value);
@@ -342,7 +353,12 @@ impl Tape {
 
     /// The value for these x, y, r, theta.
     pub(super) fn run<T: Number>(&self, variables: [T; 4]) -> T {
-        let mut stack = [T::constant(0.0); STACK];
+        // Most formulas wait for few operands; the room for all is not laid out for them.
+        if self.highest <= FEW { self.run_in::<T, FEW>(variables) } else { self.run_in::<T, STACK>(variables) }
+    }
+
+    fn run_in<T: Number, const ROOM: usize>(&self, variables: [T; 4]) -> T {
+        let mut stack = [T::constant(0.0); ROOM];
         let mut top = 0;
         for &op in &self.ops {
             match op {

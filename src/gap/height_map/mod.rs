@@ -7,7 +7,7 @@ mod text;
 
 pub use heights::{Heights, MapFormat};
 
-use super::{Gap, Known, Material, Reach, Taylor};
+use super::{Gap, Growth, Known, Material, Reach, Taylor};
 use crate::error::InputError;
 use crate::geometry::Rect;
 use crate::numeric::Interval;
@@ -335,6 +335,10 @@ impl Gap for HeightMap {
         let rounding =
             f64::EPSILON * (16.0 * low.abs().max(high.abs()) + 4.0 * (high - low) * (steps[0] + steps[1] + 4.0));
         Some([mean - rounding, mean + rounding])
+    }
+
+    fn growth(&self, _: Interval, from: f64) -> Option<Growth> {
+        Growth::ended(&self.extent(), from)
     }
 
     fn reach(&self, depth: f64) -> Reach {
