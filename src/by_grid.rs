@@ -274,6 +274,11 @@ fn in_users_units(
         Some(ladder) => ladder.found(|state| sums(state, &patch_of(state))),
         None => sums(state, &patch),
     };
+    // U = P (d - g0)/(2 + 1/k), of the best force.
+    let energy = match scaled.gap.known().law {
+        Some(law) => force * scaled.above_lowest() / (2.0 + law.degree.inverse()),
+        None => energy,
+    };
     (patch.area, patch.max_radius) = (area * length * length, max_radius * length);
     patch.centroid = patch.centroid.map(|c| scaled.units.outward(c));
     patch.boundary = if settings.outputs.patch {

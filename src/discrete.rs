@@ -1,6 +1,6 @@
 //! The contact problem on a grid: one overlap a cell, and the residuals that any pressure leaves.
 
-use crate::gap::Gap;
+use crate::gap::{Gap, lattice};
 use crate::grid::{Grid, Kernel};
 
 /// Find p >= 0 with A p >= f, p (A p - f) = 0 on the cells of a grid (E* = 1). What every grid solver solves.
@@ -19,19 +19,11 @@ impl Discrete {
     /// The overlap of `gap` at this depth, cell by cell.
     #[must_use]
     pub fn sample(gap: &dyn Gap, depth: f64, grid: Grid, kernel: Kernel) -> Self {
-        let mut overlap = Vec::with_capacity(grid.len());
-        for j in 0..grid.shape[1] {
-            overlap.extend((0..grid.shape[0]).map(|i| {
-                let gap_there = match kernel {
-                    Kernel::Galerkin => gap.mean(&grid.cell(i, j)),
-                    Kernel::Collocation => {
-                        let [x, y] = grid.centre(i, j);
-                        gap.gap(x, y)
-                    }
-                };
-                depth - gap_there
-            }));
-        }
+        let mut overlap = match kernel {
+            Kernel::Galerkin => lattice::means(gap, &grid),
+            Kernel::Collocation => lattice::values(gap, &grid),
+        };
+        overlap.iter_mut().for_each(|gap| *gap = depth - *gap);
         Self { grid, kernel, overlap }
     }
 

@@ -6,7 +6,7 @@
 
 use crate::discrete::{Discrete, DiscreteSolution};
 use crate::error::Unsolved;
-use crate::gap::{Degree, Gap};
+use crate::gap::{Degree, Gap, lattice};
 use crate::geometry::Rect;
 use crate::grid::{Grid, Kernel};
 use crate::matrix_free;
@@ -118,11 +118,10 @@ fn optimistic(scaled: &Scaled, grid: Grid) -> Discrete {
     let ([hx, hy], [nx, ny]) = (grid.spacing, grid.shape);
     let wide = 2 * nx + 1;
     // Half a cell apart; those on a border belong to the cells on both sides of it.
-    let mut points = Vec::with_capacity(wide * (2 * ny + 1));
-    for j in 0..=2 * ny {
-        let y = grid.origin[1] + 0.5 * j as f64 * hy;
-        points.extend((0..wide).map(|i| scaled.gap.gap(grid.origin[0] + 0.5 * i as f64 * hx, y)));
-    }
+    let spacing = [0.5 * hx, 0.5 * hy];
+    let corners =
+        Grid { origin: [0, 1].map(|m| grid.origin[m] - 0.5 * spacing[m]), spacing, shape: [wide, 2 * ny + 1] };
+    let points = lattice::values(&scaled.gap, &corners);
     let overlap = (0..grid.len()).map(|k| {
         let first = 2 * (k / nx) * wide + 2 * (k % nx);
         let rows = [first, first + wide, first + 2 * wide];

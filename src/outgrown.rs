@@ -1,6 +1,6 @@
 //! Whether a box holds the whole contact.
 
-use crate::gap::Gap;
+use crate::gap::lattice;
 use crate::geometry::Rect;
 use crate::grid::Grid;
 use crate::overlap::Scaled;
@@ -38,7 +38,7 @@ const NEAR: f64 = 64.0;
 fn penetrating_outside(scaled: &Scaled, window: &Rect, grid: &Grid, pressure: &[f64]) -> Vec<[f64; 2]> {
     let [w, h] = scaled.reach.size();
     let count = |size: f64, spacing: f64| ((size / spacing).ceil() as usize).clamp(1, OUTSIDE);
-    let lattice = Grid::over(&scaled.reach, [count(w, grid.spacing[0]), count(h, grid.spacing[1])]);
+    let points = Grid::over(&scaled.reach, [count(w, grid.spacing[0]), count(h, grid.spacing[1])]);
     let area = grid.cell_area();
     let loaded: Vec<([f64; 2], f64)> = grid.loaded(pressure).map(|(at, p)| (at, p * area)).collect();
     let gathered = std::cell::LazyCell::new(|| gathered(&loaded, window));
@@ -55,11 +55,13 @@ fn penetrating_outside(scaled: &Scaled, window: &Rect, grid: &Grid, pressure: &[
         boxes.iter().map(|(r, q)| q / farthest(r)).sum::<f64>() / std::f64::consts::PI
     };
     let whole = blocks.iter().copied().reduce(|(a, p), (b, q)| (a.union(&b), p + q));
-    lattice
+    let gaps = lattice::values(&scaled.gap, &points);
+    points
         .centres()
-        .filter(|p| !window.contains(*p))
-        .filter(|&[x, y]| {
-            let f = scaled.depth - scaled.gap.gap(x, y);
+        .zip(gaps)
+        .filter(|(p, _)| !window.contains(*p))
+        .filter(|&([x, y], g)| {
+            let f = scaled.depth - g;
             if f <= 0.0 || f <= least(whole.as_slice(), [x, y]) || f <= least(&blocks, [x, y]) {
                 return false;
             }
@@ -67,6 +69,7 @@ fn penetrating_outside(scaled: &Scaled, window: &Rect, grid: &Grid, pressure: &[
             let u = under(&gathered, [x, y]);
             if f > 0.9 * u && f < 1.1 * u { f > under(&loaded, [x, y]) + 1e-9 } else { f > u + 1e-9 }
         })
+        .map(|(p, _)| p)
         .collect()
 }
 

@@ -4,7 +4,7 @@ mod random;
 
 use contact_patch::bracket::{self, BracketSettings, Evidence, ForceBracket};
 use contact_patch::gap::{
-    AnyGap, Cone, Flat, Gap, Minimum, Outline, Paraboloid, Place, Polyhedron, Power, Reach, Revolved, Sphere,
+    AnyGap, Cone, Flat, Minimum, Outline, Paraboloid, Place, Polyhedron, Power, Reach, Revolved, Sphere,
 };
 use contact_patch::geometry::Rect;
 use contact_patch::{Discrete, EffectiveModulus, Grid, Kernel, Pressure, matrix_free};

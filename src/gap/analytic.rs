@@ -173,7 +173,7 @@ impl Gap for Sphere {
     }
 
     fn bounds(&self, rect: &Rect, slope: [f64; 2]) -> Option<[f64; 2]> {
-        Some(radial::bounds(rect, slope, self.profile(distances(rect)).value, self.taylor(rect)))
+        Some(radial::bounds(rect, slope, self.profile(distances(rect)).value, || self.taylor(rect)))
     }
 
     fn taylor(&self, rect: &Rect) -> Option<Taylor> {
@@ -274,7 +274,7 @@ impl Gap for Cone {
 
     fn bounds(&self, rect: &Rect, slope: [f64; 2]) -> Option<[f64; 2]> {
         let value = Interval::point(self.slope) * distances(rect);
-        let [low, high] = radial::bounds(rect, slope, value, self.taylor(rect));
+        let [low, high] = radial::bounds(rect, slope, value, || self.taylor(rect));
         // The cone lies above each of its tangent planes, also across the apex.
         let [x, y] = rect.centre();
         let below = |t: [f64; 2]| {
@@ -361,7 +361,7 @@ impl Gap for Power {
 
     fn bounds(&self, rect: &Rect, slope: [f64; 2]) -> Option<[f64; 2]> {
         let value = Interval::point(self.coefficient) * distances(rect).powf(Interval::point(self.exponent));
-        Some(radial::bounds(rect, slope, value, self.taylor(rect)))
+        Some(radial::bounds(rect, slope, value, || self.taylor(rect)))
     }
 
     fn taylor(&self, rect: &Rect) -> Option<Taylor> {

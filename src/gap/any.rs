@@ -272,6 +272,10 @@ impl Gap for AnyGap {
         self.inner.planes().map(|planes| planes.iter().map(outward).collect())
     }
 
+    fn is_composed(&self) -> bool {
+        self.inner.is_composed()
+    }
+
     fn alternatives(&self) -> Option<Vec<AnyGap>> {
         self.inner.alternatives().map(|parts| parts.iter().map(|part| part.through(&self.transform)).collect())
     }

@@ -207,6 +207,10 @@ impl Gap for Minimum {
         }
     }
 
+    fn is_composed(&self) -> bool {
+        true
+    }
+
     fn alternatives(&self) -> Option<Vec<AnyGap>> {
         Some(self.parts.clone())
     }

@@ -16,6 +16,7 @@ mod formula;
 mod growth;
 mod height_map;
 mod known;
+pub(crate) mod lattice;
 mod mean;
 mod minimum;
 mod outline;
@@ -142,6 +143,11 @@ pub trait Gap: Send + Sync {
     /// The same gap inside a rectangle, simpler where only some of its parts matter there; outside, anything.
     fn restricted(&self, _rect: &Rect) -> Option<AnyGap> {
         None
+    }
+
+    /// Whether [`Gap::restricted`] may find a simpler gap in a smaller rectangle.
+    fn is_composed(&self) -> bool {
+        false
     }
 
     /// The gaps whose least it is, when it is one of several tips.

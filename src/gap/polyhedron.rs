@@ -447,6 +447,10 @@ impl Gap for Polyhedron {
         (2 * kept.len() <= self.planes.len()).then(|| Self::few(kept, self.apex).into_any())
     }
 
+    fn is_composed(&self) -> bool {
+        self.fan.is_none() && self.planes.len() > MANY
+    }
+
     fn mean(&self, cell: &Rect) -> f64 {
         if self.planes.len() <= mean::MOST_PLANES {
             return mean::of_planes(&self.planes, cell);

@@ -50,12 +50,21 @@ pub(super) fn taylor(rect: &Rect, g: impl Fn(Interval) -> Profile) -> Option<Tay
 }
 
 /// Bounds of g - slope . (x - c) over a rectangle: from the Taylor form where there is one, and from the values of g(r).
-pub(super) fn bounds(rect: &Rect, slope: [f64; 2], value: Interval, taylor: Option<Taylor>) -> [f64; 2] {
+pub(super) fn bounds(
+    rect: &Rect,
+    slope: [f64; 2],
+    value: Interval,
+    taylor: impl FnOnce() -> Option<Taylor>,
+) -> [f64; 2] {
     let [w, h] = rect.size();
     let half = (0.5 * (slope[0].abs() * w + slope[1].abs() * h)).next_up();
     let high = if value.defined { value.hi + half } else { f64::INFINITY };
     let low = if value.is_empty() { f64::INFINITY } else { value.lo - half };
-    match taylor.map(|t| t.bounds([w, h], slope)) {
+    // The values of a rising g(r) themselves are as close as can be.
+    if slope == [0.0; 2] {
+        return [low, high];
+    }
+    match taylor().map(|t| t.bounds([w, h], slope)) {
         Some([a, b]) => [low.max(a), high.min(b)],
         None => [low, high],
     }

@@ -112,9 +112,7 @@ pub(super) fn of_segments(points: &[[f64; 2]], rect: &Rect, slope: [f64; 2]) -> 
 #[cfg(test)]
 mod tests {
     use crate::gap::Sum;
-    use crate::gap::{
-        AnyGap, Cone, Flat, Gap, Minimum, Outline, Paraboloid, Place, Polyhedron, Power, Revolved, Sphere,
-    };
+    use crate::gap::{AnyGap, Cone, Flat, Gap, Minimum, Outline, Paraboloid, Polyhedron, Power, Revolved, Sphere};
     use crate::geometry::Rect;
 
     fn kinds() -> Vec<AnyGap> {

@@ -291,6 +291,10 @@ impl Gap for Sum {
         Self::new(parts.collect()).ok().map(AnyGap::new)
     }
 
+    fn is_composed(&self) -> bool {
+        self.parts.iter().any(Gap::is_composed)
+    }
+
     fn alternatives(&self) -> Option<Vec<AnyGap>> {
         None
     }

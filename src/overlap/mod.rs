@@ -11,7 +11,7 @@ mod units;
 use std::sync::OnceLock;
 
 use crate::error::{Unsolved, Verdict};
-use crate::gap::{AnyGap, Gap, Known, Reach, enclosure};
+use crate::gap::{AnyGap, Gap, Known, Reach, enclosure, lattice};
 use crate::geometry::Rect;
 use crate::grid::Grid;
 pub(crate) use descent::least;
@@ -94,7 +94,7 @@ impl Overlap {
         self.components.get_or_init(|| {
             let lattice = Grid::over(&self.reach, [FILLING; 2]);
             let enough = (FULL * lattice.len() as f64) as usize;
-            let filled = lattice.centres().filter(|[x, y]| self.gap.gap(*x, *y) < self.depth).nth(enough).is_some();
+            let filled = lattice::values(&self.gap, &lattice).iter().filter(|&&g| g < self.depth).count() > enough;
             let known = || self.gap.components(self.depth);
             let seen = || search::pieces(&|x, y| self.gap.gap(x, y), self.depth, self.known().centre);
             let pieces = if filled { None } else { known().or_else(seen) };
@@ -142,9 +142,9 @@ fn lowest(gap: &AnyGap, depth: f64, reach: &Rect) -> f64 {
     if low - known.floor <= 1e-9 * (depth - low) {
         return low;
     }
-    let lattice = Grid::over(reach, [LOOKS; 2]).centres();
-    let tips = known.tips.iter().copied().filter(|&tip| reach.contains(tip)).take(LOOKS * LOOKS);
-    lattice.chain(tips).map(|[x, y]| gap.gap(x, y)).filter(|g| !g.is_nan()).fold(low, f64::min)
+    let lattice = lattice::values(gap, &Grid::over(reach, [LOOKS; 2]));
+    let tips = known.tips.iter().filter(|&&tip| reach.contains(tip)).take(LOOKS).map(|[x, y]| gap.gap(*x, *y));
+    lattice.into_iter().chain(tips).filter(|g| !g.is_nan()).fold(low, f64::min)
 }
 
 #[cfg(test)]

@@ -421,6 +421,10 @@ impl Gap for Formula {
         self.polyhedron.as_ref().and_then(|polyhedron| polyhedron.restricted(rect))
     }
 
+    fn is_composed(&self) -> bool {
+        self.polyhedron.as_ref().is_some_and(Gap::is_composed)
+    }
+
     fn planes(&self) -> Option<Vec<[f64; 3]>> {
         self.polyhedron.as_ref().and_then(Gap::planes)
     }
