@@ -6,7 +6,7 @@ use crate::error::{Unsolved, Verdict};
 use crate::fabrikant::{self, Approximation, Error, Family};
 use crate::gap::{AnyGap, Gap, Reach, extent, islands, least};
 use crate::settings::{BoundaryFamily, Method, Settings};
-use crate::solution::{Cost, Patch, PressureSummary, Solution};
+use crate::solution::{Cost, Origin, Patch, PressureSummary, Solution};
 
 /// The state at a depth and tilt (`gap` is the contact's gap under that tilt), in the user's units. `with_matrix`: energy, moments
 /// and the stiffness against tilts too, whether or not they come for nothing.
@@ -147,6 +147,8 @@ fn dimensional(contact: &Contact, depth: f64, tilt: [f64; 2], settings: &Setting
     }
     Solution {
         method: settings.method,
+        origin: Origin::Approximate,
+        grid: None,
         depth,
         tilt,
         force: found.force,

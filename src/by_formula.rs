@@ -10,7 +10,7 @@ use crate::homogeneity::{self, Degree};
 use crate::material::EffectiveModulus;
 use crate::recognise::{Recognised, recognise};
 use crate::settings::{Method, Settings};
-use crate::solution::{Cost, Patch, PressureSummary, Solution};
+use crate::solution::{Cost, Origin, Patch, PressureSummary, Solution};
 
 /// A closed form and what it stands for.
 #[derive(Debug, Clone)]
@@ -182,8 +182,11 @@ pub(crate) fn solution(
     }
     let [x, y] = form.line_of_action();
     let stiffness = form.stiffness_with_tilt();
+    let field = outputs.pressure.then(|| sampled(&form, settings.cells.unwrap_or(FIELD_CELLS)));
     Ok(Solution {
         method: Method::ClosedForm,
+        origin: Origin::ClosedForm,
+        grid: field.as_ref().map(|field| field.grid),
         depth,
         tilt,
         force: form.force,
@@ -205,7 +208,7 @@ pub(crate) fn solution(
             max: form.max_pressure().filter(|p| p.is_finite()),
             mean: Some(form.mean_pressure()),
             at: Some(ellipse.centre),
-            field: outputs.pressure.then(|| sampled(&form, settings.cells.unwrap_or(FIELD_CELLS))),
+            field,
             gap: None,
         },
         residuals: None,

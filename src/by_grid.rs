@@ -16,7 +16,7 @@ use crate::outgrown::outgrown;
 use crate::patch;
 use crate::separate;
 use crate::settings::{Method, Settings};
-use crate::solution::{Cost, Patch, PressureSummary, Solution};
+use crate::solution::{Cost, Origin, Patch, PressureSummary, Solution};
 
 /// The state at a depth and tilt (`gap` is the contact's gap under that tilt); `with_matrix`: the stiffness against tilts too.
 ///
@@ -304,6 +304,8 @@ fn in_users_units(
     };
     Solution {
         method: state.method,
+        origin: if refined.grids > 1 { Origin::ManyGrids { grids: refined.grids } } else { Origin::OneGrid },
+        grid: Some(outward_grid),
         depth,
         tilt,
         force: force * unit_force,

@@ -46,6 +46,8 @@ pub(crate) struct Refined {
     pub force: f64,
     /// Estimate of its error, absolute.
     pub error: f64,
+    /// Grids whose values make the force.
+    pub grids: usize,
     /// What kept the method from finer grids.
     pub stopped: Option<String>,
     /// The grids that it took where the contact ends at sharp edges; `state` is the finest.
@@ -55,7 +57,7 @@ pub(crate) struct Refined {
 impl Refined {
     /// One grid whose force is the best there is.
     pub fn of(state: GridState, error: f64) -> Self {
-        Self { force: state.force(), error, state, stopped: None, ladder: None }
+        Self { force: state.force(), error, grids: 1, state, stopped: None, ladder: None }
     }
 
     /// Best values of what is found in a state: of the finest grid, or the limits of all where the contact ends at sharp edges.
@@ -238,7 +240,8 @@ impl Ascent<'_> {
                     return Ok(Some(found));
                 }
             }
-            best = Some(Refined { state, force: value, error, stopped: None, ladder: None });
+            let grids = if few { 1 } else { self.energies.len().max(1) };
+            best = Some(Refined { state, force: value, error, grids, stopped: None, ladder: None });
             if good {
                 break;
             }
@@ -295,6 +298,7 @@ impl Ascent<'_> {
         let mut state = self.with_spent(GridState { iterations, operator_products, ..ladder.last().clone() });
         state.remarks.push(edges::remark(ladder.grids()));
         let stopped = Some(edges::most(edges::finest(finest)));
-        Ok(Refined { state, force: limit.value, error: limit.error, stopped, ladder: Some(ladder) })
+        let grids = ladder.grids();
+        Ok(Refined { state, force: limit.value, error: limit.error, grids, stopped, ladder: Some(ladder) })
     }
 }

@@ -42,6 +42,7 @@ mod by_formula;
 mod by_grid;
 #[cfg(feature = "cli")]
 pub mod cli;
+mod clock;
 pub mod closed_form;
 pub mod compare;
 mod contact;
@@ -88,6 +89,7 @@ pub mod stability;
 pub mod symmetry;
 mod tilting;
 
+pub use clock::Deadline;
 pub use contact::{Contact, Load, Loading};
 pub use curve::{Curve, CurveRange};
 pub use discrete::{Discrete, DiscreteSolution, Residuals};
@@ -100,5 +102,5 @@ pub use plan::{Plan, plan};
 #[cfg(feature = "scene")]
 pub use scene::Scene;
 pub use settings::{BoundaryFamily, Method, Outputs, Settings};
-pub use solution::{Cost, Patch, PressureSummary, Solution};
+pub use solution::{Cost, Origin, Patch, PressureSummary, Solution};
 pub use solve::solve;

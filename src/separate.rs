@@ -15,7 +15,7 @@ use crate::geometry::Rect;
 use crate::grid::{Grid, Pressure};
 use crate::one_grid;
 use crate::settings::{Method, Settings};
-use crate::solution::{Patch, PressureSummary, Solution};
+use crate::solution::{Origin, Patch, PressureSummary, Solution};
 
 /// More contacts than that share one grid.
 const MOST: usize = 16;
@@ -233,6 +233,7 @@ fn together(states: Vec<Solution>, settings: &Settings, missed: f64) -> Solution
     let count = states.len();
     let sum = |of: fn(&Solution) -> Option<f64>| states.iter().map(of).sum::<Option<f64>>();
     let mut all = states[0].clone();
+    all.origin = Origin::SeparateContacts { count };
     all.force = force;
     all.force_error = Some((error + missed) / force);
     all.energy = sum(|s| s.energy);

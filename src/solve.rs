@@ -1,8 +1,7 @@
 //! One call for every method and every loading.
 
-use std::time::Instant;
-
 use crate::bracketed::with_bracket;
+use crate::clock::Stopwatch;
 use crate::contact::{Contact, Load};
 use crate::engine::{Engine, close};
 use crate::equilibrium;
@@ -58,7 +57,7 @@ impl Similar {
 }
 
 fn at(contact: &Contact, load: Load, settings: &Settings, similar: &mut Option<Similar>) -> Result<Solution, Unsolved> {
-    let started = Instant::now();
+    let started = Stopwatch::start();
     let mut solution = match load {
         Load::Depth(depth) => at_depth(contact, depth, settings, similar)?,
         Load::Tilted { depth, tilt } => respond(contact, depth, tilt, settings, true)?,
@@ -71,7 +70,7 @@ fn at(contact: &Contact, load: Load, settings: &Settings, similar: &mut Option<S
     if settings.outputs.bracket {
         solution = with_bracket(contact, load, solution, settings)?;
     }
-    solution.cost.seconds = started.elapsed().as_secs_f64();
+    solution.cost.seconds = started.seconds();
     let lost = solution.force == 0.0 && solution.stiffness > 0.0;
     if lost || !solution.force.is_finite() || !solution.stiffness.is_finite() {
         let reason = "the force or the stiffness is beyond the range of numbers (1e-308 to 1e308): choose other units";

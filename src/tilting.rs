@@ -9,7 +9,7 @@ use crate::extrapolate::Intercept;
 use crate::gap::{AnyGap, Gap, Reach, least};
 use crate::geometry::Rect;
 use crate::settings::{Method, Settings};
-use crate::solution::Solution;
+use crate::solution::{Origin, Solution};
 
 /// A box around everything that can touch at any tilt: where the gap is less than a depth beyond all measure.
 fn material(gap: &AnyGap, depth: f64) -> Option<Rect> {
@@ -108,6 +108,7 @@ fn at_sharp_edges(
         let matrix = [0, 1, 2].map(|i| [0, 1, 2].map(|j| at(5 + 3 * i + j)));
         (state.stiffness, state.stiffness_matrix) = (matrix[0][0], Some(matrix));
         state.force_error = Some(reached);
+        state.origin = Origin::ManyGrids { grids: grids.len() };
         state.remarks.push(edges::remark(grids.len()));
         return Ok(state);
     }

@@ -4,10 +4,9 @@
 //! Ritz; [`crate::ritz`]); so has any pressure over the supremum of its displacement ([`super::measure`]). Above:
 //! [`super::comparison`].
 
-use std::time::Instant;
-
 use super::comparison::Comparisons;
 use super::{BracketCost, Evidence, ForceBracket, Repair, Side, Theorem, measure};
+use crate::clock::Stopwatch;
 use crate::closed_form::FlatPunch;
 use crate::error::{Unsolved, Verdict};
 use crate::fabrikant;
@@ -34,7 +33,7 @@ const DOUBT: f64 = 10.0;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn approximate(gap: &dyn Gap, modulus: EffectiveModulus, depth: f64) -> Result<ForceBracket, Unsolved> {
-    let started = Instant::now();
+    let started = Stopwatch::start();
     let (reach, certain) = match (gap.certain_reach(depth), extent(gap, depth)) {
         (Reach::Nowhere, _) | (_, Reach::Nowhere) => return Ok(super::no_contact(None)),
         (Reach::Within(rect), _) if rect.size().iter().all(|s| s.is_finite()) => (rect, true),
@@ -72,7 +71,7 @@ pub fn approximate(gap: &dyn Gap, modulus: EffectiveModulus, depth: f64) -> Resu
         ([a, e.area / (std::f64::consts::PI * a)], y.atan2(x))
     });
     let above = comparisons.least(middle, axes);
-    let cost = BracketCost { seconds: started.elapsed().as_secs_f64(), ..BracketCost::default() };
+    let cost = BracketCost { seconds: started.seconds(), ..BracketCost::default() };
     Ok(ForceBracket { lower: below, upper: above, cost })
 }
 

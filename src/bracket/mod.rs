@@ -38,8 +38,7 @@ mod tables;
 mod trend;
 mod violation;
 
-use std::time::Instant;
-
+use crate::clock::Stopwatch;
 use crate::error::Unsolved;
 use crate::gap::Gap;
 use crate::grid::Pressure;
@@ -291,7 +290,7 @@ pub fn certify(
     settings: &BracketSettings,
 ) -> Result<ForceBracket, Unsolved> {
     frame::within(gap, modulus, depth, pressure, |frame, mut q| {
-        let started = Instant::now();
+        let started = Stopwatch::start();
         let mirrors = Mirrors::found(&mut q, frame);
         let mut around = Surroundings::new(&frame.grid, settings.per_cell.max(1));
         let known = Known::new(q.len(), false);
@@ -300,7 +299,7 @@ pub fn certify(
         let (_, found, evidence) = frame.look(&mut around, &q, violation::Side::Both, &mut attention);
         let outside = outside::look(frame, &q);
         let (upper, lower) = (close::upper(frame, &q, &found, &outside), close::lower(frame, &q, &found));
-        let cost = BracketCost { seconds: started.elapsed().as_secs_f64(), products: 1, solves: 0 };
+        let cost = BracketCost { seconds: started.seconds(), products: 1, solves: 0 };
         ForceBracket { lower: frame.side(lower, &q, evidence), upper: frame.side(upper, &q, evidence), cost }
     })
 }

@@ -4,8 +4,6 @@
 //! contact, where closing costs its maximum. On the lower side the support never grows: a cell that is taken in again is
 //! thrown out in the next round. Less support costs little, since P(A) is stationary at the true contact.
 
-use std::time::Instant;
-
 use super::close::{self, Closed};
 use super::field::{Field, Surroundings};
 use super::frame::{self, Attention, Frame};
@@ -13,6 +11,7 @@ use super::known::Known;
 use super::mirrors::Mirrors;
 use super::violation::{self, Violation};
 use super::{BracketCost, BracketSettings, Evidence, ForceBracket, look, outside};
+use crate::clock::Stopwatch;
 use crate::discrete::Discrete;
 use crate::error::Unsolved;
 use crate::gap::Gap;
@@ -55,7 +54,7 @@ pub fn sharp(
     settings: &BracketSettings,
 ) -> Result<ForceBracket, Unsolved> {
     frame::within(gap, modulus, depth, pressure, |frame, mut q| {
-        let started = Instant::now();
+        let started = Stopwatch::start();
         let mirrors = Mirrors::found(&mut q, frame);
         let mut session = Session {
             around: Surroundings::new(&frame.grid, settings.per_cell.max(1)),
@@ -76,7 +75,7 @@ pub fn sharp(
         let lower = (close::lower(frame, &q, &first), q);
         let upper = session.raise(upper, (&field, &first), lower.0.force);
         let lower = session.lower(lower, (&field, &first), upper.0.force);
-        session.cost.seconds = started.elapsed().as_secs_f64();
+        session.cost.seconds = started.seconds();
         ForceBracket {
             lower: frame.side(lower.0, &lower.1, session.evidence),
             upper: frame.side(upper.0, &upper.1, session.evidence),

@@ -1,9 +1,8 @@
 //! Everything a report shows of a scene, computed: the answers, every method on one of its states, brackets, the curve.
 
-use std::time::Instant;
-
 use super::Step;
 use crate::bracket::{self, BracketSettings, ForceBracket};
+use crate::clock::Stopwatch;
 use crate::compare::{self, Comparison};
 use crate::contact::{Contact, Load, Loading};
 use crate::curve::Curve;
@@ -89,9 +88,9 @@ struct Clock<'s> {
 impl Clock<'_> {
     fn time<T>(&mut self, what: &'static str, work: impl FnOnce() -> T) -> T {
         (self.say)(what);
-        let started = Instant::now();
+        let started = Stopwatch::start();
         let done = work();
-        self.seconds.push((what, started.elapsed().as_secs_f64()));
+        self.seconds.push((what, started.seconds()));
         done
     }
 }
@@ -136,11 +135,11 @@ fn detail(scene: &Scene, index: usize, state: &Solution, runs: &compare::Plan, c
             if brackets.last().is_some_and(|b| b.seconds > PATIENCE) {
                 break;
             }
-            let started = Instant::now();
+            let started = Stopwatch::start();
             let Some(Ok(solution)) = run(Method::Fft, Some(cells), both) else { continue };
             let Some(field) = &solution.pressure.field else { continue };
             if let Ok(bracket) = bracket::sharp(&*gap, contact.modulus(), state.depth, field, &look) {
-                let seconds = started.elapsed().as_secs_f64();
+                let seconds = started.seconds();
                 brackets.push(Bracketing { cells, force: solution.force, bracket, seconds });
             }
         }
