@@ -69,7 +69,7 @@ fn on_grids(
     let Some(door) = Door::enter(gap, solution.depth)? else { return Ok(None) };
     let mut window = locate(&door)?;
     let [mut cells, last] = settings.cells.map_or(GRIDS, |cells| [cells; 2]);
-    let look = BracketSettings { threads: settings.threads, ..BracketSettings::default() };
+    let look = BracketSettings { threads: settings.threads, deadline: settings.deadline, ..BracketSettings::default() };
     let unit_pressure = contact.modulus().e_star() * door.gap.depth / door.gap.length;
     let mut best: Option<ForceBracket> = None;
     loop {

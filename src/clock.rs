@@ -58,6 +58,15 @@ impl Deadline {
         self.end < f64::INFINITY && self.clock.seconds().is_some_and(|now| now >= self.end)
     }
 
+    /// CPU seconds that are left; infinite without a limit.
+    #[must_use]
+    pub fn remaining(&self) -> f64 {
+        match self.clock.seconds() {
+            Some(now) if self.end < f64::INFINITY => (self.end - now).max(0.0),
+            _ => f64::INFINITY,
+        }
+    }
+
     /// # Errors
     /// [`Verdict::TimeLimit`] once the time is used up.
     pub fn check(&self) -> Result<(), Unsolved> {

@@ -1,5 +1,6 @@
 //! The contact at one depth on one grid: box, cells, solver, stiffness.
 
+use crate::clock::Deadline;
 use crate::discrete::{Discrete, DiscreteSolution};
 use crate::domain::{Door, shape};
 use crate::error::{Unsolved, Verdict};
@@ -51,6 +52,7 @@ pub(crate) struct Way<'a> {
     pub method: Method,
     pub kernel: Kernel,
     pub threads: usize,
+    pub deadline: Deadline,
     /// Largest error of the gap, relative to the depth.
     pub tolerance: f64,
     /// A solved grid to start from, when its cells are twice as large.
@@ -61,7 +63,8 @@ impl Way<'_> {
     /// To eight digits, from nothing.
     pub fn precise(settings: &Settings, method: Method) -> Self {
         let tolerance = matrix_free::Settings::default().tolerance;
-        Self { method, kernel: settings.kernel, threads: settings.threads, tolerance, coarser: None }
+        let Settings { kernel, threads, deadline, .. } = *settings;
+        Self { method, kernel, threads, deadline, tolerance, coarser: None }
     }
 }
 
@@ -85,6 +88,7 @@ pub(crate) fn of_shape(
 ) -> Result<GridState, Unsolved> {
     let mut spent = (0, 0);
     for _ in 0..MOST_GROWTHS {
+        way.deadline.check()?;
         let grid = Grid::over(window, shape(window));
         let problem = Discrete::sample(&door.gap, door.depth, grid, way.kernel);
         let state = solve(door, problem, way)?;
@@ -118,11 +122,11 @@ fn solve(door: &Door, problem: Discrete, way: Way) -> Result<GridState, Unsolved
     let pruned = problem.overlap.iter().filter(|&&f| f <= 0.0).count();
     let mut left_out = vec![format!("{pruned} of {cells} cells: the undeformed bodies do not overlap there")];
     let mut remarks = Vec::new();
-    let Way { method, threads, tolerance, .. } = way;
+    let Way { method, threads, deadline, tolerance, .. } = way;
     let solution = match method {
-        Method::Qp => programme::solve(door, &problem, &mut left_out, &mut remarks)?,
+        Method::Qp => programme::solve(door, &problem, deadline, &mut left_out, &mut remarks)?,
         _ => {
-            let settings = matrix_free::Settings { threads, tolerance, ..matrix_free::Settings::default() };
+            let settings = matrix_free::Settings { threads, tolerance, deadline, ..matrix_free::Settings::default() };
             match way.coarser.and_then(|coarser| start(coarser, &problem.grid)) {
                 Some(start) => matrix_free::solve(&problem, Some(&start), &settings)?,
                 None => matrix_free::solve_nested(&problem, &settings)?,
@@ -142,12 +146,13 @@ fn start(coarser: &GridState, grid: &Grid) -> Option<Vec<f64>> {
 /// In place of the quadratic programme, when it was not built.
 #[cfg(not(feature = "qp"))]
 mod programme {
-    use super::{Discrete, DiscreteSolution, Door, Unsolved, Verdict};
+    use super::{Deadline, Discrete, DiscreteSolution, Door, Unsolved, Verdict};
 
     /// The verdict that says so.
     pub fn solve(
         _: &Door,
         _: &Discrete,
+        _: Deadline,
         _: &mut Vec<String>,
         _: &mut Vec<String>,
     ) -> Result<DiscreteSolution, Unsolved> {
@@ -158,7 +163,7 @@ mod programme {
 /// The quadratic programme on the cells that can touch.
 #[cfg(feature = "qp")]
 mod programme {
-    use super::{Discrete, DiscreteSolution, Door, Grid, Unsolved};
+    use super::{Deadline, Discrete, DiscreteSolution, Door, Grid, Unsolved};
     use crate::qp::{self, QpSolution};
 
     /// Cells along the longer side below which no coarser grid is asked.
@@ -168,11 +173,12 @@ mod programme {
     pub fn solve(
         door: &Door,
         problem: &Discrete,
+        deadline: Deadline,
         left_out: &mut Vec<String>,
         remarks: &mut Vec<String>,
     ) -> Result<DiscreteSolution, Unsolved> {
-        let known = candidates(door, problem)?;
-        let QpSolution { solution, polished, symmetry } = qp::solve(problem, known.as_deref())?;
+        let known = candidates(door, problem, deadline)?;
+        let QpSolution { solution, polished, symmetry } = qp::solve_before(problem, known.as_deref(), deadline)?;
         if let Some(known) = known {
             let far = known.iter().zip(&problem.overlap).filter(|&(&k, &f)| !k && f > 0.0).count();
             left_out.push(format!(
@@ -190,14 +196,15 @@ mod programme {
     }
 
     /// The cells that can touch, from a solve on cells twice as large: its contact and one of its cells around.
-    fn candidates(door: &Door, problem: &Discrete) -> Result<Option<Vec<bool>>, Unsolved> {
+    fn candidates(door: &Door, problem: &Discrete, deadline: Deadline) -> Result<Option<Vec<bool>>, Unsolved> {
         let fine = &problem.grid;
         if fine.shape[0].max(fine.shape[1]) < FEWEST {
             return Ok(None);
         }
         let coarse = Grid::over(&fine.extent(), fine.shape.map(|n| n.div_ceil(2)));
         let halved = Discrete::sample(&door.gap, door.depth, coarse, problem.kernel);
-        let known = candidates(door, &halved)?;
+        let known = candidates(door, &halved, deadline)?;
+        deadline.check()?;
         let touching = qp::solve_by_active_set(&halved, known.as_deref())?.solution.pressure;
         let near = |[i, j]: [usize; 2]| {
             let around = |n: usize, k: usize| n.saturating_sub(1)..(n + 2).min(coarse.shape[k]);

@@ -38,7 +38,7 @@ mod tables;
 mod trend;
 mod violation;
 
-use crate::clock::Stopwatch;
+use crate::clock::{Deadline, Stopwatch};
 use crate::error::Unsolved;
 use crate::gap::Gap;
 use crate::grid::Pressure;
@@ -251,11 +251,13 @@ pub struct BracketSettings {
     pub rounds: usize,
     /// Threads for the solves of [`sharp`]; 1 unless said.
     pub threads: usize,
+    /// When no further round of [`sharp`] is begun; never unless said. What is found until then is a bracket all the same.
+    pub deadline: Deadline,
 }
 
 impl Default for BracketSettings {
     fn default() -> Self {
-        Self { per_cell: 4, prove: true, rounds: 4, threads: 1 }
+        Self { per_cell: 4, prove: true, rounds: 4, threads: 1, deadline: Deadline::NEVER }
     }
 }
 

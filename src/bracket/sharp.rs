@@ -102,11 +102,19 @@ impl Session<'_, '_> {
     }
 
     /// The pressure for these overlaps, good to a share of the violation that they make good; `None` when the solver gives
-    /// up. From nothing: on nested grids that is quicker than from a pressure near by.
+    /// up or the time is used up. From nothing: on nested grids that is quicker than from a pressure near by.
     fn solve(&mut self, overlap: Vec<f64>, violation: f64) -> Option<Vec<f64>> {
         let problem = Discrete { grid: self.frame.grid, kernel: Kernel::Collocation, overlap };
         let tolerance = (SHARE * violation / self.frame.depth.abs()).clamp(1e-9, 1e-3);
-        let settings = matrix_free::Settings { tolerance, threads: self.settings.threads, ..Default::default() };
+        let settings = matrix_free::Settings {
+            tolerance,
+            threads: self.settings.threads,
+            deadline: self.settings.deadline,
+            ..Default::default()
+        };
+        if settings.deadline.has_passed() {
+            return None;
+        }
         self.cost.solves += 1;
         let solved = matrix_free::solve_nested(&problem, &settings).ok()?;
         let mut q = solved.pressure;
