@@ -40,8 +40,14 @@ pub(crate) fn solution(
     }
     let degree = homogeneity::degree(gap, &reach);
     let refined = exact::refined(&door, settings, method, degree)?;
-    let solution = dimensional(contact, &door, &refined, degree, depth, tilt, settings)?;
-    if with_matrix { with_stiffness_matrix(contact, &door, &refined, solution) } else { Ok(solution) }
+    let mut solution = dimensional(contact, &door, &refined, degree, depth, tilt, settings)?;
+    if with_matrix {
+        solution = with_stiffness_matrix(contact, &door, &refined, solution)?;
+    }
+    match refined.shortfall(settings) {
+        None => Ok(solution),
+        Some(short) => Err(short.with_best(solution)),
+    }
 }
 
 /// Whether the contact at this depth is solved on several grids, which [`Held`] does not do.
@@ -191,7 +197,8 @@ impl<'a> Held<'a> {
             Discrete { overlap: before.problem.overlap.iter().map(|f| f + deeper).collect(), ..before.problem.clone() };
         // To first order in the change, exactly.
         let start: Vec<f64> = before.solution.pressure.iter().zip(growing).map(|(p, m)| p + deeper * m).collect();
-        let settings = matrix_free::Settings { threads: settings.threads, ..matrix_free::Settings::default() };
+        let Settings { threads, deadline, .. } = *settings;
+        let settings = matrix_free::Settings { threads, deadline, ..matrix_free::Settings::default() };
         let solution = matrix_free::solve(&problem, Some(&start), &settings)?;
         if outgrown(&door, &problem.grid.extent(), &problem.grid, &solution.pressure).is_some() {
             return Ok(None);
@@ -216,14 +223,18 @@ impl<'a> Held<'a> {
     /// In the user's units.
     ///
     /// # Errors
-    /// Those of the stiffness, where it is the limit of many grids.
+    /// Those of the stiffness, where it is the limit of many grids; `ToleranceNotReached` and `TimeLimit` with the state.
     pub fn solution(&self, contact: &Contact, settings: &Settings) -> Result<Solution, Unsolved> {
         let stiffness = match &self.growing {
             Some(growing) => growing.iter().sum::<f64>() * self.refined.state.problem.grid.cell_area(),
             None => self.refined.limits(|state| Ok([one_grid::stiffness(state)?]))?[0],
         };
         let depth = self.door.depth * self.door.gap.depth;
-        Ok(in_users_units(contact, &self.door, &self.refined, stiffness, depth, [0.0; 2], settings))
+        let solution = in_users_units(contact, &self.door, &self.refined, stiffness, depth, [0.0; 2], settings);
+        match self.refined.shortfall(settings) {
+            None => Ok(solution),
+            Some(short) => Err(short.with_best(solution)),
+        }
     }
 }
 

@@ -34,6 +34,7 @@
 //!
 #![doc = include_str!("theory.md")]
 
+mod acceptance;
 mod approximate_work;
 pub mod bracket;
 mod bracketed;

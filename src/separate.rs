@@ -89,7 +89,7 @@ fn total(loads: &[Loads]) -> f64 {
 /// The state of all contacts at a depth and tilt (`gap` is the contact's gap under that tilt), in the user's units.
 ///
 /// # Errors
-/// As for a single contact.
+/// As for a single contact; where one of them falls short of the tolerance, with the state of all.
 pub(crate) fn solution(
     contact: &Contact,
     gap: &AnyGap,
@@ -145,13 +145,17 @@ pub(crate) fn solution(
     if states.is_empty() {
         return Ok(Solution::apart(Method::Fft, depth, tilt));
     }
+    let short = ones.iter().filter_map(|one| one.solved.as_ref()).find_map(|refined| refined.shortfall(settings));
     let matrix = growth(contact, &ones, depth, gap, rectangles, with_matrix)?;
     let mut all = together(states, settings, missed * contact.modulus().e_star());
     all.stiffness = matrix[0][0];
     all.stiffness_matrix = with_matrix.then_some(matrix);
     all.cost.iterations = iterations;
     all.cost.operator_products = operator_products;
-    Ok(all)
+    match short {
+        None => Ok(all),
+        Some(short) => Err(short.with_best(all)),
+    }
 }
 
 /// Stiffness against depth, and against tilts if asked for: flat punches on all patches at once, by the same sweeps.

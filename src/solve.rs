@@ -1,7 +1,8 @@
 //! One call for every method and every loading.
 
+use crate::acceptance::accepted;
 use crate::bracketed::with_bracket;
-use crate::clock::Stopwatch;
+use crate::clock::{Deadline, Stopwatch};
 use crate::contact::{Contact, Load};
 use crate::engine::{Engine, close};
 use crate::equilibrium;
@@ -33,9 +34,30 @@ pub fn solve(contact: &Contact, settings: &Settings) -> Vec<Result<Solution, Uns
 struct Similar {
     state: Solution,
     inverse_degree: f64,
+    /// What it lacks, as every other does.
+    short: Option<Unsolved>,
 }
 
 impl Similar {
+    /// A solved state, or one that only its error keeps from it.
+    fn of(answer: Result<Solution, Unsolved>, inverse_degree: f64) -> Result<Self, Unsolved> {
+        match answer {
+            Ok(state) => Ok(Self { state, inverse_degree, short: None }),
+            Err(e) => {
+                let short = Unsolved { best: None, ..e.clone() };
+                e.accept_best().map(|state| Self { state, inverse_degree, short: Some(short) })
+            }
+        }
+    }
+
+    /// A state that follows from this one, with what it lacks.
+    fn answer(&self, state: Solution) -> Result<Solution, Unsolved> {
+        match &self.short {
+            None => Ok(state),
+            Some(short) => Err(short.clone().with_best(state)),
+        }
+    }
+
     /// The depth at which the force is this.
     fn depth_for(&self, force: f64) -> f64 {
         self.state.depth * (force / self.state.force).powf(1.0 / (1.0 + self.inverse_degree))
@@ -58,25 +80,25 @@ impl Similar {
 
 fn at(contact: &Contact, load: Load, settings: &Settings, similar: &mut Option<Similar>) -> Result<Solution, Unsolved> {
     let started = Stopwatch::start();
-    let mut solution = match load {
-        Load::Depth(depth) => at_depth(contact, depth, settings, similar)?,
-        Load::Tilted { depth, tilt } => respond(contact, depth, tilt, settings, true)?,
-        Load::Force(force) => at_force(contact, force, settings, similar)?,
-        Load::ForceMoment { force, moment } => {
-            let upright = at_force(contact, force, settings, &mut None)?;
-            tilting::under_moment(contact, upright, force, moment, settings)?
-        }
+    let unlimited = settings.deadline == Deadline::NEVER;
+    let deadline = if unlimited { Deadline::after(settings.seconds, settings.threads) } else { settings.deadline };
+    let settings = &Settings { deadline, ..*settings };
+    let answer = match load {
+        Load::Depth(depth) => at_depth(contact, depth, settings, similar),
+        Load::Tilted { depth, tilt } => respond(contact, depth, tilt, settings, true),
+        Load::Force(force) => at_force(contact, force, settings, similar),
+        Load::ForceMoment { force, moment } => at_force(contact, force, settings, &mut None)
+            .or_else(Unsolved::accept_best)
+            .and_then(|upright| tilting::under_moment(contact, upright, force, moment, settings)),
     };
-    if settings.outputs.bracket {
-        solution = with_bracket(contact, load, solution, settings)?;
-    }
-    solution.cost.seconds = started.seconds();
-    let lost = solution.force == 0.0 && solution.stiffness > 0.0;
-    if lost || !solution.force.is_finite() || !solution.stiffness.is_finite() {
-        let reason = "the force or the stiffness is beyond the range of numbers (1e-308 to 1e308): choose other units";
-        return Err(Unsolved::new(Verdict::NotApplicable, reason));
-    }
-    Ok(solution)
+    let answer = match answer {
+        Ok(solution) if settings.outputs.bracket => with_bracket(contact, load, solution, settings),
+        answer => answer,
+    };
+    let mut answer = accepted(contact, load, settings, answer);
+    let state = answer.as_mut().map_or_else(|e| e.best.as_deref_mut(), Some);
+    state.into_iter().for_each(|state| state.cost.seconds = started.seconds());
+    answer
 }
 
 fn at_depth(
@@ -85,16 +107,18 @@ fn at_depth(
     settings: &Settings,
     similar: &mut Option<Similar>,
 ) -> Result<Solution, Unsolved> {
-    if let Some(scaled) = similar.as_ref().and_then(|s| s.at(contact.gap(), depth)).filter(|_| depth > 0.0) {
-        return Ok(scaled);
+    if let Some(all) = similar.as_ref().filter(|_| depth > 0.0)
+        && let Some(scaled) = all.at(contact.gap(), depth)
+    {
+        return all.answer(scaled);
     }
-    let state = respond(contact, depth, [0.0; 2], settings, false)?;
+    let answer = respond(contact, depth, [0.0; 2], settings, false);
     // One state alone serves no other.
-    let several = contact.loading().loads().len() > 1 && state.force > 0.0;
+    let several = contact.loading().loads().len() > 1;
     if let Some(inverse_degree) = several.then(|| inverse_degree(contact.gap(), depth)).flatten() {
-        *similar = Some(Similar { state: state.clone(), inverse_degree });
+        *similar = Similar::of(answer.clone(), inverse_degree).ok().filter(|all| all.state.force > 0.0);
     }
-    Ok(state)
+    answer
 }
 
 /// 1/k of a gap that is homogeneous as far as the contact at this depth can reach.
@@ -122,19 +146,21 @@ fn at_force(
     if force == 0.0 {
         return Ok(Solution::apart(settings.method, least, [0.0; 2]));
     }
-    if let Some(scaled) = similar.as_ref().and_then(|s| s.at(gap, s.depth_for(force))) {
-        return Ok(Solution { force, ..scaled });
+    let scaled = |all: &Similar| all.at(gap, all.depth_for(force)).map(|state| Solution { force, ..state });
+    if let Some(all) = similar
+        && let Some(scaled) = scaled(all)
+    {
+        return all.answer(scaled);
     }
     let guess = equilibrium::overlap_of_size(gap, contact.modulus().e_star(), force);
     // The law of a homogeneous gap is exact: one state serves every force.
     if similar.is_none()
         && let Some(inverse_degree) = inverse_degree(gap, least + guess)
     {
-        let state = respond(contact, least + guess, [0.0; 2], settings, false)?;
-        let all = Similar { state, inverse_degree };
-        if let Some(scaled) = Some(&all).filter(|s| s.state.force > 0.0).and_then(|s| s.at(gap, s.depth_for(force))) {
-            *similar = Some(all);
-            return Ok(Solution { force, ..scaled });
+        let answer = respond(contact, least + guess, [0.0; 2], settings, false);
+        let all = Similar::of(answer, inverse_degree)?;
+        if let Some(scaled) = Some(&all).filter(|all| all.state.force > 0.0).and_then(scaled) {
+            return similar.insert(all).answer(scaled);
         }
     }
     let mut engine = Engine::new(contact, settings, false);

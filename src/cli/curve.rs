@@ -138,7 +138,7 @@ impl CurveCommand {
         }
         if strongest > 0.0 {
             let contact = scene.contact.under(crate::contact::Loading::force(strongest));
-            match crate::solve(&contact, &scene.settings).remove(0) {
+            match crate::solve(&contact, &scene.settings).remove(0).or_else(Unsolved::accept_best) {
                 Ok(solution) => deepest = deepest.max(solution.depth),
                 Err(unsolved) => return Ok(Err(unsolved)),
             }

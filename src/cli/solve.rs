@@ -76,7 +76,11 @@ impl Solve {
         if let (Some((path, target)), Some(format)) = (picture, format) {
             draw(&scene, &steps, path, &target, format)?;
             // What was computed for the picture alone is not part of the result.
-            for solution in steps.iter_mut().flatten() {
+            let states = steps.iter_mut().filter_map(|step| match step {
+                Ok(solution) => Some(solution),
+                Err(unsolved) => unsolved.best.as_deref_mut(),
+            });
+            for solution in states {
                 if !asked.patch {
                     solution.patch.boundary = None;
                 }
@@ -97,8 +101,8 @@ impl Solve {
             write(path, &target, |to| to.write_all(report::csv(&steps).as_bytes()))?;
         }
         if let Some((path, target)) = field {
-            // Without an answer the verdict says why there is no field; without contact there is none.
-            let field = steps.first().and_then(|step| step.as_ref().ok()).and_then(|s| s.pressure.field.as_ref());
+            // Without a state the verdict says why there is no field; without contact there is none.
+            let field = steps.first().and_then(report::numbers).and_then(|s| s.pressure.field.as_ref());
             if let Some(field) = field {
                 write(path, &target, |to| npy::write(to, field.grid.shape, &field.values))?;
             }
@@ -141,9 +145,12 @@ impl Solve {
 fn draw(scene: &Scene, steps: &[report::Step], path: &Path, target: &Target, format: Format) -> Result<(), Failure> {
     let title = scene.name.as_deref().unwrap_or("");
     let picture = match (scene.contact.loading(), steps) {
-        (Loading::Single(_), [Ok(solution)]) => plot::pressure_map(title, solution, format),
+        (Loading::Single(_), [step]) => match report::numbers(step) {
+            Some(solution) => plot::pressure_map(title, solution, format),
+            None => return Ok(()),
+        },
         _ => {
-            let points: Vec<[f64; 2]> = steps.iter().flatten().map(|s| [s.depth, s.force]).collect();
+            let points: Vec<[f64; 2]> = steps.iter().filter_map(report::numbers).map(|s| [s.depth, s.force]).collect();
             plot::force_depth(title, &points, &points, format)
         }
     };

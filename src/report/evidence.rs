@@ -1,6 +1,6 @@
 //! Everything a report shows of a scene, computed: the answers, every method on one of its states, brackets, the curve.
 
-use super::Step;
+use super::{Step, numbers};
 use crate::bracket::{self, BracketSettings, ForceBracket};
 use crate::clock::Stopwatch;
 use crate::compare::{self, Comparison};
@@ -69,12 +69,10 @@ impl Evidence {
         let outputs = Outputs { patch: true, curve: false, ..scene.settings.outputs };
         let settings = Settings { outputs, ..scene.settings };
         let steps = clock.time("the answer", || solve(&scene.contact, &settings));
-        let touching = |step: &Step| step.as_ref().is_ok_and(|s| s.force > 0.0);
-        let detail = steps.iter().rposition(touching).map(|index| {
-            // Found by the line above.
-            let state = steps[index].as_ref().expect("a solved state");
-            detail(scene, index, state, runs, &mut clock)
-        });
+        let touching = |(_, step): &(usize, &Step)| numbers(step).is_some_and(|s| s.force > 0.0);
+        let last = steps.iter().enumerate().rfind(touching);
+        let detail =
+            last.and_then(|(index, step)| numbers(step).map(|state| detail(scene, index, state, runs, &mut clock)));
         let curve = clock.time("the force-depth curve", || curve(scene, &steps));
         Self { plan, detail, curve, seconds: clock.seconds, steps }
     }
@@ -106,9 +104,10 @@ fn detail(scene: &Scene, index: usize, state: &Solution, runs: &compare::Plan, c
         [0.0, 0.0] => contact.gap().clone(),
         tilt => AnyGap::new(Tilted::new(contact.gap().clone(), tilt)),
     };
+    // Whatever error the grids are left with: it is shown beside them.
     let run = |method, cells, outputs| {
         let settings = Settings { method, cells, outputs, ..scene.settings };
-        solve(&contact, &settings).pop()
+        solve(&contact, &settings).pop().map(|step| step.or_else(Unsolved::accept_best))
     };
     let both = Outputs { patch: true, pressure: true, ..Outputs::default() };
     let patch = Outputs { patch: true, ..Outputs::default() };
@@ -153,7 +152,7 @@ fn curve(scene: &Scene, steps: &[Step]) -> Result<Curve, String> {
     if !upright {
         return Err("A curve is for a punch that does not tilt.".to_owned());
     }
-    let touching = steps.iter().flatten().filter(|s| s.force > 0.0);
+    let touching = steps.iter().filter_map(numbers).filter(|s| s.force > 0.0);
     let deepest = touching.map(|s| s.depth).reduce(f64::max).ok_or("No state was solved that touches.")?;
     let contact: &Contact = &scene.contact;
     let settings = Settings { outputs: Outputs::default(), ..scene.settings };
