@@ -57,6 +57,7 @@ mod error;
 mod exact;
 mod extrapolate;
 pub mod fabrikant;
+mod files;
 pub mod gap;
 pub mod geometry;
 mod grid;

@@ -20,7 +20,7 @@ use crate::scene::Scene;
 const WINDOW: usize = 32;
 
 /// Longest line that is read, in bytes.
-const LONGEST: usize = 1 << 26;
+const LONGEST: usize = crate::scene::LONGEST as usize;
 
 /// Solve one scene a line from standard input, one result a line on standard output, in order
 ///

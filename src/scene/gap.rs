@@ -1,12 +1,11 @@
 //! The gap of a scene: one structure a kind, chosen by the key `kind`.
 
-use std::path::Path;
-
 use serde::Deserialize;
 
 use super::decode::{decode, decode_without, unknown};
 use super::document::{Json, quoted};
 use crate::error::InputError;
+use crate::files::named::Directory;
 #[cfg(feature = "formula")]
 use crate::gap::Formula;
 use crate::gap::{
@@ -251,15 +250,15 @@ pub(super) enum LevelForm {
 }
 
 impl HeightMapForm {
-    fn build(&self, directory: &Path) -> Result<HeightMap, InputError> {
+    fn build(&self, directory: &Directory) -> Result<HeightMap, InputError> {
         let format = self.format.map(|f| match f {
             FormatForm::Text => MapFormat::Text,
             FormatForm::Xyz => MapFormat::Xyz,
             FormatForm::Npy => MapFormat::Npy,
         });
         let read = |key: &str, name: &str| -> Result<Heights, InputError> {
-            let mut heights =
-                Heights::read(&directory.join(name), format, self.spacing).map_err(|e| renamed(e, key))?;
+            let heights = directory.place(name).and_then(|place| Heights::read(&place, format, self.spacing));
+            let mut heights = heights.map_err(|e| renamed(e, key))?;
             if let Some(factor) = self.scale {
                 heights = heights.scaled(factor)?;
             }
@@ -324,7 +323,7 @@ struct Place {
 }
 
 /// The gap described by `value`, which stands at `path`; files that it names are looked for in `directory`.
-pub(super) fn gap(value: &Json, path: &str, directory: &Path) -> Result<AnyGap, InputError> {
+pub(super) fn gap(value: &Json, path: &str, directory: &Directory) -> Result<AnyGap, InputError> {
     let Json::Object(_) = value else {
         return Err(InputError::new(path, value.brief(), "an object with the key kind"));
     };
@@ -344,7 +343,7 @@ pub(super) fn gap(value: &Json, path: &str, directory: &Path) -> Result<AnyGap, 
 }
 
 /// The gap of this kind in its own place.
-fn own(kind: &str, value: &Json, path: &str, directory: &Path) -> Result<AnyGap, InputError> {
+fn own(kind: &str, value: &Json, path: &str, directory: &Directory) -> Result<AnyGap, InputError> {
     let built = match kind {
         "paraboloid" => {
             let ParaboloidForm { radii } = form(value, path)?;
@@ -415,7 +414,7 @@ fn form<'a, T: Deserialize<'a>>(value: &'a Json, path: &str) -> Result<T, InputE
     decode_without(value, path, &COMMON)
 }
 
-fn parts(value: &Json, path: &str, directory: &Path) -> Result<Vec<AnyGap>, InputError> {
+fn parts(value: &Json, path: &str, directory: &Directory) -> Result<Vec<AnyGap>, InputError> {
     let _: PartsKeys = form(value, path)?;
     match value.get("of") {
         Some(Json::Array(items)) => {
