@@ -51,7 +51,7 @@ pub(crate) fn accepted(
 }
 
 /// What helps when the time is used up.
-const LONGER: &str = "more \"seconds\" in \"solve\", a larger tolerance, or fewer cells";
+const LONGER: &str = "more \"seconds\" in \"solve\" (batch: --seconds), a larger tolerance, or fewer cells";
 
 /// What helps when the error is larger than the tolerance.
 fn finer(settings: &Settings, state: &Solution) -> String {

@@ -73,7 +73,7 @@ impl Deadline {
         if !self.has_passed() {
             return Ok(());
         }
-        let reason = format!("the {} CPU seconds that one state may take (solve.seconds) are used up", self.seconds);
+        let reason = format!("the time allowed, {} CPU seconds, is used up", self.seconds);
         Err(Unsolved::new(Verdict::TimeLimit, reason))
     }
 }

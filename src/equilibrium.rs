@@ -55,6 +55,9 @@ pub(crate) fn overlap_of_size(gap: &AnyGap, e_star: f64, force: f64) -> f64 {
             Reach::Within(reach) => {
                 let half = 0.25 * (reach.size()[0] + reach.size()[1]);
                 let next = (overlap * force.abs() / (2.0 * e_star * half)).sqrt();
+                if !(next > 0.0 && next.is_finite()) {
+                    break;
+                }
                 let close = (next / overlap).ln().abs() < 0.1;
                 overlap = next;
                 if close {
@@ -111,6 +114,9 @@ pub(crate) fn under_force(
         if state.force <= 0.0 || state.stiffness <= 0.0 {
             low = overlap;
             overlap = if high.is_finite() { (low * high).sqrt() } else { 1e3 * overlap };
+            if !(overlap > low && overlap < high) {
+                break;
+            }
             continue;
         }
         let miss = miss_of(&state, force);

@@ -90,7 +90,7 @@ pub(crate) fn of_shape(
     for _ in 0..MOST_GROWTHS {
         way.deadline.check()?;
         let grid = Grid::over(window, shape(window));
-        let problem = Discrete::sample(&door.gap, door.depth, grid, way.kernel);
+        let problem = Discrete::sample_before(&door.gap, door.depth, grid, way.kernel, way.deadline)?;
         let state = solve(door, problem, way)?;
         spent = (spent.0 + state.iterations, spent.1 + state.operator_products);
         match outgrown(door, window, &state.problem.grid, &state.solution.pressure) {

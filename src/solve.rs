@@ -79,6 +79,8 @@ impl Similar {
 }
 
 fn at(contact: &Contact, load: Load, settings: &Settings, similar: &mut Option<Similar>) -> Result<Solution, Unsolved> {
+    // A limit of the caller's own may be used up by the states before.
+    settings.deadline.check()?;
     let started = Stopwatch::start();
     let unlimited = settings.deadline == Deadline::NEVER;
     let deadline = if unlimited { Deadline::after(settings.seconds, settings.threads) } else { settings.deadline };

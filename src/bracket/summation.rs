@@ -69,7 +69,7 @@ impl<'a> Summation<'a> {
         let levels = self.levels(receiver);
         let [nx, ny] = self.grid.shape;
         let leaf = 0.5 * BLOCK as f64 * self.h[0].hypot(self.h[1]);
-        let near = self.h.map(|h| (leaf / OPENING / h).ceil() as usize + 2 * BLOCK);
+        let near = self.h.map(|h| ((leaf / OPENING / h).ceil() as usize).saturating_add(2 * BLOCK));
         let half = [near[0].min(nx), near[1].min(ny)];
         let table = self.table(receiver, half);
         let width = 2 * half[0] + 1;

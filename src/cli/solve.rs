@@ -6,7 +6,8 @@ use std::process::ExitCode;
 
 use clap::Args;
 
-use super::{Failure, Overrides, checked_threads, scene};
+use super::outputs::outputs;
+use super::{Failure, Overrides, checked_threads, inputs, scene};
 use crate::contact::Loading;
 use crate::error::InputError;
 use crate::plot::{self, Format};
@@ -71,7 +72,15 @@ impl Solve {
             scene.settings.outputs.pressure = true;
             scene.settings.outputs.patch = true;
         }
-        let [json, csv, field, picture] = self.targets()?;
+        let [json, csv, field, picture] = outputs(
+            [
+                ("--json", self.json.as_deref()),
+                ("--csv", self.csv.as_deref()),
+                ("--field", self.field.as_deref()),
+                ("--plot", self.plot.as_deref()),
+            ],
+            &inputs(&self.scene, &scene),
+        )?;
         let mut steps = crate::solve(&scene.contact, &scene.settings);
         if let (Some((path, target)), Some(format)) = (picture, format) {
             draw(&scene, &steps, path, &target, format)?;
@@ -119,25 +128,6 @@ impl Solve {
         let name = path.file_name().filter(|_| together).map(PathBuf::from);
         let whole = || std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
         name.unwrap_or_else(whole).display().to_string()
-    }
-
-    /// Where to write, checked before anything is solved.
-    fn targets(&self) -> Result<[Option<(&Path, Target)>; 4], Failure> {
-        let paths = [&self.json, &self.csv, &self.field, &self.plot].map(|p| p.as_deref());
-        for (k, path) in paths.iter().enumerate() {
-            if path.is_some() && paths[..k].contains(path) {
-                let given = format!("{} twice", path.unwrap_or(Path::new("")).display());
-                let error = InputError::new("--json, --csv, --field, --plot", given, "a file of its own for each");
-                return Err(Failure::wrong("arguments", &error));
-            }
-        }
-        let mut targets = [None, None, None, None];
-        for (target, path) in targets.iter_mut().zip(paths) {
-            if let Some(path) = path {
-                *target = Some((path, Target::check(path).map_err(|e| Failure::unwritable(path, &e))?));
-            }
-        }
-        Ok(targets)
     }
 }
 

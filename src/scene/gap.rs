@@ -161,7 +161,10 @@ impl OutlineForm {
         match self {
             Self::Disc(radius) => Outline::disc(radius),
             Self::Ellipse(semi_axes) => Outline::ellipse(semi_axes),
-            Self::Polygon(corners) => Outline::polygon(&corners),
+            Self::Polygon(corners) => {
+                at_most(MOST_CORNERS, corners.len(), "polygon", "corners")?;
+                Outline::polygon(&corners)
+            }
         }
     }
 }
@@ -322,8 +325,43 @@ struct Place {
     rotate: Option<f64>,
 }
 
+/// Most gaps that a sum or a minimum is made of, those inside of others counted: what is asked of the whole is asked of each.
+const MOST_PARTS: usize = 1000;
+
+/// Most planes of a polyhedron: to find its ridges takes the square of them.
+const MOST_PLANES: usize = 1000;
+
+/// Most points of a generatrix.
+const MOST_POINTS: usize = 100_000;
+
+/// Most corners of an outline.
+const MOST_CORNERS: usize = 10_000;
+
+/// # Errors
+/// When there are more of something than are allowed.
+fn at_most(most: usize, number: usize, path: &str, of: &str) -> Result<(), InputError> {
+    if number <= most {
+        return Ok(());
+    }
+    Err(InputError::new(path, format!("{number} {of}"), format!("at most {most} of them")))
+}
+
+/// Gaps that are not made of others, in this one.
+fn simple_parts(value: &Json) -> usize {
+    match value.get("of") {
+        Some(Json::Array(parts)) => parts.iter().map(simple_parts).sum(),
+        _ => 1,
+    }
+}
+
+/// The gap of a scene; files that it names are looked for in `directory`.
+pub(super) fn whole(value: &Json, path: &str, directory: &Directory) -> Result<AnyGap, InputError> {
+    at_most(MOST_PARTS, simple_parts(value), path, "gaps in one another")?;
+    gap(value, path, directory)
+}
+
 /// The gap described by `value`, which stands at `path`; files that it names are looked for in `directory`.
-pub(super) fn gap(value: &Json, path: &str, directory: &Directory) -> Result<AnyGap, InputError> {
+fn gap(value: &Json, path: &str, directory: &Directory) -> Result<AnyGap, InputError> {
     let Json::Object(_) = value else {
         return Err(InputError::new(path, value.brief(), "an object with the key kind"));
     };
@@ -372,6 +410,7 @@ fn own(kind: &str, value: &Json, path: &str, directory: &Directory) -> Result<An
         }
         "polyhedron" => {
             let PolyhedronForm { planes } = form(value, path)?;
+            at_most(MOST_PLANES, planes.len(), &format!("{path}.planes"), "planes")?;
             Polyhedron::new(planes).map(AnyGap::new)
         }
         "flat" => {
@@ -380,6 +419,7 @@ fn own(kind: &str, value: &Json, path: &str, directory: &Directory) -> Result<An
         }
         "revolved" => {
             let RevolvedForm { points } = form(value, path)?;
+            at_most(MOST_POINTS, points.len(), &format!("{path}.points"), "points")?;
             Revolved::new(points).map(AnyGap::new)
         }
         #[cfg(feature = "formula")]

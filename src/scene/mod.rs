@@ -135,7 +135,7 @@ impl Scene {
         let bodies = form.bodies.as_ref().and_then(|_| document.get("bodies"));
         let modulus = fields::modulus(bodies, form.effective_modulus)?;
         let absent = Json::Null;
-        let gap = gap::gap(document.get("gap").unwrap_or(&absent), "gap", &directory)?;
+        let gap = gap::whole(document.get("gap").unwrap_or(&absent), "gap", &directory)?;
         let loading = fields::loading(document.get("loading").unwrap_or(&absent))?;
         let settings = fields::settings(form.solve.unwrap_or_default(), &form.output.unwrap_or_default())?;
         let contact = Contact::new(modulus, gap, loading)?;
