@@ -50,6 +50,27 @@ pub(crate) fn accepted(
     }
 }
 
+/// Numbers that the fields of all states of a scene may hold together: 1 GiB.
+const MOST_VALUES: usize = 1 << 27;
+
+/// The answer without its fields where those of the states before, `held` numbers, leave no room for them.
+pub(crate) fn within_memory(answer: Result<Solution, Unsolved>, held: &mut usize) -> Result<Solution, Unsolved> {
+    let mut answer = answer;
+    let Some(state) = answer.as_mut().map_or_else(|e| e.best.as_deref_mut(), Some) else { return answer };
+    let pressure = &mut state.pressure;
+    let values = pressure.field.as_ref().map_or(0, |field| field.values.len())
+        + pressure.gap.as_ref().map_or(0, |(_, gaps)| gaps.len())
+        + 2 * state.patch.boundary.iter().flatten().map(Vec::len).sum::<usize>();
+    if *held == 0 || *held + values <= MOST_VALUES {
+        *held += values;
+        return answer;
+    }
+    (pressure.field, pressure.gap, state.patch.boundary) = (None, None, None);
+    let reason = format!("the fields of all states of loading hold more than {MOST_VALUES} numbers");
+    let unsolved = Unsolved::new(Verdict::TooLarge, reason).with_hint("fewer states, or fewer cells");
+    Err(answer.map_or_else(|e| e, |state| unsolved.with_best(state)))
+}
+
 /// What helps when the time is used up.
 const LONGER: &str = "more \"seconds\" in \"solve\" (batch: --seconds), a larger tolerance, or fewer cells";
 

@@ -26,6 +26,7 @@ pub(crate) fn solution(
     }
     let fine = fabrikant::Settings {
         tolerance: 1e-3 * settings.tolerance,
+        deadline: settings.deadline,
         boundary_points: if settings.outputs.patch || with_matrix { 180 } else { 0 },
         ..fabrikant::Settings::default()
     };

@@ -1,6 +1,7 @@
 //! The closed form of whatever the gap turns out to be.
 
 use crate::Contact;
+use crate::clock::Deadline;
 use crate::closed_form::{ClosedForm, FlatPunch, Hertz, Power, Quadratic, Sneddon, Sphere};
 use crate::error::{InputError, Unsolved, Verdict};
 use crate::gap::{AnyGap, Gap, Reach, extent};
@@ -27,7 +28,12 @@ pub struct Formula {
 ///
 /// # Errors
 /// `NoClosedForm` when the gap is none of the known shapes or its contact not one of theirs; `Unbounded` when it has no end.
-pub fn at_depth(gap: &AnyGap, modulus: EffectiveModulus, depth: f64) -> Result<Option<Formula>, Unsolved> {
+pub fn at_depth(
+    gap: &AnyGap,
+    modulus: EffectiveModulus,
+    depth: f64,
+    deadline: Deadline,
+) -> Result<Option<Formula>, Unsolved> {
     let reach = match extent(gap, depth) {
         Reach::Within(reach) => reach,
         Reach::Nowhere => return Ok(None),
@@ -62,7 +68,11 @@ pub fn at_depth(gap: &AnyGap, modulus: EffectiveModulus, depth: f64) -> Result<O
             let found = format!("a flat ellipse with semi-axes {:.6e} and {:.6e}", semi_axes[0], semi_axes[1]);
             Ok(Some(Formula { contact: at(contact, depth), found, left_out: vec![no_grid] }))
         }
-        Recognised::Revolution { centre } => revolution(gap, modulus, depth, centre, &reach).map(Some),
+        Recognised::Revolution { centre } => {
+            // Past the deadline integrals are not numbers, whatever verdict that leads to.
+            let found = revolution(gap, modulus, depth, centre, &reach, deadline);
+            found.map(Some).map_err(|e| deadline.check().err().unwrap_or(e))
+        }
         Recognised::General => {
             let reason = "the gap is neither quadratic, nor of revolution, nor a flat ellipse";
             Err(Unsolved::new(Verdict::NoClosedForm, reason))
@@ -82,6 +92,7 @@ fn revolution(
     depth: f64,
     centre: [f64; 2],
     reach: &Rect,
+    deadline: Deadline,
 ) -> Result<Formula, Unsolved> {
     let refused = |e: InputError| Unsolved::new(Verdict::NoClosedForm, e.to_string());
     let lowest = gap.gap(centre[0], centre[1]);
@@ -114,7 +125,7 @@ fn revolution(
     } else {
         Sneddon::of_gap(modulus, move |r: f64| own.gap(x + r, y) - lowest, &kinks, rim)
     };
-    let contact = sneddon.map_err(refused)?.at_depth(depth - lowest)?.placed(centre, 0.0);
+    let contact = sneddon.map_err(refused)?.before(deadline).at_depth(depth - lowest)?.placed(centre, 0.0);
     Ok(Formula {
         contact: at(contact, depth),
         found: "a gap of revolution whose contact is a disc (Sneddon 1965)".to_owned(),
@@ -165,7 +176,9 @@ pub(crate) fn solution(
     tilt: [f64; 2],
     settings: &Settings,
 ) -> Result<Solution, Unsolved> {
-    let Some(Formula { contact: form, found, mut left_out }) = at_depth(gap, contact.modulus(), depth)? else {
+    let Some(Formula { contact: form, found, mut left_out }) =
+        at_depth(gap, contact.modulus(), depth, settings.deadline)?
+    else {
         return Ok(Solution::apart(Method::ClosedForm, depth, tilt));
     };
     let ellipse = form.patch;
@@ -182,11 +195,12 @@ pub(crate) fn solution(
     }
     let [x, y] = form.line_of_action();
     let stiffness = form.stiffness_with_tilt();
-    let field = outputs.pressure.then(|| sampled(&form, settings.cells.unwrap_or(FIELD_CELLS)));
-    Ok(Solution {
+    let cells = settings.cells.unwrap_or(FIELD_CELLS);
+    let max = form.max_pressure();
+    let mut solution = Solution {
         method: Method::ClosedForm,
         origin: Origin::ClosedForm,
-        grid: field.as_ref().map(|field| field.grid),
+        grid: None,
         depth,
         tilt,
         force: form.force,
@@ -205,17 +219,28 @@ pub(crate) fn solution(
             boundary: outputs.patch.then(|| vec![boundary]),
         },
         pressure: PressureSummary {
-            max: form.max_pressure().filter(|p| p.is_finite()),
+            max: max.filter(|p| p.is_finite()),
             mean: Some(form.mean_pressure()),
             at: Some(ellipse.centre),
-            field,
+            field: None,
             gap: None,
         },
         residuals: None,
         cost: Cost::default(),
         left_out,
         remarks: vec![format!("the gap is {found}")],
-    })
+    };
+    // Past the deadline a pressure is not a number.
+    if max.is_some_and(f64::is_nan) {
+        settings.deadline.check().map_err(|e| e.with_best(solution.clone()))?;
+    }
+    if outputs.pressure {
+        match sampled(&form, cells, settings.deadline) {
+            Ok(field) => (solution.grid, solution.pressure.field) = (Some(field.grid), Some(field)),
+            Err(out_of_time) => return Err(out_of_time.with_best(solution)),
+        }
+    }
+    Ok(solution)
 }
 
 /// Points of the boundary of a closed form.
@@ -226,22 +251,24 @@ const FIELD_CELLS: usize = 64;
 
 /// The pressure of a formula at the centres of cells over its patch; where it is infinite, the mean of the neighbourhood
 /// is not defined either and the largest finite value stands.
-fn sampled(form: &ClosedForm, cells: usize) -> Pressure {
+fn sampled(form: &ClosedForm, cells: usize, deadline: Deadline) -> Result<Pressure, Unsolved> {
     let outline = Rect::holding(form.patch.boundary(4 * BOUNDARY_POINTS)).expect("an ellipse has points");
     let grid = Grid::over(&outline, crate::domain::shape(&outline, cells));
     // On a disc, cells at the same distance share one integral: whole numbers of half cells from the middle, in order.
     let round = form.patch.semi_axes[0] == form.patch.semi_axes[1] && grid.shape[0] == grid.shape[1];
     let from_middle = |i: usize| (2 * i + 1).abs_diff(grid.shape[0]);
     let mut known = std::collections::HashMap::new();
-    let mut values: Vec<f64> = (0..grid.len())
+    let values: Result<Vec<f64>, Unsolved> = (0..grid.len())
         .map(|k| {
+            deadline.check()?;
             let [x, y] = grid.centre_of(k);
             let [i, j] = [k % grid.shape[0], k / grid.shape[0]].map(from_middle);
             let at = if round { (i.max(j), i.min(j)) } else { (k, 0) };
-            *known.entry(at).or_insert_with(|| form.pressure(x, y))
+            Ok(*known.entry(at).or_insert_with(|| form.pressure(x, y)))
         })
         .collect();
+    let mut values = values?;
     let highest = values.iter().copied().filter(|p| p.is_finite()).fold(0.0, f64::max);
     values.iter_mut().filter(|p| !p.is_finite()).for_each(|p| *p = highest);
-    Pressure { grid, values }
+    Ok(Pressure { grid, values })
 }

@@ -1,6 +1,6 @@
 //! One call for every method and every loading.
 
-use crate::acceptance::accepted;
+use crate::acceptance::{accepted, within_memory};
 use crate::bracketed::with_bracket;
 use crate::clock::{Deadline, Stopwatch};
 use crate::contact::{Contact, Load};
@@ -26,8 +26,9 @@ use crate::tilting;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn solve(contact: &Contact, settings: &Settings) -> Vec<Result<Solution, Unsolved>> {
-    let mut similar = None;
-    contact.loading().loads().iter().map(|&load| at(contact, load, settings, &mut similar)).collect()
+    let (mut similar, mut held) = (None, 0);
+    let loads = contact.loading().loads().iter();
+    loads.map(|&load| within_memory(at(contact, load, settings, &mut similar), &mut held)).collect()
 }
 
 /// A solved state of a homogeneous gap, from which every other follows.

@@ -16,6 +16,7 @@ use std::sync::Arc;
 
 use super::generatrix::{Generatrix, Profile};
 use super::{ClosedForm, Revolution};
+use crate::clock::Deadline;
 use crate::error::{InputError, Unsolved, Verdict};
 use crate::material::EffectiveModulus;
 use crate::quadrature::{adaptive, from_zero};
@@ -85,6 +86,16 @@ impl Sneddon {
         Self::from_profile(modulus, Box::new(gap), false, kinks, radius)
     }
 
+    /// The same, which gives up at the deadline: what is asked for later is NaN or an error, and a pressure that is not finite is
+    /// none.
+    #[must_use]
+    pub fn before(mut self, deadline: Deadline) -> Self {
+        if let Some(generatrix) = Arc::get_mut(&mut self.generatrix) {
+            generatrix.deadline = deadline;
+        }
+        self
+    }
+
     fn from_profile(
         modulus: EffectiveModulus,
         profile: Profile,
@@ -104,7 +115,7 @@ impl Sneddon {
         if kinks.len() > MOST_KINKS {
             return Err(InputError::new("kinks", format!("{} corners", kinks.len()), format!("at most {MOST_KINKS}")));
         }
-        let generatrix = Arc::new(Generatrix { profile, by_slope, kinks, radius });
+        let generatrix = Arc::new(Generatrix { profile, by_slope, kinks, radius, deadline: Deadline::NEVER });
         Ok(Self { e_star: modulus.e_star(), generatrix })
     }
 

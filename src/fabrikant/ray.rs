@@ -15,6 +15,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
+use crate::clock::Deadline;
 use crate::fabrikant::radial::{RadialRule, Stand};
 use crate::gap::{Gap, Scaled};
 
@@ -26,13 +27,16 @@ pub(crate) struct Overlap<'a> {
     pub level: f64,
     has_gradient: bool,
     has_planes: bool,
+    /// When to stop evaluating it.
+    pub deadline: Deadline,
 }
 
 impl<'a> Overlap<'a> {
     pub fn new(gap: Scaled<'a>, level: f64) -> Self {
         let [x, y] = gap.centre();
         let has_gradient = gap.gradient(x, y).is_some();
-        Self { has_gradient, has_planes: has_gradient && gap.ridges().is_some(), gap, level }
+        let has_planes = has_gradient && gap.ridges().is_some();
+        Self { has_gradient, has_planes, gap, level, deadline: Deadline::NEVER }
     }
 
     /// Whether the gap is plane between its kinks.
