@@ -41,6 +41,7 @@ mod bracketed;
 mod by_approximation;
 mod by_formula;
 mod by_grid;
+pub mod check;
 #[cfg(feature = "cli")]
 pub mod cli;
 mod clock;

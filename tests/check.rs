@@ -174,7 +174,7 @@ fn what_is_no_result_is_an_error_with_its_path() {
     );
     let honest = solve(&scene, directory.path());
     for (path, value, says) in [
-        ("/patch", Value::Null, "patch.area"),
+        ("/patch", Value::Null, "patch: given nothing"),
         ("/force", json!("many"), "force: given \"many\""),
         ("/pressure/field/shape", json!([3, 3]), "pressure.field.shape"),
         ("/pressure/field/values/3", json!("x"), "pressure.field.values[3]"),
@@ -233,5 +233,5 @@ fn a_field_beside_the_result_is_found() {
     assert_eq!(code, 0, "{text}");
     std::fs::remove_file(directory.path().join("p.npy")).unwrap();
     let (code, text) = run(&["check", "scene.json", "result.json"], directory.path());
-    assert!(code == 2 && text.contains("p.npy: cannot be read"), "{code} {text}");
+    assert!(code == 2 && text.contains("p.npy (no such file)"), "{code} {text}");
 }

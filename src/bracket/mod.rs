@@ -15,8 +15,6 @@
 mod approximate;
 mod away;
 mod cell;
-mod check;
-mod check_field;
 mod close;
 mod comparison;
 mod depth;
@@ -27,13 +25,11 @@ mod known;
 mod look;
 mod measure;
 mod mirrors;
-mod one_cell;
 mod outside;
 mod polynomial;
 mod sharp;
 mod source;
 mod spread;
-mod summation;
 mod tables;
 mod trend;
 mod violation;
@@ -49,8 +45,6 @@ use known::Known;
 use mirrors::Mirrors;
 
 pub use approximate::approximate;
-pub use check::{Claim, Verification, check, check_claims};
-pub use check_field::check_field;
 pub use depth::DepthBracket;
 pub use sharp::sharp;
 

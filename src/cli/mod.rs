@@ -5,7 +5,6 @@
 
 mod batch;
 mod check;
-mod claims;
 mod compare;
 mod completions;
 mod curve;

@@ -1,4 +1,4 @@
-//! Displacement by one loaded cell, for the checker alone: at a point, and as mean over another cell.
+//! Displacement by one loaded cell: at a point, and as mean over another cell.
 //!
 //! Near the cell a polygon integrated edge by edge (Wilton et al., IEEE Trans. Antennas Propag. 32 (1984) 276), further out Gauss.
 
