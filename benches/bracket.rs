@@ -11,7 +11,7 @@ mod timing;
 use std::hint::black_box;
 
 use contact_patch::bracket::{self, BracketSettings, ForceBracket};
-use contact_patch::gap::{AnyGap, Cone, Paraboloid, Place, Polyhedron};
+use contact_patch::gap::{AnyGap, Cone, Paraboloid, Polyhedron};
 use contact_patch::geometry::Rect;
 use contact_patch::{Discrete, EffectiveModulus, Grid, Kernel, Pressure, matrix_free};
 use timing::seconds;

@@ -19,7 +19,8 @@ pub fn text() -> Result<String, Box<dyn std::error::Error>> {
     writeln!(out, "load, N   depth, um   patch, um^2   regions   largest pressure, GPa")?;
     for force in [0.1, 1.0, 10.0, 100.0] {
         let contact = Contact::new(modulus, grooved, Loading::force(force))?;
-        let settings = Settings { cells: Some(96), outputs: Outputs::default(), ..Settings::default() };
+        let settings =
+            Settings { cells: Some(96), tolerance: 0.02, outputs: Outputs::default(), ..Settings::default() };
         let s = solve(&contact, &settings).remove(0)?;
         let highest = s.pressure.max.unwrap_or(f64::NAN);
         writeln!(

@@ -1,9 +1,8 @@
 //! A bracket for a state that was asked to have one: grids refined until it is as narrow as the tolerance.
 
-use std::time::Instant;
-
 use crate::Contact;
 use crate::bracket::{self, BracketSettings, DepthBracket, Evidence, ForceBracket};
+use crate::clock::Stopwatch;
 use crate::contact::Load;
 use crate::domain::locate;
 use crate::error::Unsolved;
@@ -69,18 +68,18 @@ fn on_grids(
     let scaled = overlap.scaled();
     let mut window = locate(&scaled)?;
     let [mut cells, last] = settings.cells.map_or(GRIDS, |cells| [cells; 2]);
-    let look = BracketSettings { threads: settings.threads, ..BracketSettings::default() };
+    let look = BracketSettings { threads: settings.threads, deadline: settings.deadline, ..BracketSettings::default() };
     let unit_pressure = contact.modulus().e_star() * scaled.units.height / scaled.units.length;
     let mut best: Option<ForceBracket> = None;
     loop {
-        let started = Instant::now();
+        let started = Stopwatch::start();
         let state = at_resolution(&scaled, &mut window, cells, settings, Method::Fft)?;
         let grid = state.problem.grid;
         let spacing = grid.spacing.map(|h| h * scaled.units.length);
         let grid = Grid { origin: scaled.units.outward(grid.origin), spacing, ..grid };
         let values = state.solution.pressure.iter().map(|p| p * unit_pressure).collect();
         let found = bracket::sharp(gap, contact.modulus(), solution.depth, &Pressure { grid, values }, &look)?;
-        let seconds = started.elapsed().as_secs_f64();
+        let seconds = started.seconds();
         if best.as_ref().is_none_or(|b| found.relative_width() < b.relative_width()) {
             best = Some(found);
         }

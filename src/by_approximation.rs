@@ -7,7 +7,7 @@ use crate::fabrikant::{self, Approximation, Error, Family};
 use crate::gap::AnyGap;
 use crate::overlap::{Overlap, least};
 use crate::settings::{BoundaryFamily, Method, Settings};
-use crate::solution::{Cost, Patch, PressureSummary, Solution};
+use crate::solution::{Cost, Origin, Patch, PressureSummary, Solution};
 
 /// The state at a depth and tilt (`gap` is the contact's gap under that tilt), in the user's units. `with_matrix`: energy, moments
 /// and the stiffness against tilts too, whether or not they come for nothing.
@@ -27,6 +27,7 @@ pub(crate) fn solution(
     }
     let fine = fabrikant::Settings {
         tolerance: 1e-3 * settings.tolerance,
+        deadline: settings.deadline,
         boundary_points: if settings.outputs.patch || with_matrix { 180 } else { 0 },
         ..fabrikant::Settings::default()
     };
@@ -145,6 +146,8 @@ fn dimensional(contact: &Contact, depth: f64, tilt: [f64; 2], settings: &Setting
     }
     Solution {
         method: settings.method,
+        origin: Origin::Approximate,
+        grid: None,
         depth,
         tilt,
         force: found.force,

@@ -2,6 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
+use crate::clock::Deadline;
 use crate::closed_form::{ClosedForm, FlatPunch, Hertz, Power, Quadratic, Sneddon, Sphere};
 use crate::contact::Contact;
 use crate::error::{Unsolved, Verdict};
@@ -11,7 +12,7 @@ use crate::grid::{Grid, Pressure};
 use crate::material::EffectiveModulus;
 use crate::overlap::Overlap;
 use crate::settings::{Method, Settings};
-use crate::solution::{Cost, Patch, PressureSummary, Solution};
+use crate::solution::{Cost, Origin, Patch, PressureSummary, Solution};
 
 /// A closed form and what it stands for.
 #[derive(Debug, Clone)]
@@ -27,8 +28,9 @@ pub struct Formula {
 /// The contact at this overlap.
 ///
 /// # Errors
-/// `NoClosedForm` when the gap is not known to be one of the shapes that have one, or its contact is not one of theirs.
-pub(crate) fn of(overlap: &Overlap, modulus: EffectiveModulus) -> Result<Formula, Unsolved> {
+/// `NoClosedForm` when the gap is not known to be one of the shapes that have one, or its contact is not one of theirs;
+/// `TimeLimit`.
+pub(crate) fn of(overlap: &Overlap, modulus: EffectiveModulus, deadline: Deadline) -> Result<Formula, Unsolved> {
     let (known, depth) = (overlap.known(), overlap.depth);
     if let Some(form) = known.quadratic.and_then(|q| q.lowest().map(|lowest| q.about(lowest))) {
         return quadratic(&form, modulus, depth);
@@ -39,7 +41,8 @@ pub(crate) fn of(overlap: &Overlap, modulus: EffectiveModulus) -> Result<Formula
         return flat_ellipse(face, semi_axes, modulus, depth);
     }
     match known.axis {
-        Some(axis) => revolution(overlap, axis, modulus),
+        // Past the deadline integrals are not numbers, whatever verdict that leads to.
+        Some(axis) => revolution(overlap, axis, modulus, deadline).map_err(|e| deadline.check().err().unwrap_or(e)),
         None => {
             let reason = "the gap is not known to be quadratic, of revolution, or a flat ellipse";
             Err(Unsolved::new(Verdict::NoClosedForm, reason))
@@ -91,7 +94,12 @@ fn flat_ellipse(face: &Face, semi_axes: [f64; 2], modulus: EffectiveModulus, dep
     Ok(formula(contact, depth, found, NO_GRID))
 }
 
-fn revolution(overlap: &Overlap, axis: Axis, modulus: EffectiveModulus) -> Result<Formula, Unsolved> {
+fn revolution(
+    overlap: &Overlap,
+    axis: Axis,
+    modulus: EffectiveModulus,
+    deadline: Deadline,
+) -> Result<Formula, Unsolved> {
     let (gap, depth, [x, y]) = (&overlap.gap, overlap.depth, axis.at);
     match axis.generatrix {
         Generatrix::Power { coefficient, exponent, lowest } => {
@@ -126,7 +134,7 @@ fn revolution(overlap: &Overlap, axis: Axis, modulus: EffectiveModulus) -> Resul
     } else {
         Sneddon::of_gap(modulus, move |r: f64| own.gap(x + r, y) - lowest, &kinks, rim)
     };
-    let contact = sneddon.map_err(refused)?.at_depth(depth - lowest).map_err(|e| refused(e.reason))?;
+    let contact = sneddon.map_err(refused)?.before(deadline).at_depth(depth - lowest).map_err(|e| refused(e.reason))?;
     let found = "a gap of revolution whose contact is a disc (Sneddon 1965)".to_owned();
     let left_out = "the surface grid: two integrals along the radius are enough";
     Ok(formula(contact.placed(axis.at, 0.0), depth, found, left_out))
@@ -162,7 +170,7 @@ pub(crate) fn solution(
     let Some(overlap) = Overlap::of(gap, depth)? else {
         return Ok(Solution::apart(Method::ClosedForm, depth, tilt));
     };
-    let Formula { contact: form, found, mut left_out } = of(&overlap, contact.modulus())?;
+    let Formula { contact: form, found, mut left_out } = of(&overlap, contact.modulus(), settings.deadline)?;
     let ellipse = form.patch;
     let outputs = settings.outputs;
     let reference = contact.gap().known().reference;
@@ -177,8 +185,12 @@ pub(crate) fn solution(
     }
     let [x, y] = form.line_of_action();
     let stiffness = form.stiffness_with_tilt();
-    Ok(Solution {
+    let cells = settings.cells.unwrap_or(FIELD_CELLS);
+    let max = form.max_pressure();
+    let mut solution = Solution {
         method: Method::ClosedForm,
+        origin: Origin::ClosedForm,
+        grid: None,
         depth,
         tilt,
         force: form.force,
@@ -197,17 +209,28 @@ pub(crate) fn solution(
             boundary: outputs.patch.then(|| vec![boundary]),
         },
         pressure: PressureSummary {
-            max: form.max_pressure().filter(|p| p.is_finite()),
+            max: max.filter(|p| p.is_finite()),
             mean: Some(form.mean_pressure()),
             at: Some(ellipse.centre),
-            field: outputs.pressure.then(|| sampled(&form, settings.cells.unwrap_or(FIELD_CELLS))),
+            field: None,
             gap: None,
         },
         residuals: None,
         cost: Cost::default(),
         left_out,
         remarks: vec![format!("the gap is {found}")],
-    })
+    };
+    // Past the deadline a pressure is not a number.
+    if max.is_some_and(f64::is_nan) {
+        settings.deadline.check().map_err(|e| e.with_best(solution.clone()))?;
+    }
+    if outputs.pressure {
+        match sampled(&form, cells, settings.deadline) {
+            Ok(field) => (solution.grid, solution.pressure.field) = (Some(field.grid), Some(field)),
+            Err(out_of_time) => return Err(out_of_time.with_best(solution)),
+        }
+    }
+    Ok(solution)
 }
 
 /// Points of the boundary of a closed form.
@@ -218,22 +241,24 @@ const FIELD_CELLS: usize = 64;
 
 /// The pressure of a formula at the centres of cells over its patch; where it is infinite, the mean of the neighbourhood
 /// is not defined either and the largest finite value stands.
-fn sampled(form: &ClosedForm, cells: usize) -> Pressure {
+fn sampled(form: &ClosedForm, cells: usize, deadline: Deadline) -> Result<Pressure, Unsolved> {
     let outline = Rect::holding(form.patch.boundary(4 * BOUNDARY_POINTS)).expect("an ellipse has points");
     let grid = Grid::over(&outline, crate::domain::shape(&outline, cells));
     // On a disc, cells at the same distance share one integral: whole numbers of half cells from the middle, in order.
     let round = form.patch.semi_axes[0] == form.patch.semi_axes[1] && grid.shape[0] == grid.shape[1];
     let from_middle = |i: usize| (2 * i + 1).abs_diff(grid.shape[0]);
     let mut known = std::collections::HashMap::new();
-    let mut values: Vec<f64> = (0..grid.len())
+    let values: Result<Vec<f64>, Unsolved> = (0..grid.len())
         .map(|k| {
+            deadline.check()?;
             let [x, y] = grid.centre_of(k);
             let [i, j] = [k % grid.shape[0], k / grid.shape[0]].map(from_middle);
             let at = if round { (i.max(j), i.min(j)) } else { (k, 0) };
-            *known.entry(at).or_insert_with(|| form.pressure(x, y))
+            Ok(*known.entry(at).or_insert_with(|| form.pressure(x, y)))
         })
         .collect();
+    let mut values = values?;
     let highest = values.iter().copied().filter(|p| p.is_finite()).fold(0.0, f64::max);
     values.iter_mut().filter(|p| !p.is_finite()).for_each(|p| *p = highest);
-    Pressure { grid, values }
+    Ok(Pressure { grid, values })
 }

@@ -16,7 +16,7 @@ use crate::overlap::{Overlap, Scaled};
 use crate::patch;
 use crate::separate;
 use crate::settings::{Method, Settings};
-use crate::solution::{Cost, Patch, PressureSummary, Solution};
+use crate::solution::{Cost, Origin, Patch, PressureSummary, Solution};
 
 /// The state at a depth and tilt (`gap` is the contact's gap under that tilt); `with_matrix`: the stiffness against tilts too.
 ///
@@ -39,8 +39,14 @@ pub(crate) fn solution(
     }
     let (law, scaled) = (gap.known().law, overlap.scaled());
     let refined = exact::refined(&scaled, settings, method, law)?;
-    let solution = dimensional(contact, &scaled, &refined, law, depth, tilt, settings)?;
-    if with_matrix { with_stiffness_matrix(contact, &scaled, &refined, solution) } else { Ok(solution) }
+    let mut solution = dimensional(contact, &scaled, &refined, law, depth, tilt, settings)?;
+    if with_matrix {
+        solution = with_stiffness_matrix(contact, &scaled, &refined, solution)?;
+    }
+    match refined.shortfall(settings) {
+        None => Ok(solution),
+        Some(short) => Err(short.with_best(solution)),
+    }
 }
 
 /// Whether the contact at this depth is solved on several grids, which [`Held`] does not do.
@@ -189,7 +195,8 @@ impl Held {
             Discrete { overlap: before.problem.overlap.iter().map(|f| f + deeper).collect(), ..before.problem.clone() };
         // To first order in the change, exactly.
         let start: Vec<f64> = before.solution.pressure.iter().zip(growing).map(|(p, m)| p + deeper * m).collect();
-        let settings = matrix_free::Settings { threads: settings.threads, ..matrix_free::Settings::default() };
+        let Settings { threads, deadline, .. } = *settings;
+        let settings = matrix_free::Settings { threads, deadline, ..matrix_free::Settings::default() };
         let solution = matrix_free::solve(&problem, Some(&start), &settings)?;
         if outgrown(&scaled, &problem.grid.extent(), &problem.grid, &solution.pressure).is_some() {
             return Ok(None);
@@ -214,14 +221,18 @@ impl Held {
     /// In the user's units.
     ///
     /// # Errors
-    /// Those of the stiffness, where it is the limit of many grids.
+    /// Those of the stiffness, where it is the limit of many grids; `ToleranceNotReached` and `TimeLimit` with the state.
     pub fn solution(&self, contact: &Contact, settings: &Settings) -> Result<Solution, Unsolved> {
         let stiffness = match &self.growing {
             Some(growing) => growing.iter().sum::<f64>() * self.refined.state.problem.grid.cell_area(),
             None => self.refined.limits(|state| Ok([one_grid::stiffness(state)?]))?[0],
         };
         let depth = self.scaled.depth * self.scaled.units.height;
-        Ok(in_users_units(contact, &self.scaled, &self.refined, stiffness, depth, [0.0; 2], settings))
+        let solution = in_users_units(contact, &self.scaled, &self.refined, stiffness, depth, [0.0; 2], settings);
+        match self.refined.shortfall(settings) {
+            None => Ok(solution),
+            Some(short) => Err(short.with_best(solution)),
+        }
     }
 }
 
@@ -310,6 +321,8 @@ fn in_users_units(
     };
     Solution {
         method: state.method,
+        origin: if refined.grids > 1 { Origin::ManyGrids { grids: refined.grids } } else { Origin::OneGrid },
+        grid: Some(outward_grid),
         depth,
         tilt,
         force: force * unit_force,

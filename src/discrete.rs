@@ -1,5 +1,9 @@
 //! The contact problem on a grid: one overlap a cell, and the residuals that any pressure leaves.
 
+use std::convert::Infallible;
+
+use crate::clock::Deadline;
+use crate::error::Unsolved;
 use crate::gap::{Gap, lattice};
 use crate::grid::{Grid, Kernel};
 
@@ -19,12 +23,37 @@ impl Discrete {
     /// The overlap of `gap` at this depth, cell by cell.
     #[must_use]
     pub fn sample(gap: &dyn Gap, depth: f64, grid: Grid, kernel: Kernel) -> Self {
+        Self::sampled(gap, depth, grid, kernel, || Ok(())).unwrap_or_else(|never: Infallible| match never {})
+    }
+
+    /// As [`Discrete::sample`], stopped at the deadline: a gap may be dear.
+    ///
+    /// # Errors
+    /// [`crate::Verdict::TimeLimit`].
+    pub fn sample_before(
+        gap: &dyn Gap,
+        depth: f64,
+        grid: Grid,
+        kernel: Kernel,
+        deadline: Deadline,
+    ) -> Result<Self, Unsolved> {
+        Self::sampled(gap, depth, grid, kernel, || deadline.check())
+    }
+
+    /// `before` is asked before each row of a block.
+    fn sampled<E>(
+        gap: &dyn Gap,
+        depth: f64,
+        grid: Grid,
+        kernel: Kernel,
+        before: impl Fn() -> Result<(), E>,
+    ) -> Result<Self, E> {
         let mut overlap = match kernel {
-            Kernel::Galerkin => lattice::means(gap, &grid),
-            Kernel::Collocation => lattice::values(gap, &grid),
+            Kernel::Galerkin => lattice::means(gap, &grid, &before)?,
+            Kernel::Collocation => lattice::centres(gap, &grid, &before)?,
         };
         overlap.iter_mut().for_each(|gap| *gap = depth - *gap);
-        Self { grid, kernel, overlap }
+        Ok(Self { grid, kernel, overlap })
     }
 
     /// The largest overlap; what gaps and penetrations are measured against. Not positive: there is no contact.

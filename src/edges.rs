@@ -214,7 +214,7 @@ impl Ladder {
 }
 
 /// Grids up to [`finest`] cells along the longer side, moved against the edges unless those lie along the cells
-/// (`aligned`), until the force is known to the tolerance, or as well as they tell.
+/// (`aligned`), until the force is known to the tolerance, or as well as they tell; with what kept it from finer ones.
 ///
 /// # Errors
 /// As the solvers; `ToleranceNotReached` when no grid is fine enough to see the contact.
@@ -225,7 +225,8 @@ pub(crate) fn ladder(
     allowed: usize,
     settings: &Settings,
     method: Method,
-) -> Result<(Ladder, Estimate), Unsolved> {
+) -> Result<(Ladder, Estimate, Option<Unsolved>), Unsolved> {
+    let mut stopped = None;
     let (mut states, mut grids): (Vec<GridState>, Vec<[f64; 2]>) = Default::default();
     let mut best = None;
     for (k, cells) in (0..).map(cells).take_while(|&n| n <= finest(allowed)).enumerate() {
@@ -238,7 +239,10 @@ pub(crate) fn ladder(
             *window = window.union(&laid);
         }
         let state = match state {
-            Err(e) if e.verdict == Verdict::TooLarge && best.is_some() => break,
+            Err(e) if matches!(e.verdict, Verdict::TooLarge | Verdict::TimeLimit) && best.is_some() => {
+                stopped = Some(e);
+                break;
+            }
             other => other?,
         };
         if state.force() <= 0.0 {
@@ -258,5 +262,5 @@ pub(crate) fn ladder(
         let reason = "the bodies overlap, but no grid shows their edges well enough";
         Unsolved::new(Verdict::ToleranceNotReached, reason)
     })?;
-    Ok((Ladder { states, line }, estimate))
+    Ok((Ladder { states, line }, estimate, stopped))
 }

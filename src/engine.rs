@@ -77,6 +77,7 @@ const ROUGH: f64 = 0.02;
 
 impl Respond for Engine<'_> {
     fn respond(&mut self, depth: f64, tilt: [f64; 2], quick: bool) -> Result<Solution, Unsolved> {
+        self.settings.deadline.check()?;
         let mut state = match self.without_grid(depth, tilt) {
             Some(answered) => answered?,
             None if !self.with_matrix => self.upright(depth, quick)?,

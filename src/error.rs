@@ -2,6 +2,8 @@
 
 use std::fmt::Display;
 
+use crate::solution::Solution;
+
 /// A value that the problem cannot be built from: where it stands, what it is, what is allowed.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{path}: {given} is not allowed here; {allowed}")]
@@ -46,20 +48,61 @@ pub(crate) fn positive(path: &str, value: f64) -> Result<f64, InputError> {
     }
 }
 
-/// Why a method gave no solution. It is an answer, not a fault: the method looked and says so.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+/// Why a state of loading was not solved: an answer, not a fault. It carries the best numbers that were found, if any.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{verdict}: {reason}")]
 pub struct Unsolved {
     /// What is wrong, in one word.
     pub verdict: Verdict,
     /// The same in a sentence, with the figures that show it.
     pub reason: String,
+    /// What to try, in a sentence.
+    pub hint: Option<String>,
+    /// The best state that was found, with its true error; under [`Verdict::ToleranceNotReached`] and
+    /// [`Verdict::TimeLimit`] wherever there is one.
+    pub best: Option<Box<Solution>>,
 }
 
 impl Unsolved {
     /// A verdict with its reason.
     pub fn new(verdict: Verdict, reason: impl Into<String>) -> Self {
-        Self { verdict, reason: reason.into() }
+        Self { verdict, reason: reason.into(), hint: None, best: None }
+    }
+
+    /// The same with the best state that was found.
+    #[must_use]
+    pub fn with_best(mut self, best: Solution) -> Self {
+        self.best = Some(Box::new(best));
+        self
+    }
+
+    /// The same with what to try.
+    #[must_use]
+    pub fn with_hint(mut self, hint: impl Into<String>) -> Self {
+        self.hint = Some(hint.into());
+        self
+    }
+
+    /// The best state, when only its error is larger than asked for ([`Verdict::ToleranceNotReached`]).
+    ///
+    /// ```
+    /// use contact_patch::{Contact, EffectiveModulus, Loading, Settings, Unsolved, gap::Paraboloid, solve};
+    /// let modulus = EffectiveModulus::from_e_star(1.0)?;
+    /// let contact = Contact::new(modulus, Paraboloid::new([1.0, 2.0])?, Loading::depth(1.0))?;
+    /// // Sixteen cells are too few for an error of 1e-6; their force is there all the same.
+    /// let settings = Settings { cells: Some(16), tolerance: 1e-6, ..Settings::default() };
+    /// let state = solve(&contact, &settings).remove(0).or_else(Unsolved::accept_best)?;
+    /// assert!(state.force > 0.0 && state.force_error.unwrap() > 1e-6);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Itself, under any other verdict and when no state was found.
+    pub fn accept_best(self) -> Result<Solution, Self> {
+        match self.best {
+            Some(best) if self.verdict == Verdict::ToleranceNotReached => Ok(*best),
+            best => Err(Self { best, ..self }),
+        }
     }
 
     /// The error that was reached is not the one asked for, and why no less was tried.
@@ -93,6 +136,10 @@ pub enum Verdict {
     TooLarge,
     /// The method does not answer this kind of question.
     NotApplicable,
+    /// The CPU seconds that one state may take were used up.
+    TimeLimit,
+    /// The answer lacks a part, or a number of it is beyond the range of numbers.
+    Incomplete,
 }
 
 impl Verdict {
@@ -110,6 +157,8 @@ impl Verdict {
             Self::ToleranceNotReached => "tolerance_not_reached",
             Self::TooLarge => "too_large",
             Self::NotApplicable => "not_applicable",
+            Self::TimeLimit => "time_limit",
+            Self::Incomplete => "incomplete",
         }
     }
 }

@@ -47,8 +47,10 @@ pub(crate) struct Refined {
     pub force: f64,
     /// Estimate of its error, absolute.
     pub error: f64,
+    /// Grids whose values make the force.
+    pub grids: usize,
     /// What kept the method from finer grids.
-    pub stopped: Option<String>,
+    pub stopped: Option<Unsolved>,
     /// The grids that it took where the contact ends at sharp edges; `state` is the finest.
     pub ladder: Option<Ladder>,
 }
@@ -56,7 +58,7 @@ pub(crate) struct Refined {
 impl Refined {
     /// One grid whose force is the best there is.
     pub fn of(state: GridState, error: f64) -> Self {
-        Self { force: state.force(), error, state, stopped: None, ladder: None }
+        Self { force: state.force(), error, grids: 1, state, stopped: None, ladder: None }
     }
 
     /// Best values of what is found in a state: of the finest grid, or the limits of all where the contact ends at sharp edges.
@@ -76,23 +78,29 @@ impl Refined {
     fn is_within(&self, tolerance: f64) -> bool {
         self.error <= tolerance * self.force
     }
+
+    /// Why the error is larger than asked for; `None` when it is not, or when the number of cells was prescribed.
+    pub fn shortfall(&self, settings: &Settings) -> Option<Unsolved> {
+        let out_of_time = self.stopped.as_ref().filter(|e| e.verdict == Verdict::TimeLimit);
+        if self.is_within(settings.tolerance) || (settings.cells.is_some() && out_of_time.is_none()) {
+            return None;
+        }
+        let [nx, ny] = self.state.problem.grid.shape;
+        let why = || self.stopped.as_ref().map_or_else(|| edges::most(nx.max(ny)), |e| e.reason.clone());
+        let short = || Unsolved::short_of(settings.tolerance, self.error / self.force, &why());
+        Some(out_of_time.cloned().unwrap_or_else(short))
+    }
 }
 
-/// The contact at one depth, on grids that double until the estimated error of the force is below the tolerance, or on
-/// the prescribed number of cells and half of it.
+/// The contact at one depth, on grids that double until the estimated error of the force is below the tolerance or no finer
+/// one can be had ([`Refined::shortfall`]), or on the prescribed number of cells and half of it.
 pub(crate) fn refined(
     scaled: &Scaled,
     settings: &Settings,
     method: Method,
     law: Option<Law>,
 ) -> Result<Refined, Unsolved> {
-    let best = as_far_as(FINEST, scaled, settings, method, law)?;
-    if settings.cells.is_some() || best.is_within(settings.tolerance) {
-        return Ok(best);
-    }
-    let [nx, ny] = best.state.problem.grid.shape;
-    let why = best.stopped.unwrap_or_else(|| edges::most(nx.max(ny)));
-    Err(Unsolved::short_of(settings.tolerance, best.error / best.force, &why))
+    as_far_as(FINEST, scaled, settings, method, law)
 }
 
 /// As [`refined`], with at most `finest` cells along the longer side where their number is not prescribed: the best that
@@ -147,11 +155,18 @@ struct Ascent<'a> {
 impl Ascent<'_> {
     /// A prescribed grid. Two coarser ones go before it, for the estimate of the error; each costs a quarter of the next or less.
     fn prescribed(mut self, cells: usize) -> Result<Option<Refined>, Unsolved> {
+        let mut best = None;
         for coarser in [cells.div_ceil(4), cells.div_ceil(2)].into_iter().filter(|&n| n >= 6 && n != cells) {
             let state = self.grid(|window| shape(window, coarser), PRECISE[1], None)?;
-            self.limit(&state);
+            let error = self.limit(&state).error;
+            best = Some(Refined::of(state, error));
         }
-        let state = self.grid(|window| shape(window, cells), PRECISE[1], None)?;
+        let state = match self.grid(|window| shape(window, cells), PRECISE[1], None) {
+            Err(e) if e.verdict == Verdict::TimeLimit && best.is_some() => {
+                return Ok(best.map(|b| Refined { stopped: Some(e), ..b }));
+            }
+            other => other?,
+        };
         let force = state.force();
         if force <= 0.0 {
             return Ok(None);
@@ -190,9 +205,9 @@ impl Ascent<'_> {
             let last = !smooth || coarsest << next > finest || self.energies.len() >= if full { 1 } else { 2 };
             let gap_error = if last { (1e-4 * tolerance).clamp(PRECISE[1], PRECISE[0]) } else { PASSING };
             let state = match self.grid(nested, gap_error, best.as_ref().map(|b| &b.state)) {
-                // The grid before was the finest that this method can hold.
-                Err(e) if e.verdict == Verdict::TooLarge && best.is_some() => {
-                    return Ok(best.map(|b| Refined { stopped: Some(e.reason), ..b }));
+                // The grid before was the finest that this method can hold, or that there was time for.
+                Err(e) if matches!(e.verdict, Verdict::TooLarge | Verdict::TimeLimit) && best.is_some() => {
+                    return Ok(best.map(|b| Refined { stopped: Some(e), ..b }));
                 }
                 other => other?,
             };
@@ -230,7 +245,12 @@ impl Ascent<'_> {
             let aligned = ends && Border::of(self.scaled, &state).aligned;
             let good = close && (aligned || !ends);
             if !good && ends {
-                return self.at_sharp_edges(aligned).map(Some);
+                return match self.at_sharp_edges(aligned) {
+                    Err(e) if e.verdict == Verdict::TimeLimit => {
+                        Ok(Some(Refined { state, force: value, error, grids: 1, stopped: Some(e), ladder: None }))
+                    }
+                    found => found.map(Some),
+                };
             }
             if !good && edge == Some(Edge::Step) && cells == STEPPED {
                 // A flank may be resolved yet: only if a line does better than that.
@@ -239,7 +259,8 @@ impl Ascent<'_> {
                     return Ok(Some(found));
                 }
             }
-            best = Some(Refined { state, force: value, error, stopped: None, ladder: None });
+            let grids = if few { 1 } else { self.energies.len().max(1) };
+            best = Some(Refined { state, force: value, error, grids, stopped: None, ladder: None });
             if good {
                 break;
             }
@@ -291,11 +312,13 @@ impl Ascent<'_> {
     /// The limit of grids fitted by a line; see [`edges`].
     fn at_sharp_edges(&mut self, aligned: bool) -> Result<Refined, Unsolved> {
         let Self { scaled, settings, method, finest, .. } = *self;
-        let (ladder, limit) = edges::ladder(scaled, &mut self.window, aligned, finest, settings, method)?;
+        let (ladder, limit, stopped) = edges::ladder(scaled, &mut self.window, aligned, finest, settings, method)?;
         let (iterations, operator_products) = ladder.spent();
         let mut state = self.with_spent(GridState { iterations, operator_products, ..ladder.last().clone() });
         state.remarks.push(edges::remark(ladder.grids()));
-        let stopped = Some(edges::most(edges::finest(finest)));
-        Ok(Refined { state, force: limit.value, error: limit.error, stopped, ladder: Some(ladder) })
+        let most = || Unsolved::new(Verdict::ToleranceNotReached, edges::most(edges::finest(finest)));
+        let stopped = stopped.or_else(|| Some(most()));
+        let grids = ladder.grids();
+        Ok(Refined { state, force: limit.value, error: limit.error, grids, stopped, ladder: Some(ladder) })
     }
 }

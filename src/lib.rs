@@ -34,14 +34,17 @@
 //!
 #![doc = include_str!("theory.md")]
 
+mod acceptance;
 mod approximate_work;
 pub mod bracket;
 mod bracketed;
 mod by_approximation;
 mod by_formula;
 mod by_grid;
+pub mod check;
 #[cfg(feature = "cli")]
 pub mod cli;
+mod clock;
 pub mod closed_form;
 pub mod compare;
 mod contact;
@@ -56,6 +59,7 @@ mod error;
 mod exact;
 mod extrapolate;
 pub mod fabrikant;
+mod files;
 pub mod gap;
 pub mod geometry;
 mod grid;
@@ -89,6 +93,7 @@ pub mod stability;
 pub mod symmetry;
 mod tilting;
 
+pub use clock::Deadline;
 pub use contact::{Contact, Load, Loading};
 pub use curve::{Curve, CurveRange};
 pub use discrete::{Discrete, DiscreteSolution, Residuals};
@@ -101,5 +106,5 @@ pub use plan::{Plan, plan};
 #[cfg(feature = "scene")]
 pub use scene::Scene;
 pub use settings::{BoundaryFamily, Method, Outputs, Settings};
-pub use solution::{Cost, Patch, PressureSummary, Solution};
+pub use solution::{Cost, Origin, Patch, PressureSummary, Solution};
 pub use solve::solve;

@@ -1,5 +1,6 @@
 //! The contact at one depth on one grid: box, cells, solver, stiffness.
 
+use crate::clock::Deadline;
 use crate::discrete::{Discrete, DiscreteSolution};
 use crate::domain::shape;
 use crate::error::{Unsolved, Verdict};
@@ -52,6 +53,7 @@ pub(crate) struct Way<'a> {
     pub method: Method,
     pub kernel: Kernel,
     pub threads: usize,
+    pub deadline: Deadline,
     /// Largest error of the gap, relative to the depth.
     pub tolerance: f64,
     /// A solved grid to start from, when its cells are twice as large.
@@ -62,7 +64,8 @@ impl Way<'_> {
     /// To eight digits, from nothing.
     pub fn precise(settings: &Settings, method: Method) -> Self {
         let tolerance = matrix_free::Settings::default().tolerance;
-        Self { method, kernel: settings.kernel, threads: settings.threads, tolerance, coarser: None }
+        let Settings { kernel, threads, deadline, .. } = *settings;
+        Self { method, kernel, threads, deadline, tolerance, coarser: None }
     }
 }
 
@@ -86,8 +89,9 @@ pub(crate) fn of_shape(
 ) -> Result<GridState, Unsolved> {
     let mut spent = (0, 0);
     for _ in 0..MOST_GROWTHS {
+        way.deadline.check()?;
         let grid = Grid::over(window, shape(window));
-        let problem = Discrete::sample(&scaled.gap, scaled.depth, grid, way.kernel);
+        let problem = Discrete::sample_before(&scaled.gap, scaled.depth, grid, way.kernel, way.deadline)?;
         let state = solve(scaled, problem, way)?;
         spent = (spent.0 + state.iterations, spent.1 + state.operator_products);
         match outgrown(scaled, window, &state.problem.grid, &state.solution.pressure) {
@@ -119,11 +123,11 @@ fn solve(scaled: &Scaled, problem: Discrete, way: Way) -> Result<GridState, Unso
     let pruned = problem.overlap.iter().filter(|&&f| f <= 0.0).count();
     let mut left_out = vec![format!("{pruned} of {cells} cells: the undeformed bodies do not overlap there")];
     let mut remarks = Vec::new();
-    let Way { method, threads, tolerance, .. } = way;
+    let Way { method, threads, deadline, tolerance, .. } = way;
     let solution = match method {
-        Method::Qp => programme::solve(scaled, &problem, &mut left_out, &mut remarks)?,
+        Method::Qp => programme::solve(scaled, &problem, deadline, &mut left_out, &mut remarks)?,
         _ => {
-            let settings = matrix_free::Settings { threads, tolerance, ..matrix_free::Settings::default() };
+            let settings = matrix_free::Settings { threads, tolerance, deadline, ..matrix_free::Settings::default() };
             match way.coarser.and_then(|coarser| start(coarser, &problem.grid)) {
                 Some(start) => matrix_free::solve(&problem, Some(&start), &settings)?,
                 None => matrix_free::solve_nested(&problem, &settings)?,
@@ -143,12 +147,13 @@ fn start(coarser: &GridState, grid: &Grid) -> Option<Vec<f64>> {
 /// In place of the quadratic programme, when it was not built.
 #[cfg(not(feature = "qp"))]
 mod programme {
-    use super::{Discrete, DiscreteSolution, Scaled, Unsolved, Verdict};
+    use super::{Deadline, Discrete, DiscreteSolution, Scaled, Unsolved, Verdict};
 
     /// The verdict that says so.
     pub fn solve(
         _: &Scaled,
         _: &Discrete,
+        _: Deadline,
         _: &mut Vec<String>,
         _: &mut Vec<String>,
     ) -> Result<DiscreteSolution, Unsolved> {
@@ -159,7 +164,7 @@ mod programme {
 /// The quadratic programme on the cells that can touch.
 #[cfg(feature = "qp")]
 mod programme {
-    use super::{Discrete, DiscreteSolution, Grid, Scaled, Unsolved};
+    use super::{Deadline, Discrete, DiscreteSolution, Grid, Scaled, Unsolved};
     use crate::qp::{self, QpSolution};
 
     /// Cells along the longer side below which no coarser grid is asked.
@@ -169,11 +174,12 @@ mod programme {
     pub fn solve(
         scaled: &Scaled,
         problem: &Discrete,
+        deadline: Deadline,
         left_out: &mut Vec<String>,
         remarks: &mut Vec<String>,
     ) -> Result<DiscreteSolution, Unsolved> {
-        let known = candidates(scaled, problem)?;
-        let QpSolution { solution, polished, symmetry } = qp::solve(problem, known.as_deref())?;
+        let known = candidates(scaled, problem, deadline)?;
+        let QpSolution { solution, polished, symmetry } = qp::solve_before(problem, known.as_deref(), deadline)?;
         if let Some(known) = known {
             let far = known.iter().zip(&problem.overlap).filter(|&(&k, &f)| !k && f > 0.0).count();
             left_out.push(format!(
@@ -191,14 +197,15 @@ mod programme {
     }
 
     /// The cells that can touch, from a solve on cells twice as large: its contact and one of its cells around.
-    fn candidates(scaled: &Scaled, problem: &Discrete) -> Result<Option<Vec<bool>>, Unsolved> {
+    fn candidates(scaled: &Scaled, problem: &Discrete, deadline: Deadline) -> Result<Option<Vec<bool>>, Unsolved> {
         let fine = &problem.grid;
         if fine.shape[0].max(fine.shape[1]) < FEWEST {
             return Ok(None);
         }
         let coarse = Grid::over(&fine.extent(), fine.shape.map(|n| n.div_ceil(2)));
         let halved = Discrete::sample(&scaled.gap, scaled.depth, coarse, problem.kernel);
-        let known = candidates(scaled, &halved)?;
+        let known = candidates(scaled, &halved, deadline)?;
+        deadline.check()?;
         let touching = qp::solve_by_active_set(&halved, known.as_deref())?.solution.pressure;
         let near = |[i, j]: [usize; 2]| {
             let around = |n: usize, k: usize| n.saturating_sub(1)..(n + 2).min(coarse.shape[k]);

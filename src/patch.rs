@@ -3,6 +3,7 @@
 use crate::discrete::{Discrete, DiscreteSolution};
 use crate::geometry::{area, centroid};
 use crate::grid::Grid;
+use crate::matrix_free;
 use crate::solution::Patch;
 
 /// The patch of a solved problem, with boundaries placed between cell centres.
@@ -44,6 +45,8 @@ pub fn of(problem: &Discrete, solution: &DiscreteSolution, reference: [f64; 2]) 
 /// Closed polylines around the cells under pressure, contact on the left.
 fn boundary(problem: &Discrete, solution: &DiscreteSolution) -> Vec<Vec<[f64; 2]>> {
     let grid = &problem.grid;
+    let whole = displacement_around(problem, solution);
+    let displacement = whole.as_deref().unwrap_or(&solution.displacement);
     let spacing = 0.5 * (grid.spacing[0] + grid.spacing[1]);
     // Share of the way from the centre of the loaded cell to that of its free neighbour.
     let share = |inside: usize, outside: Option<usize>| {
@@ -52,9 +55,28 @@ fn boundary(problem: &Discrete, solution: &DiscreteSolution) -> Vec<Vec<[f64; 2]
         if f == f64::NEG_INFINITY {
             return 0.5;
         }
-        edge_between(solution.pressure[inside], solution.displacement[outside] - f, spacing)
+        edge_between(solution.pressure[inside], displacement[outside] - f, spacing)
     };
     march(grid, &solution.pressure.iter().map(|&p| p > 0.0).collect::<Vec<_>>(), share)
+}
+
+/// The displacement of every cell, where a solver has left it out (as zero) beside a cell under pressure: it stops at the box of the
+/// cells that overlap.
+fn displacement_around(problem: &Discrete, solution: &DiscreteSolution) -> Option<Vec<f64>> {
+    let [nx, ny] = problem.grid.shape;
+    let left_out = |k: usize| solution.displacement[k] == 0.0 && problem.overlap[k] > f64::NEG_INFINITY;
+    let beside = |k: usize| {
+        let (i, j) = (k % nx, k / nx);
+        let neighbours = [
+            (i > 0).then(|| k - 1),
+            (i + 1 < nx).then(|| k + 1),
+            (j > 0).then(|| k - nx),
+            (j + 1 < ny).then(|| k + nx),
+        ];
+        neighbours.into_iter().flatten().any(left_out)
+    };
+    let pressed = (0..problem.grid.len()).filter(|&k| solution.pressure[k] > 0.0);
+    pressed.into_iter().any(beside).then(|| matrix_free::displacement(problem, &solution.pressure))
 }
 
 /// t = s/h with p^2 = k^2 s and (3 gap/4)^(2/3) = k^(2/3) (h - s): k eliminated, (1 - t)^3 = c t.

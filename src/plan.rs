@@ -3,6 +3,7 @@
 use std::fmt;
 
 use crate::by_formula;
+use crate::clock::Deadline;
 use crate::contact::{Contact, Load};
 use crate::discrete::Discrete;
 use crate::domain::{coarsest, shape};
@@ -65,7 +66,7 @@ pub fn plan(contact: &Contact, settings: &Settings) -> Result<Plan, Unsolved> {
         return Ok(Plan { method: None, steps, left_out: vec!["everything".to_owned()] });
     };
     // The formula itself decides, as in the solve.
-    let closed = by_formula::of(&overlap, contact.modulus());
+    let closed = by_formula::of(&overlap, contact.modulus(), Deadline::NEVER);
     match &closed {
         Ok(form) => steps.push(format!("the gap is {}", form.found)),
         Err(why) => steps.push(format!("no closed form: {}", why.reason)),

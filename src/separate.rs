@@ -8,7 +8,7 @@
 use crate::Contact;
 use crate::by_grid;
 use crate::displaced::DisplacedGap;
-use crate::error::Unsolved;
+use crate::error::{Unsolved, Verdict};
 use crate::exact::{self, Refined};
 use crate::gap::AnyGap;
 use crate::geometry::Rect;
@@ -16,7 +16,7 @@ use crate::grid::{Grid, Pressure};
 use crate::one_grid;
 use crate::overlap::{Overlap, Scaled};
 use crate::settings::{Method, Settings};
-use crate::solution::{Patch, PressureSummary, Solution};
+use crate::solution::{Origin, Patch, PressureSummary, Solution};
 
 /// More contacts than that share one grid.
 const MOST: usize = 16;
@@ -89,7 +89,7 @@ fn total(loads: &[Loads]) -> f64 {
 /// The state of all contacts at a depth and tilt (`gap` is the contact's gap under that tilt), in the user's units.
 ///
 /// # Errors
-/// As for a single contact.
+/// As for a single contact; where one of them falls short of the tolerance, with the state of all.
 pub(crate) fn solution(
     contact: &Contact,
     gap: &AnyGap,
@@ -100,24 +100,35 @@ pub(crate) fn solution(
     with_matrix: bool,
 ) -> Result<Solution, Unsolved> {
     let mut current = vec![Loads::new(); rectangles.len()];
-    let mut ones = Vec::new();
+    let mut ones: Vec<One> = Vec::new();
     let mut missed = 0.0;
+    let mut out_of_time = None;
     let (mut iterations, mut operator_products) = (0, 0);
     // Roughly first: what the contacts do to one another needs few cells.
-    for tolerance in [settings.tolerance.max(0.02), settings.tolerance] {
+    'sweeps: for tolerance in [settings.tolerance.max(0.02), settings.tolerance] {
         let settings = Settings { tolerance, ..*settings };
         for _ in 0..SWEEPS {
             let before = total(&current);
-            ones.clear();
+            let mut next = Vec::new();
             for (k, &within) in rectangles.iter().enumerate() {
-                let one = One::solve(gap, depth, within, &others(&current, k), &settings)?;
+                let solved = settings.deadline.check();
+                let solved = solved.and_then(|()| One::solve(gap, depth, within, &others(&current, k), &settings));
+                let one = match solved {
+                    // The sweep before serves.
+                    Err(e) if e.verdict == Verdict::TimeLimit && !ones.is_empty() => {
+                        out_of_time = Some(e);
+                        break 'sweeps;
+                    }
+                    solved => solved?,
+                };
                 current[k].clone_from(&one.loads);
                 if let Some(refined) = &one.solved {
                     iterations += refined.state.iterations;
                     operator_products += refined.state.operator_products;
                 }
-                ones.push(one);
+                next.push(one);
             }
+            ones = next;
             missed = (total(&current) - before).abs();
             if missed <= 0.1 * tolerance * total(&current) {
                 break;
@@ -145,13 +156,18 @@ pub(crate) fn solution(
     if states.is_empty() {
         return Ok(Solution::apart(Method::Fft, depth, tilt));
     }
+    let short = || ones.iter().filter_map(|one| one.solved.as_ref()).find_map(|refined| refined.shortfall(settings));
+    let short = out_of_time.or_else(short);
     let matrix = growth(contact, &ones, gap, rectangles, with_matrix)?;
     let mut all = together(states, settings, missed * contact.modulus().e_star());
     all.stiffness = matrix[0][0];
     all.stiffness_matrix = with_matrix.then_some(matrix);
     all.cost.iterations = iterations;
     all.cost.operator_products = operator_products;
-    Ok(all)
+    match short {
+        None => Ok(all),
+        Some(short) => Err(short.with_best(all)),
+    }
 }
 
 /// Stiffness against depth, and against tilts if asked for: flat punches on all patches at once, by the same sweeps.
@@ -232,6 +248,7 @@ fn together(states: Vec<Solution>, settings: &Settings, missed: f64) -> Solution
     let count = states.len();
     let sum = |of: fn(&Solution) -> Option<f64>| states.iter().map(of).sum::<Option<f64>>();
     let mut all = states[0].clone();
+    all.origin = Origin::SeparateContacts { count };
     all.force = force;
     all.force_error = Some((error + missed) / force);
     all.energy = sum(|s| s.energy);

@@ -1,5 +1,6 @@
 //! What the caller asks for: method, resolution, and which outputs are worth computing.
 
+use crate::clock::{DEFAULT_SECONDS, Deadline};
 use crate::grid::Kernel;
 
 /// The methods.
@@ -87,6 +88,10 @@ pub struct Settings {
     pub outputs: Outputs,
     /// Threads that the fft method may use.
     pub threads: usize,
+    /// CPU seconds that one state of loading may take; 0: no limit.
+    pub seconds: f64,
+    /// When the state at hand has to stop: set from `seconds` by [`crate::solve`] at the start of each state.
+    pub deadline: Deadline,
 }
 
 impl Default for Settings {
@@ -99,6 +104,8 @@ impl Default for Settings {
             boundary: BoundaryFamily::Stationary,
             outputs: Outputs::default(),
             threads: 1,
+            seconds: DEFAULT_SECONDS,
+            deadline: Deadline::NEVER,
         }
     }
 }

@@ -6,11 +6,57 @@ use crate::gap::Law;
 use crate::grid::{Grid, Pressure};
 use crate::settings::Method;
 
-/// A solved state of contact. What could not be solved is an [`crate::Unsolved`], never one of these.
+/// How the force of a state was found: what a checker needs to know to judge it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Origin {
+    /// The bodies do not touch.
+    NoContact,
+    /// A formula. The pressure field is the formula's at the centres of cells.
+    ClosedForm,
+    /// An approximate method: the best ellipse, or Fabrikant's pressure.
+    Approximate,
+    /// The solution of one grid: the force is the sum of the field.
+    OneGrid,
+    /// The limit of several grids, of which the field is the finest.
+    ManyGrids {
+        /// How many.
+        grids: usize,
+    },
+    /// Contacts far apart, each on grids of its own; the field is a mean of theirs.
+    SeparateContacts {
+        /// How many.
+        count: usize,
+    },
+    /// Cells graded towards the edges of the material.
+    EdgeFitted,
+}
+
+impl Origin {
+    /// The word that stands in a result.
+    #[must_use]
+    pub fn kind(self) -> &'static str {
+        match self {
+            Self::NoContact => "no_contact",
+            Self::ClosedForm => "closed_form",
+            Self::Approximate => "approximate",
+            Self::OneGrid => "one_grid",
+            Self::ManyGrids { .. } => "many_grids",
+            Self::SeparateContacts { .. } => "separate_contacts",
+            Self::EdgeFitted => "edge_fitted",
+        }
+    }
+}
+
+/// A state of contact: solved, or the best that an [`crate::Unsolved`] has to show.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Solution {
     /// What ran (never [`Method::Auto`]).
     pub method: Method,
+    /// How the force was found.
+    pub origin: Origin,
+    /// The finest grid; `None` for methods without one.
+    pub grid: Option<Grid>,
     /// Approach of the bodies at the origin.
     pub depth: f64,
     /// Tilts (ax, ay), radians; zero unless the loading says otherwise.
@@ -50,6 +96,8 @@ impl Solution {
     pub(crate) fn apart(method: Method, depth: f64, tilt: [f64; 2]) -> Self {
         Self {
             method,
+            origin: Origin::NoContact,
+            grid: None,
             depth,
             tilt,
             force: 0.0,
@@ -98,18 +146,21 @@ impl Solution {
         patch.max_radius *= longer;
         patch.centroid = patch.centroid.map(place);
         patch.boundary.iter_mut().flatten().flatten().for_each(|p| *p = place(*p));
+        let moved = |grid: &mut Grid| {
+            grid.origin = place(grid.origin);
+            grid.spacing = grid.spacing.map(|h| h * longer);
+        };
+        other.grid.iter_mut().for_each(moved);
         let pressure = &mut other.pressure;
         pressure.max = pressure.max.map(|p| p * harder);
         pressure.mean = pressure.mean.map(|p| p * harder);
         pressure.at = pressure.at.map(place);
         if let Some((grid, values)) = &mut pressure.gap {
-            grid.origin = place(grid.origin);
-            grid.spacing = grid.spacing.map(|h| h * longer);
+            moved(grid);
             values.iter_mut().for_each(|g| *g *= deeper);
         }
         if let Some(field) = &mut pressure.field {
-            field.grid.origin = place(field.grid.origin);
-            field.grid.spacing = field.grid.spacing.map(|h| h * longer);
+            moved(&mut field.grid);
             field.values.iter_mut().for_each(|p| *p *= harder);
         }
         other

@@ -1,8 +1,8 @@
 //! One call for every method and every loading.
 
-use std::time::Instant;
-
+use crate::acceptance::{accepted, within_memory};
 use crate::bracketed::with_bracket;
+use crate::clock::{Deadline, Stopwatch};
 use crate::contact::{Contact, Load};
 use crate::engine::{Engine, close};
 use crate::equilibrium;
@@ -26,17 +26,39 @@ use crate::tilting;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn solve(contact: &Contact, settings: &Settings) -> Vec<Result<Solution, Unsolved>> {
-    let mut similar = None;
-    contact.loading().loads().iter().map(|&load| at(contact, load, settings, &mut similar)).collect()
+    let (mut similar, mut held) = (None, 0);
+    let loads = contact.loading().loads().iter();
+    loads.map(|&load| within_memory(at(contact, load, settings, &mut similar), &mut held)).collect()
 }
 
 /// A solved state of a homogeneous gap, from which every other follows.
 struct Similar {
     state: Solution,
     law: Law,
+    /// What it lacks, as every other does.
+    short: Option<Unsolved>,
 }
 
 impl Similar {
+    /// A solved state, or one that only its error keeps from it.
+    fn of(answer: Result<Solution, Unsolved>, law: Law) -> Result<Self, Unsolved> {
+        match answer {
+            Ok(state) => Ok(Self { state, law, short: None }),
+            Err(e) => {
+                let short = Unsolved { best: None, ..e.clone() };
+                e.accept_best().map(|state| Self { state, law, short: Some(short) })
+            }
+        }
+    }
+
+    /// A state that follows from this one, with what it lacks.
+    fn answer(&self, state: Solution) -> Result<Solution, Unsolved> {
+        match &self.short {
+            None => Ok(state),
+            Some(short) => Err(short.clone().with_best(state)),
+        }
+    }
+
     /// The depth at which the force is this.
     fn depth_for(&self, force: f64) -> f64 {
         let overlap = self.state.depth - self.law.lowest;
@@ -55,26 +77,28 @@ impl Similar {
 }
 
 fn at(contact: &Contact, load: Load, settings: &Settings, similar: &mut Option<Similar>) -> Result<Solution, Unsolved> {
-    let started = Instant::now();
-    let mut solution = match load {
-        Load::Depth(depth) => at_depth(contact, depth, settings, similar)?,
-        Load::Tilted { depth, tilt } => respond(contact, depth, tilt, settings, true)?,
-        Load::Force(force) => at_force(contact, force, settings, similar)?,
-        Load::ForceMoment { force, moment } => {
-            let upright = at_force(contact, force, settings, &mut None)?;
-            tilting::under_moment(contact, upright, force, moment, settings)?
-        }
+    // A limit of the caller's own may be used up by the states before.
+    settings.deadline.check()?;
+    let started = Stopwatch::start();
+    let unlimited = settings.deadline == Deadline::NEVER;
+    let deadline = if unlimited { Deadline::after(settings.seconds, settings.threads) } else { settings.deadline };
+    let settings = &Settings { deadline, ..*settings };
+    let answer = match load {
+        Load::Depth(depth) => at_depth(contact, depth, settings, similar),
+        Load::Tilted { depth, tilt } => respond(contact, depth, tilt, settings, true),
+        Load::Force(force) => at_force(contact, force, settings, similar),
+        Load::ForceMoment { force, moment } => at_force(contact, force, settings, &mut None)
+            .or_else(Unsolved::accept_best)
+            .and_then(|upright| tilting::under_moment(contact, upright, force, moment, settings)),
     };
-    if settings.outputs.bracket {
-        solution = with_bracket(contact, load, solution, settings)?;
-    }
-    solution.cost.seconds = started.elapsed().as_secs_f64();
-    let lost = solution.force == 0.0 && solution.stiffness > 0.0;
-    if lost || !solution.force.is_finite() || !solution.stiffness.is_finite() {
-        let reason = "the force or the stiffness is beyond the range of numbers (1e-308 to 1e308): choose other units";
-        return Err(Unsolved::new(Verdict::NotApplicable, reason));
-    }
-    Ok(solution)
+    let answer = match answer {
+        Ok(solution) if settings.outputs.bracket => with_bracket(contact, load, solution, settings),
+        answer => answer,
+    };
+    let mut answer = accepted(contact, load, settings, answer);
+    let state = answer.as_mut().map_or_else(|e| e.best.as_deref_mut(), Some);
+    state.into_iter().for_each(|state| state.cost.seconds = started.seconds());
+    answer
 }
 
 fn at_depth(
@@ -83,16 +107,16 @@ fn at_depth(
     settings: &Settings,
     similar: &mut Option<Similar>,
 ) -> Result<Solution, Unsolved> {
-    if let Some(similar) = similar.as_ref().filter(|s| depth > s.law.lowest) {
-        return Ok(similar.at(contact.gap(), depth));
+    if let Some(all) = similar.as_ref().filter(|all| depth > all.law.lowest) {
+        return all.answer(all.at(contact.gap(), depth));
     }
-    let state = respond(contact, depth, [0.0; 2], settings, false)?;
+    let answer = respond(contact, depth, [0.0; 2], settings, false);
     // One state alone serves no other.
-    let several = contact.loading().loads().len() > 1 && state.force > 0.0;
+    let several = contact.loading().loads().len() > 1;
     if let Some(law) = contact.gap().known().law.filter(|_| several) {
-        *similar = Some(Similar { state: state.clone(), law });
+        *similar = Similar::of(answer.clone(), law).ok().filter(|all| all.state.force > 0.0);
     }
-    Ok(state)
+    answer
 }
 
 fn at_force(
@@ -112,16 +136,18 @@ fn at_force(
     if force == 0.0 {
         return Ok(Solution::apart(settings.method, least, [0.0; 2]));
     }
-    if let Some(similar) = similar.as_ref() {
-        return Ok(Solution { force, ..similar.at(gap, similar.depth_for(force)) });
+    let scaled = |all: &Similar| Solution { force, ..all.at(gap, all.depth_for(force)) };
+    if let Some(all) = similar {
+        return all.answer(scaled(all));
     }
     let guess = equilibrium::overlap_of_size(gap, contact.modulus().e_star(), force);
     // The law of a homogeneous gap is exact: one state serves every force.
     if let Some(law) = gap.known().law {
-        let state = respond(contact, law.lowest + guess, [0.0; 2], settings, false)?;
-        if state.force > 0.0 {
-            let all = similar.insert(Similar { state, law });
-            return Ok(Solution { force, ..all.at(gap, all.depth_for(force)) });
+        let answer = respond(contact, law.lowest + guess, [0.0; 2], settings, false);
+        let all = Similar::of(answer, law)?;
+        if all.state.force > 0.0 {
+            let state = scaled(&all);
+            return similar.insert(all).answer(state);
         }
     }
     let mut engine = Engine::new(contact, settings, false);

@@ -150,6 +150,10 @@ impl Case {
             let Some(mut outcome) = solve(&self.scene.contact, &Settings { outputs, ..settings }).pop() else {
                 continue;
             };
+            // The bound of a run on prescribed cells is its own, whatever error it states.
+            if settings.cells.is_some() {
+                outcome = outcome.or_else(Unsolved::accept_best);
+            }
             let field = outcome.as_mut().ok().and_then(|solution| solution.pressure.field.take());
             let error = outcome.as_ref().ok().map(|solution| {
                 let force = solution.force;

@@ -10,7 +10,7 @@ use crate::gap::{AnyGap, Gap, Reach};
 use crate::geometry::Rect;
 use crate::overlap::least;
 use crate::settings::{Method, Settings};
-use crate::solution::Solution;
+use crate::solution::{Origin, Solution};
 
 /// A box around everything that can touch at any tilt: where the gap is less than a depth beyond all measure.
 fn material(gap: &AnyGap, depth: f64) -> Option<Rect> {
@@ -58,22 +58,30 @@ pub(crate) fn under_moment(
         Method::ClosedForm => 1e-11,
         _ => 0.01 * settings.tolerance,
     };
-    let mut state = equilibrium::under_moment(&mut engine, force, moment, upright, size, close)?;
+    let balance =
+        |engine: &mut Engine, start: Solution| equilibrium::under_moment(engine, force, moment, start, size, close);
+    let mut state = balance(&mut engine, upright)?;
     let short =
         |state: &Solution| state.force_error.filter(|&error| settings.cells.is_none() && error > settings.tolerance);
     if short(&state).is_some() && engine.frame.sharp {
-        let balance =
-            |engine: &mut Engine, start: Solution| equilibrium::under_moment(engine, force, moment, start, size, close);
         return at_sharp_edges(&mut engine, state, settings, &balance);
     }
     while let Some(error) = short(&state) {
         if engine.cells >= FINEST {
-            return Err(Unsolved::short_of(settings.tolerance, error, &edges::most(engine.cells)));
+            return Err(Unsolved::short_of(settings.tolerance, error, &edges::most(engine.cells)).with_best(state));
         }
         engine.cells *= 2;
-        state = equilibrium::under_moment(&mut engine, force, moment, state, size, close)?;
+        state = or_coarser(balance(&mut engine, state.clone()), &state)?;
     }
     Ok(state)
+}
+
+/// A state on a finer grid; when the time is used up before there is one, the verdict carries the coarser.
+fn or_coarser(finer: Result<Solution, Unsolved>, coarser: &Solution) -> Result<Solution, Unsolved> {
+    finer.map_err(|e| {
+        let out_of_time = e.verdict == Verdict::TimeLimit && e.best.is_none();
+        if out_of_time { e.with_best(coarser.clone()) } else { e }
+    })
 }
 
 /// A punch balanced on many grids, and the limit of what they give; see [`edges`].
@@ -89,7 +97,7 @@ fn at_sharp_edges(
     let mut reached = f64::INFINITY;
     for cells in (0..).map(edges::cells).take_while(|&n| n <= edges::FINEST / 2) {
         engine.cells = cells;
-        state = balance(engine, state)?;
+        state = or_coarser(balance(engine, state.clone()), &state)?;
         grids.push(engine.frame.measure);
         let matrix = state.stiffness_matrix.unwrap_or([[f64::NAN; 3]; 3]);
         let scalars = [state.depth, state.tilt[0], state.tilt[1], state.energy.unwrap_or(f64::NAN), state.patch.area];
@@ -109,10 +117,14 @@ fn at_sharp_edges(
         let matrix = [0, 1, 2].map(|i| [0, 1, 2].map(|j| at(5 + 3 * i + j)));
         (state.stiffness, state.stiffness_matrix) = (matrix[0][0], Some(matrix));
         state.force_error = Some(reached);
+        state.origin = Origin::ManyGrids { grids: grids.len() };
         state.remarks.push(edges::remark(grids.len()));
         return Ok(state);
     }
-    Err(Unsolved::short_of(settings.tolerance, reached, &edges::most(engine.cells)))
+    let reason = edges::most(engine.cells);
+    // The finest grid, with what the line through all of them leaves open.
+    state.force_error = reached.is_finite().then_some(reached);
+    Err(Unsolved::short_of(settings.tolerance, reached, &reason).with_best(state))
 }
 
 /// Cells along the longer side of the last grid that is tried for a tilting punch.

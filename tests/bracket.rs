@@ -7,7 +7,7 @@ use contact_patch::gap::{
     AnyGap, Cone, Flat, Minimum, Outline, Paraboloid, Place, Polyhedron, Power, Reach, Revolved, Sphere,
 };
 use contact_patch::geometry::Rect;
-use contact_patch::{Discrete, EffectiveModulus, Grid, Kernel, Pressure, matrix_free};
+use contact_patch::{Discrete, EffectiveModulus, Grid, Kernel, Pressure, check, matrix_free};
 use random::Random;
 
 const FRAC_PI_4: f64 = std::f64::consts::FRAC_PI_4;
@@ -303,9 +303,9 @@ fn the_checker_accepts_what_is_true_and_refuses_what_is_not() {
         certify(&gap, 1.0, &pressure),
         bracket::sharp(&gap, unit(), 1.0, &pressure, &BracketSettings::default()).unwrap(),
     ] {
-        let verified = bracket::check(&gap, unit(), 1.0, &bracket);
+        let verified = check::bracket(&gap, unit(), 1.0, &bracket);
         assert!(verified.accepted(), "{verified:?}");
-        let claim = |side: &bracket::Side, pressure| bracket::Claim {
+        let claim = |side: &bracket::Side, pressure| check::Claim {
             force: side.force(),
             repair: side.repair(),
             proved: true,
@@ -314,23 +314,23 @@ fn the_checker_accepts_what_is_true_and_refuses_what_is_not() {
         let (above, below) = (bracket.upper_side(), bracket.lower_side());
         let (q, m) = (above.pressure().unwrap(), below.pressure().unwrap());
         let (upper, lower) = (claim(above, q), claim(below, m));
-        let refused = |upper: &bracket::Claim, lower: &bracket::Claim| {
-            let found = bracket::check_claims(&gap, unit(), 1.0, upper, lower);
+        let refused = |upper: &check::Claim, lower: &check::Claim| {
+            let found = check::bounds(&gap, unit(), 1.0, upper, lower);
             assert!(!found.accepted(), "{found:?}");
         };
         // Bounds shifted inwards, with and without a repair that fits the shift.
-        refused(&bracket::Claim { force: 0.999 * upper.force, ..upper }, &lower);
-        refused(&upper, &bracket::Claim { force: 1.001 * lower.force, ..lower });
+        refused(&check::Claim { force: 0.999 * upper.force, ..upper }, &lower);
+        refused(&upper, &check::Claim { force: 1.001 * lower.force, ..lower });
         let none = bracket::Repair::default();
-        refused(&bracket::Claim { force: 0.98 * q.force(), repair: none, ..upper }, &lower);
+        refused(&check::Claim { force: 0.98 * q.force(), repair: none, ..upper }, &lower);
         // Pressures that prove less, with the bounds that follow from them.
         let times = |p: &Pressure, by: f64| Pressure { values: p.values.iter().map(|p| by * p).collect(), ..p.clone() };
         let (weak, strong) = (times(q, 0.9), times(m, 1.1));
-        refused(&bracket::Claim { force: weak.force(), repair: none, pressure: &weak, ..upper }, &lower);
-        refused(&upper, &bracket::Claim { force: strong.force(), repair: none, pressure: &strong, ..lower });
+        refused(&check::Claim { force: weak.force(), repair: none, pressure: &weak, ..upper }, &lower);
+        refused(&upper, &check::Claim { force: strong.force(), repair: none, pressure: &strong, ..lower });
         // Another gap.
         let other = Polyhedron::pyramid(4, 0.7).unwrap();
-        assert!(!bracket::check_claims(&other, unit(), 1.0, &upper, &lower).accepted());
+        assert!(!check::bounds(&other, unit(), 1.0, &upper, &lower).accepted());
     }
 }
 

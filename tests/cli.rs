@@ -9,7 +9,7 @@ use std::process::{Command, Output, Stdio};
 use serde_json::Value;
 
 const CONE: &str = r#"{"effective_modulus": 1.0, "gap": {"kind": "cone", "inclination": 45.0},
-    "loading": {"depth": 1.0}, "solve": {"cells": 25}}"#;
+    "loading": {"depth": 1.0}, "solve": {"cells": 25, "tolerance": 0.05}}"#;
 
 fn run(arguments: &[&str], directory: &Path, input: &[u8]) -> Output {
     let mut child = Command::new(env!("CARGO_BIN_EXE_contact-patch"))

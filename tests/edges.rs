@@ -103,7 +103,7 @@ fn prescribed_grids_state_what_steps_and_edges_cost_them() {
     for (name, gap) in [("above", above()), ("leaning", leaning())] {
         for cells in (20..120).step_by(7) {
             let settings = Settings { method: Method::Fft, cells: Some(cells), ..Settings::default() };
-            let state = solved(gap.clone(), Load::Depth(1.0), settings).unwrap();
+            let state = solved(gap.clone(), Load::Depth(1.0), settings).or_else(Unsolved::accept_best).unwrap();
             let (off, said) = ((state.force / 1.2 - 1.0).abs(), state.force_error.unwrap());
             assert!(off <= said && said < 5.0 / cells as f64, "{name}, {cells} cells: off {off:e}, said {said:e}");
         }

@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use contact_patch::Verdict;
 use contact_patch::fabrikant::{self, Approximation, Settings};
-use contact_patch::gap::{AnyGap, Cone, Gap, Paraboloid, Place, Polyhedron};
+use contact_patch::gap::{AnyGap, Cone, Gap, Paraboloid, Polyhedron};
 use contact_patch::{EffectiveModulus, ritz};
 
 struct Random(u64);

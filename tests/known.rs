@@ -5,7 +5,7 @@ mod random;
 
 use contact_patch::gap::{
     AnyGap, Cone, Degree, Flat, Formula, Gap, Generatrix, HeightMap, Heights, Material, Minimum, Outline, Paraboloid,
-    Place, Polyhedron, Power, Reach, Revolved, Sphere, Sum, Surface, Zero,
+    Polyhedron, Power, Reach, Revolved, Sphere, Sum, Surface, Zero,
 };
 use contact_patch::geometry::Rect;
 use contact_patch::numeric::Interval;

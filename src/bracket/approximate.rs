@@ -4,10 +4,9 @@
 //! Ritz; [`crate::ritz`]); so has any pressure over the supremum of its displacement ([`super::measure`]). Above:
 //! [`super::comparison`].
 
-use std::time::Instant;
-
 use super::comparison::Comparisons;
 use super::{BracketCost, Evidence, ForceBracket, Repair, Side, Theorem, measure};
+use crate::clock::Stopwatch;
 use crate::closed_form::FlatPunch;
 use crate::error::Unsolved;
 use crate::fabrikant;
@@ -36,7 +35,7 @@ const DOUBT: f64 = 10.0;
 /// ```
 pub fn approximate(gap: impl Into<AnyGap>, modulus: EffectiveModulus, depth: f64) -> Result<ForceBracket, Unsolved> {
     let gap = &gap.into();
-    let started = Instant::now();
+    let started = Stopwatch::start();
     let Some(Overlap { reach, certain, .. }) = Overlap::of(gap, depth)? else { return Ok(super::no_contact(None)) };
     let settings = fabrikant::Settings { tolerance: 1e-6, boundary_points: 64, ..fabrikant::Settings::default() };
     let found = ritz::ellipse(gap, modulus, depth, &settings).ok();
@@ -66,7 +65,7 @@ pub fn approximate(gap: impl Into<AnyGap>, modulus: EffectiveModulus, depth: f64
         ([a, e.area / (std::f64::consts::PI * a)], y.atan2(x))
     });
     let above = comparisons.least(middle, axes);
-    let cost = BracketCost { seconds: started.elapsed().as_secs_f64(), ..BracketCost::default() };
+    let cost = BracketCost { seconds: started.seconds(), ..BracketCost::default() };
     Ok(ForceBracket { lower: below, upper: above, cost })
 }
 

@@ -20,24 +20,31 @@ impl DepthBracket {
     #[must_use]
     pub fn under(gap: impl Into<AnyGap>, depth: f64, force: f64, bracket: &ForceBracket) -> Self {
         let gap = &gap.into();
+        let (_, sure) = first_touch(gap, depth);
+        let [lower, upper] = Self::bounds(gap, depth, force, [bracket.lower(), bracket.upper()]);
+        Self {
+            lower,
+            upper: upper.is_finite().then_some(upper),
+            evidence: match bracket.evidence() {
+                Evidence::Proved if !sure => Evidence::Sampled { per_cell: 0 },
+                evidence => evidence,
+            },
+        }
+    }
+
+    /// The bounds alone, from those of the force; infinite above where there is none.
+    pub(crate) fn bounds(gap: &AnyGap, depth: f64, force: f64, [below, above]: [f64; 2]) -> [f64; 2] {
         let (touch, sure) = first_touch(gap, depth);
         let slope = degree_of(gap).filter(|_| sure && touch == 0.0).map_or(1.0, |k| 1.0 / (1.0 + 1.0 / k));
         let exact = slope != 1.0 || degree_of(gap) == Some(f64::INFINITY);
         let at = |share: f64| touch + (depth - touch) * share.powf(slope);
         // A hair more for the rounding of the last steps.
         let hair = 8.0 * f64::EPSILON * (depth.abs() + touch.abs());
-        let share = force / bracket.upper();
+        let share = force / above;
         let lower = if share < 1.0 || exact { at(share) } else { depth };
-        let share = force / bracket.lower();
+        let share = force / below;
         let upper = if share > 1.0 || exact { at(share) } else { depth };
-        Self {
-            lower: lower - hair,
-            upper: (upper + hair).is_finite().then_some(upper + hair),
-            evidence: match bracket.evidence() {
-                Evidence::Proved if !sure => Evidence::Sampled { per_cell: 0 },
-                evidence => evidence,
-            },
-        }
+        [lower - hair, upper + hair]
     }
 
     /// Lower bound.

@@ -73,6 +73,9 @@ pub(super) fn degree_of(gap: &AnyGap) -> Option<f64> {
     })
 }
 
+/// Longer over shorter side of a cell up to which there are tables: about a second and 30 MB at this limit.
+const MOST_SLENDER: f64 = 100.0;
+
 /// The problem with E* = 1 and lengths of order 1: a pressure is proved in these units.
 pub(super) struct Frame {
     pub gap: AnyGap,
@@ -105,6 +108,15 @@ impl Frame {
             || numbers.into_iter().any(|v| !v.is_finite())
         {
             let reason = "the pressure needs one finite number a cell, and its cells sides greater than zero";
+            return Err(Unsolved::new(Verdict::NotApplicable, reason));
+        }
+        let [a, b] = given.spacing;
+        let slenderness = a.max(b) / a.min(b);
+        if !(slenderness <= MOST_SLENDER) {
+            let reason = format!(
+                "the cells are {slenderness:.1e} times as long as wide; brackets take cells of up to {MOST_SLENDER}: the \
+                 tables of what a cell does around it grow with that"
+            );
             return Err(Unsolved::new(Verdict::NotApplicable, reason));
         }
         // What is certain may be larger than what is found; a strip of it is not worth a proof.

@@ -24,7 +24,7 @@ const GAUSS: [&[(f64, f64)]; 3] = [
 ];
 
 /// Displacement (a length) and its two slopes at the offset `(x, y)` from the centre of a rectangle of sides `h`.
-pub(super) fn displacement(h: [f64; 2], x: f64, y: f64) -> [f64; 3] {
+pub(crate) fn displacement(h: [f64; 2], x: f64, y: f64) -> [f64; 3] {
     let distance = (x * x + y * y).sqrt() / h[0].max(h[1]);
     match distance {
         d if d < 20.0 => love(h, x, y),

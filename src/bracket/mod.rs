@@ -15,31 +15,26 @@
 mod approximate;
 mod away;
 mod cell;
-mod check;
-mod check_field;
 mod close;
 mod comparison;
 mod depth;
 mod field;
 mod frame;
-mod kernel;
+pub(crate) mod kernel;
 mod known;
 mod look;
 mod measure;
 mod mirrors;
-mod one_cell;
 mod outside;
 mod polynomial;
 mod sharp;
 mod source;
 mod spread;
-mod summation;
 mod tables;
 mod trend;
 mod violation;
 
-use std::time::Instant;
-
+use crate::clock::{Deadline, Stopwatch};
 use crate::error::Unsolved;
 use crate::gap::AnyGap;
 use crate::grid::Pressure;
@@ -50,8 +45,6 @@ use known::Known;
 use mirrors::Mirrors;
 
 pub use approximate::approximate;
-pub use check::{Claim, Verification, check, check_claims};
-pub use check_field::check_field;
 pub use depth::DepthBracket;
 pub use sharp::sharp;
 
@@ -252,11 +245,13 @@ pub struct BracketSettings {
     pub rounds: usize,
     /// Threads for the solves of [`sharp`]; 1 unless said.
     pub threads: usize,
+    /// When no further round of [`sharp`] is begun; never unless said. What is found until then is a bracket all the same.
+    pub deadline: Deadline,
 }
 
 impl Default for BracketSettings {
     fn default() -> Self {
-        Self { per_cell: 4, prove: true, rounds: 4, threads: 1 }
+        Self { per_cell: 4, prove: true, rounds: 4, threads: 1, deadline: Deadline::NEVER }
     }
 }
 
@@ -292,7 +287,7 @@ pub fn certify(
 ) -> Result<ForceBracket, Unsolved> {
     let gap = &gap.into();
     frame::within(gap, modulus, depth, pressure, |frame, mut q| {
-        let started = Instant::now();
+        let started = Stopwatch::start();
         let mirrors = Mirrors::found(&mut q, frame);
         let mut around = Surroundings::new(&frame.grid, settings.per_cell.max(1));
         let known = Known::new(q.len(), false);
@@ -301,7 +296,7 @@ pub fn certify(
         let (_, found, evidence) = frame.look(&mut around, &q, violation::Side::Both, &mut attention);
         let outside = outside::look(frame, &q);
         let (upper, lower) = (close::upper(frame, &q, &found, &outside), close::lower(frame, &q, &found));
-        let cost = BracketCost { seconds: started.elapsed().as_secs_f64(), products: 1, solves: 0 };
+        let cost = BracketCost { seconds: started.seconds(), products: 1, solves: 0 };
         ForceBracket { lower: frame.side(lower, &q, evidence), upper: frame.side(upper, &q, evidence), cost }
     })
 }

@@ -4,8 +4,6 @@
 //! contact, where closing costs its maximum. On the lower side the support never grows: a cell that is taken in again is
 //! thrown out in the next round. Less support costs little, since P(A) is stationary at the true contact.
 
-use std::time::Instant;
-
 use super::close::{self, Closed};
 use super::field::{Field, Surroundings};
 use super::frame::{self, Attention, Frame};
@@ -13,6 +11,7 @@ use super::known::Known;
 use super::mirrors::Mirrors;
 use super::violation::{self, Violation};
 use super::{BracketCost, BracketSettings, Evidence, ForceBracket, look, outside};
+use crate::clock::Stopwatch;
 use crate::discrete::Discrete;
 use crate::error::Unsolved;
 use crate::gap::{AnyGap, Gap};
@@ -56,7 +55,7 @@ pub fn sharp(
 ) -> Result<ForceBracket, Unsolved> {
     let gap = &gap.into();
     frame::within(gap, modulus, depth, pressure, |frame, mut q| {
-        let started = Instant::now();
+        let started = Stopwatch::start();
         let mirrors = Mirrors::found(&mut q, frame);
         let mut session = Session {
             around: Surroundings::new(&frame.grid, settings.per_cell.max(1)),
@@ -77,7 +76,7 @@ pub fn sharp(
         let lower = (close::lower(frame, &q, &first), q);
         let upper = session.raise(upper, (&field, &first), lower.0.force);
         let lower = session.lower(lower, (&field, &first), upper.0.force);
-        session.cost.seconds = started.elapsed().as_secs_f64();
+        session.cost.seconds = started.seconds();
         ForceBracket {
             lower: frame.side(lower.0, &lower.1, session.evidence),
             upper: frame.side(upper.0, &upper.1, session.evidence),
@@ -104,11 +103,19 @@ impl Session<'_> {
     }
 
     /// The pressure for these overlaps, good to a share of the violation that they make good; `None` when the solver gives
-    /// up. From nothing: on nested grids that is quicker than from a pressure near by.
+    /// up or the time is used up. From nothing: on nested grids that is quicker than from a pressure near by.
     fn solve(&mut self, overlap: Vec<f64>, violation: f64) -> Option<Vec<f64>> {
         let problem = Discrete { grid: self.frame.grid, kernel: Kernel::Collocation, overlap };
         let tolerance = (SHARE * violation / self.frame.depth.abs()).clamp(1e-9, 1e-3);
-        let settings = matrix_free::Settings { tolerance, threads: self.settings.threads, ..Default::default() };
+        let settings = matrix_free::Settings {
+            tolerance,
+            threads: self.settings.threads,
+            deadline: self.settings.deadline,
+            ..Default::default()
+        };
+        if settings.deadline.has_passed() {
+            return None;
+        }
         self.cost.solves += 1;
         let solved = matrix_free::solve_nested(&problem, &settings).ok()?;
         let mut q = solved.pressure;

@@ -4,6 +4,7 @@
 //! holds the lines of that window and nothing else.
 
 use std::io::{self, BufRead, Write};
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Mutex;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
@@ -12,15 +13,17 @@ use clap::Args;
 use serde_json::json;
 
 use super::{Failure, Overrides, checked_threads};
+use crate::clock::Deadline;
 use crate::error::InputError;
 use crate::report;
 use crate::scene::Scene;
+use crate::scene::fields::checked_seconds;
 
 /// Lines in flight for each worker: enough that none waits for a slow neighbour.
 const WINDOW: usize = 32;
 
 /// Longest line that is read, in bytes.
-const LONGEST: usize = 1 << 26;
+const LONGEST: usize = crate::scene::LONGEST as usize;
 
 /// Solve one scene a line from standard input, one result a line on standard output, in order
 ///
@@ -33,10 +36,19 @@ pub(super) struct Batch {
     /// Scenes solved at the same time; by default as many as there are cores
     #[arg(long, value_name = "N")]
     jobs: Option<usize>,
+    /// CPU seconds that each scene may take; those of the scene stand when this is left out
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    seconds: Option<f64>,
+    /// Read the files that scenes name from inside this directory only
+    #[arg(long, value_name = "DIR")]
+    root: Option<PathBuf>,
     /// Exit with 1 when a line is wrong or not solved
     #[arg(long)]
     strict: bool,
 }
+
+/// Cells along the longer side of any scene of a batch: about 1.1 GB each, where one alone may take 17.
+const MOST_CELLS: usize = 4096;
 
 /// A line, its number from 1, and where its answer is waited for.
 type Job = (usize, Result<Vec<u8>, InputError>, SyncSender<Answer>);
@@ -49,6 +61,13 @@ impl Batch {
         // Wrong options are wrong for every line: say so once.
         self.overrides.apply(&mut Default::default()).map_err(|e| Failure::wrong("arguments", &e))?;
         let jobs = checked_threads("--jobs", self.jobs)?;
+        let wrong = |e: &InputError| Failure::wrong("arguments", e);
+        if let Some(seconds) = self.seconds {
+            checked_seconds("--seconds", seconds).map_err(|e| wrong(&e))?;
+        }
+        if let Some(root) = self.root.as_deref().filter(|root| !root.is_dir()) {
+            return Err(wrong(&InputError::new("--root", root.display(), "a directory")));
+        }
         let (to_workers, work) = sync_channel::<Job>(jobs);
         let (to_writer, ordered) = sync_channel::<Receiver<Answer>>(WINDOW * jobs);
         let work = Mutex::new(work);
@@ -88,9 +107,24 @@ impl Batch {
 
     fn answer(&self, number: usize, line: Result<Vec<u8>, InputError>) -> Answer {
         let scene = line.and_then(|line| {
-            let mut scene = Scene::from_json(&line)?;
+            let deadline = self.seconds.map_or(Deadline::NEVER, |seconds| Deadline::after(seconds, 1));
+            let mut scene = match &self.root {
+                Some(root) => Scene::from_json_within(&line, root)?,
+                None => Scene::from_json(&line)?,
+            };
             self.overrides.apply(&mut scene.settings)?;
-            Ok(scene)
+            let settings = &mut scene.settings;
+            settings.deadline = deadline;
+            if self.seconds == Some(0.0) {
+                settings.seconds = 0.0;
+            }
+            match settings.cells {
+                Some(cells) if cells > MOST_CELLS => {
+                    let allowed = format!("at most {MOST_CELLS} in a batch");
+                    Err(InputError::new("solve.cells", cells, allowed))
+                }
+                _ => Ok(scene),
+            }
         });
         let scene = match scene {
             Ok(scene) => scene,

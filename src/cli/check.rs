@@ -5,9 +5,8 @@ use std::process::ExitCode;
 
 use clap::Args;
 
-use super::claims::{State, missing, string};
 use super::{Failure, scene};
-use crate::bracket::Verification;
+use crate::check::{State, Verification};
 use crate::contact::Loading;
 use crate::error::InputError;
 use crate::report::write::Target;
@@ -27,14 +26,11 @@ pub(super) struct Check {
     field: Option<PathBuf>,
 }
 
-/// Keys of a scene that say what the problem is.
-const PROBLEM: [&str; 4] = ["bodies", "effective_modulus", "gap", "loading"];
-
 impl Check {
     pub(super) fn run(&self) -> Result<ExitCode, Failure> {
         let scene = scene(&self.scene)?;
         let wrong = |e: &InputError| Failure::wrong(self.result.display(), e);
-        let text = read(&self.result)?;
+        let text = read(&self.result, LONGEST)?;
         let result = Json::parse(&text).map_err(|e| wrong(&e))?;
         let loads = scene.contact.loading().loads();
         let many = matches!(scene.contact.loading(), Loading::Steps(_));
@@ -48,7 +44,7 @@ impl Check {
         let mut states = Vec::new();
         if found.accepted() {
             for (k, load) in loads.iter().enumerate() {
-                let mut state = State::read(&result, many.then_some(k), loads.len()).map_err(|e| wrong(&e))?;
+                let mut state = State::read(&result, many.then_some([k, loads.len()])).map_err(|e| wrong(&e))?;
                 let beside = || state.field_file.as_ref().map(|file| self.result.with_file_name(file));
                 let array = self.field.clone().or_else(beside);
                 if let (Some(path), Some(field)) = (array, &mut state.field) {
@@ -58,11 +54,14 @@ impl Check {
             }
         }
         for (k, load, state) in &states {
-            let checked = state.check(&scene, *load);
+            let checked = state.check(&scene, *load).map_err(|e| wrong(&e))?;
             if many {
                 lines.push(format!("state {}:", k + 1));
             }
             lines.extend(checked.checked.iter().map(|what| mark(&checked, what)));
+            if !checked.unchecked.is_empty() {
+                lines.push(format!("--  not checked: {}", checked.unchecked.join(", ")));
+            }
             found.objections.extend(checked.objections);
         }
         let mut head: Vec<String> = found.checked.iter().map(|what| mark(&found, what)).collect();
@@ -77,14 +76,19 @@ fn mark(found: &Verification, what: &String) -> String {
     format!("{}  {what}", if found.objections.contains(what) { "NO" } else { "ok" })
 }
 
-fn read(path: &Path) -> Result<Vec<u8>, Failure> {
-    let unreadable = |e: std::io::Error| Failure::Message(format!("{}: cannot be read: {e}", path.display()));
-    std::fs::read(path).map_err(unreadable)
+/// Longest result that is read, in bytes.
+const LONGEST: u64 = 1 << 28;
+
+/// Longest array, in bytes.
+const LARGEST_ARRAY: u64 = 1 << 31;
+
+fn read(path: &Path, longest: u64) -> Result<Vec<u8>, Failure> {
+    crate::files::read(path, longest).map_err(|e| Failure::wrong(path.display(), &e))
 }
 
 fn npy(path: &Path, [nx, ny]: [usize; 2]) -> Result<Vec<f64>, Failure> {
-    let heights =
-        crate::gap::Heights::from_npy(&read(path)?, [1.0; 2]).map_err(|e| Failure::wrong(path.display(), &e))?;
+    let heights = crate::gap::Heights::from_npy(&read(path, LARGEST_ARRAY)?, [1.0; 2])
+        .map_err(|e| Failure::wrong(path.display(), &e))?;
     if heights.shape() != [nx, ny] {
         let given = format!("a shape of {:?}", heights.shape());
         let error = InputError::new("shape", given, format!("that of the field in the result, [{nx}, {ny}]"));
@@ -95,8 +99,12 @@ fn npy(path: &Path, [nx, ny]: [usize; 2]) -> Result<Vec<f64>, Failure> {
 
 /// The result must be one of this scene, and one that was solved.
 fn same_problem(scene: &Scene, result: &Json, found: &mut Verification) -> Result<(), InputError> {
+    let missing = |key: &str, allowed: &str| InputError::new(key, "nothing", allowed);
     let echo = result.get("scene").ok_or_else(|| missing("scene", "the scene that was solved"))?;
-    for key in PROBLEM {
+    let (Json::Object(said), Json::Object(own)) = (echo, &scene.document) else {
+        return Err(InputError::new("scene", echo.brief(), "the scene that was solved"));
+    };
+    for (key, _) in own.iter().chain(said) {
         if scene.document.get(key) != echo.get(key) {
             found.require(false, format!("the result is of this scene: \"{key}\" is another one"));
         }
@@ -104,7 +112,11 @@ fn same_problem(scene: &Scene, result: &Json, found: &mut Verification) -> Resul
     if found.accepted() {
         found.require(true, "the result is of this scene");
     }
-    let verdict = string(result, "verdict")?;
+    let verdict = match result.get("verdict") {
+        Some(Json::String(verdict)) => verdict,
+        Some(other) => return Err(InputError::new("verdict", other.brief(), "a string")),
+        None => return Err(missing("verdict", "a string")),
+    };
     found.require(verdict == "solved", format!("the verdict is {verdict}"));
     Ok(())
 }

@@ -5,7 +5,8 @@ use std::process::ExitCode;
 
 use clap::Args;
 
-use super::{Failure, checked_threads, scene};
+use super::outputs::outputs;
+use super::{Failure, checked_threads, inputs, scene};
 use crate::compare::{Plan, compare};
 use crate::error::InputError;
 use crate::plot::{Format, error_against_time};
@@ -67,18 +68,9 @@ impl Compare {
             cells => Some(checked_cells("--bracket-cells", cells).map_err(|e| wrong(&e))?),
         };
         let format = self.plot.as_deref().map(Format::of).transpose().map_err(|e| wrong(&e.within("--plot")))?;
-        let paths = [&self.json, &self.csv, &self.plot];
-        for (k, path) in paths.iter().enumerate() {
-            if let Some(path) = path.as_ref().filter(|_| paths[..k].contains(path)) {
-                let given = format!("{} twice", path.display());
-                return Err(wrong(&InputError::new("--json, --csv, --plot", given, "a file of its own for each")));
-            }
-        }
-        let mut targets = Vec::new();
-        for path in paths {
-            let checked = |path: &PathBuf| Target::check(path).map_err(|e| Failure::unwritable(path, &e));
-            targets.push(path.as_ref().map(|path| checked(path).map(|target| (path, target))).transpose()?);
-        }
+        let paths = [&self.json, &self.csv, &self.plot].map(|path| path.as_deref());
+        let options = [("--json", paths[0]), ("--csv", paths[1]), ("--plot", paths[2])];
+        let targets = outputs(options, &inputs(&self.scene, &scene))?;
         let comparison = compare(&scene.contact, &plan);
         let json = comparison_json(&scene, &comparison).map_err(|e| Failure::Message(e.to_string()))? + "\n";
         let picture = match format {

@@ -6,13 +6,13 @@ use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
 
-use super::{Failure, Overrides, scene};
+use super::outputs::outputs;
+use super::{Failure, Overrides, inputs, scene};
 use crate::contact::Load;
 use crate::curve::Curve;
 use crate::error::{InputError, Unsolved};
 use crate::overlap::least;
 use crate::plot;
-use crate::report::write::Target;
 use crate::scene::Scene;
 
 /// Steps in a file that asks for none.
@@ -79,14 +79,9 @@ impl CurveCommand {
             let allowed = "a number greater than 0 and less than 1";
             return Err(wrong(&InputError::new("--accuracy", self.accuracy, allowed)));
         }
-        let target = Target::check(&self.output).map_err(|e| Failure::unwritable(&self.output, &e))?;
-        let picture = match &self.plot {
-            Some(path) => {
-                let format = plot::Format::of(path).map_err(|e| wrong(&e.within("--plot")))?;
-                Some((path, format, Target::check(path).map_err(|e| Failure::unwritable(path, &e))?))
-            }
-            None => None,
-        };
+        let format = self.plot.as_deref().map(plot::Format::of).transpose().map_err(|e| wrong(&e.within("--plot")))?;
+        let options = [("--output", Some(self.output.as_path())), ("--plot", self.plot.as_deref())];
+        let [table, picture] = outputs(options, &inputs(&self.scene, &scene))?;
         let curve = match self.curve(&scene).map_err(|e| Failure::wrong("scene", &e))? {
             Ok(curve) => curve,
             Err(unsolved) => {
@@ -110,12 +105,14 @@ impl CurveCommand {
             Format::Adams => curve.adams(self.steps, 1),
             Format::C => curve.c_header(&self.name),
         };
-        if let Some((path, format, target)) = picture {
+        if let (Some((path, target)), Some(format)) = (picture, format) {
             let bytes = plot::curve(scene.name.as_deref().unwrap_or(""), &curve, format)
                 .map_err(|e| Failure::Message(format!("{}: {e}", path.display())))?;
             target.write(|to| to.write_all(&bytes)).map_err(|e| Failure::unwritable(path, &e))?;
         }
-        target.write(|to| to.write_all(text.as_bytes())).map_err(|e| Failure::unwritable(&self.output, &e))?;
+        if let Some((path, target)) = table {
+            target.write(|to| to.write_all(text.as_bytes())).map_err(|e| Failure::unwritable(path, &e))?;
+        }
         Ok(ExitCode::SUCCESS)
     }
 
@@ -138,7 +135,7 @@ impl CurveCommand {
         }
         if strongest > 0.0 {
             let contact = scene.contact.under(crate::contact::Loading::force(strongest));
-            match crate::solve(&contact, &scene.settings).remove(0) {
+            match crate::solve(&contact, &scene.settings).remove(0).or_else(Unsolved::accept_best) {
                 Ok(solution) => deepest = deepest.max(solution.depth),
                 Err(unsolved) => return Ok(Err(unsolved)),
             }

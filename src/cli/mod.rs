@@ -5,11 +5,11 @@
 
 mod batch;
 mod check;
-mod claims;
 mod compare;
 mod completions;
 mod curve;
 mod heap;
+mod outputs;
 mod plan;
 mod progress;
 mod report;
@@ -18,7 +18,7 @@ mod solve;
 mod stability;
 
 use std::io::{self, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
@@ -136,6 +136,12 @@ pub fn run() -> ExitCode {
             ExitCode::from(2)
         }
     }
+}
+
+/// The files that a command reads for a scene: its own, and those that it names.
+fn inputs(path: &Path, scene: &Scene) -> Vec<PathBuf> {
+    let own = (path.as_os_str() != "-").then(|| path.to_owned());
+    own.into_iter().chain(scene.files.iter().cloned()).collect()
 }
 
 /// The scene in this file; `-` is standard input.

@@ -1,17 +1,18 @@
 //! What is going on, on stderr: only on a terminal, only for work longer than a second.
 
 use std::io::IsTerminal;
-use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-/// Work shorter than this is not talked about.
-const SILENCE: Duration = Duration::from_secs(1);
+use crate::clock::Stopwatch;
+
+/// Seconds of work before anything is shown.
+const SILENCE: f64 = 1.0;
 
 /// A line that is there while work goes on, and then is not.
 pub(super) struct Progress {
     bar: ProgressBar,
-    started: Instant,
+    started: Stopwatch,
     shown: bool,
 }
 
@@ -19,12 +20,12 @@ impl Progress {
     pub fn new() -> Self {
         let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::hidden());
         bar.set_style(ProgressStyle::default_spinner());
-        Self { bar, started: Instant::now(), shown: false }
+        Self { bar, started: Stopwatch::start(), shown: false }
     }
 
     /// Says what begins now.
     pub fn say(&mut self, what: &str) {
-        if !self.shown && self.started.elapsed() > SILENCE && std::io::stderr().is_terminal() {
+        if !self.shown && self.started.seconds() > SILENCE && std::io::stderr().is_terminal() {
             self.bar.set_draw_target(ProgressDrawTarget::stderr());
             self.shown = true;
         }

@@ -5,11 +5,11 @@ use std::process::ExitCode;
 
 use clap::Args;
 
+use super::outputs::outputs;
 use super::progress::Progress;
-use super::{Failure, Overrides, checked_threads, scene};
+use super::{Failure, Overrides, checked_threads, inputs, scene};
 use crate::compare::Plan;
 use crate::report;
-use crate::report::write::Target;
 
 /// Write all there is to say about a scene as one page for a browser or a printer
 ///
@@ -36,7 +36,7 @@ impl Report {
         self.overrides.apply(&mut scene.settings).map_err(|e| Failure::wrong("arguments", &e))?;
         scene.settings.threads = checked_threads("--threads", Some(self.threads))?;
         let unwritable = |e: &std::io::Error| Failure::unwritable(&self.output, e);
-        let target = Target::check(&self.output).map_err(|e| unwritable(&e))?;
+        let [output] = outputs([("--output", Some(self.output.as_path()))], &inputs(&self.scene, &scene))?;
         // Finer grids take longer than a reader of a report will wait, and show nothing more.
         let runs = Plan {
             fft_cells: vec![16, 32, 64, 128, 256],
@@ -46,7 +46,9 @@ impl Report {
         let mut progress = Progress::new();
         let page = report::page(&scene, &runs, &mut |what| progress.say(what));
         drop(progress);
-        target.write(|to| to.write_all(page.html.as_bytes())).map_err(|e| unwritable(&e))?;
+        if let Some((_, target)) = output {
+            target.write(|to| to.write_all(page.html.as_bytes())).map_err(|e| unwritable(&e))?;
+        }
         Ok(if page.solved { ExitCode::SUCCESS } else { ExitCode::from(1) })
     }
 }

@@ -6,7 +6,8 @@ use std::process::ExitCode;
 
 use clap::Args;
 
-use super::{Failure, Overrides, checked_threads, scene};
+use super::outputs::outputs;
+use super::{Failure, Overrides, checked_threads, inputs, scene};
 use crate::contact::Loading;
 use crate::error::InputError;
 use crate::plot::{self, Format};
@@ -71,12 +72,24 @@ impl Solve {
             scene.settings.outputs.pressure = true;
             scene.settings.outputs.patch = true;
         }
-        let [json, csv, field, picture] = self.targets()?;
+        let [json, csv, field, picture] = outputs(
+            [
+                ("--json", self.json.as_deref()),
+                ("--csv", self.csv.as_deref()),
+                ("--field", self.field.as_deref()),
+                ("--plot", self.plot.as_deref()),
+            ],
+            &inputs(&self.scene, &scene),
+        )?;
         let mut steps = crate::solve(&scene.contact, &scene.settings);
         if let (Some((path, target)), Some(format)) = (picture, format) {
             draw(&scene, &steps, path, &target, format)?;
             // What was computed for the picture alone is not part of the result.
-            for solution in steps.iter_mut().flatten() {
+            let states = steps.iter_mut().filter_map(|step| match step {
+                Ok(solution) => Some(solution),
+                Err(unsolved) => unsolved.best.as_deref_mut(),
+            });
+            for solution in states {
                 if !asked.patch {
                     solution.patch.boundary = None;
                 }
@@ -97,8 +110,8 @@ impl Solve {
             write(path, &target, |to| to.write_all(report::csv(&steps).as_bytes()))?;
         }
         if let Some((path, target)) = field {
-            // Without an answer the verdict says why there is no field; without contact there is none.
-            let field = steps.first().and_then(|step| step.as_ref().ok()).and_then(|s| s.pressure.field.as_ref());
+            // Without a state the verdict says why there is no field; without contact there is none.
+            let field = steps.first().and_then(report::numbers).and_then(|s| s.pressure.field.as_ref());
             if let Some(field) = field {
                 write(path, &target, |to| npy::write(to, field.grid.shape, &field.values))?;
             }
@@ -116,34 +129,18 @@ impl Solve {
         let whole = || std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
         name.unwrap_or_else(whole).display().to_string()
     }
-
-    /// Where to write, checked before anything is solved.
-    fn targets(&self) -> Result<[Option<(&Path, Target)>; 4], Failure> {
-        let paths = [&self.json, &self.csv, &self.field, &self.plot].map(|p| p.as_deref());
-        for (k, path) in paths.iter().enumerate() {
-            if path.is_some() && paths[..k].contains(path) {
-                let given = format!("{} twice", path.unwrap_or(Path::new("")).display());
-                let error = InputError::new("--json, --csv, --field, --plot", given, "a file of its own for each");
-                return Err(Failure::wrong("arguments", &error));
-            }
-        }
-        let mut targets = [None, None, None, None];
-        for (target, path) in targets.iter_mut().zip(paths) {
-            if let Some(path) = path {
-                *target = Some((path, Target::check(path).map_err(|e| Failure::unwritable(path, &e))?));
-            }
-        }
-        Ok(targets)
-    }
 }
 
 /// The pressure of one state, or the force of several; nothing when none was solved or the bodies do not touch.
 fn draw(scene: &Scene, steps: &[report::Step], path: &Path, target: &Target, format: Format) -> Result<(), Failure> {
     let title = scene.name.as_deref().unwrap_or("");
     let picture = match (scene.contact.loading(), steps) {
-        (Loading::Single(_), [Ok(solution)]) => plot::pressure_map(title, solution, format),
+        (Loading::Single(_), [step]) => match report::numbers(step) {
+            Some(solution) => plot::pressure_map(title, solution, format),
+            None => return Ok(()),
+        },
         _ => {
-            let points: Vec<[f64; 2]> = steps.iter().flatten().map(|s| [s.depth, s.force]).collect();
+            let points: Vec<[f64; 2]> = steps.iter().filter_map(report::numbers).map(|s| [s.depth, s.force]).collect();
             plot::force_depth(title, &points, &points, format)
         }
     };

@@ -1,12 +1,12 @@
 //! `contact-patch stability`
 
 use std::process::ExitCode;
-use std::time::Instant;
 
 use clap::Args;
 
 use super::Failure;
 use super::progress::Progress;
+use crate::clock::Stopwatch;
 use crate::error::InputError;
 use crate::report::table::{aligned, figure};
 use crate::report::write::Target;
@@ -26,7 +26,7 @@ impl Stability {
             ["case", "method", "at", "verdict", "force", "error", "bound", "residual", "condition", "seconds", ""];
         let mut rows = vec![heads.map(str::to_owned)];
         let (mut run, mut missed) = (0, Vec::new());
-        let started = Instant::now();
+        let started = Stopwatch::start();
         let all = cases().map_err(|e| Failure::wrong("stability", &e))?;
         let mut progress = Progress::new();
         let chosen = all.iter().filter(|c| self.only.as_ref().is_none_or(|text| c.name.contains(text.as_str())));
@@ -54,7 +54,7 @@ impl Stability {
         }
         let mut lines = aligned(&rows);
         lines.extend(missed.iter().cloned());
-        lines.push(format!("{run} runs, {} missed, {:.1} s\n", missed.len(), started.elapsed().as_secs_f64()));
+        lines.push(format!("{run} runs, {} missed, {:.1} s\n", missed.len(), started.seconds()));
         Target::Stdout.write(|to| to.write_all(lines.join("\n").as_bytes()))?;
         Ok(if missed.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(1) })
     }

@@ -3,6 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 use std::fmt;
 
+use crate::clock::Deadline;
 use crate::quadrature::{Integral, adaptive, from_zero};
 
 /// g'(r) or g(r).
@@ -17,6 +18,8 @@ pub(super) struct Generatrix {
     pub(super) kinks: Vec<f64>,
     /// Where the body ends with a sharp rim; infinite when it does not.
     pub(super) radius: f64,
+    /// From then on integrals are NaN.
+    pub(super) deadline: Deadline,
 }
 
 impl fmt::Debug for Generatrix {
@@ -34,6 +37,9 @@ impl Generatrix {
     /// int_0^{pi/2} F dt with r = s sin t on the panel next to the axis, where r has to keep its digits, and
     /// r = s cos theta on the others, where s - r has to: `f(r, sin t, cos t)`.
     fn integral(&self, s: f64, f: impl Fn(f64, f64, f64) -> f64) -> Integral {
+        if self.deadline.has_passed() {
+            return Integral { value: f64::NAN, error: f64::INFINITY, evaluations: 0 };
+        }
         let first_kink = self.kinks.first().copied().filter(|&b| b < s).map_or(FRAC_PI_2, |b| (b / s).asin());
         let split = first_kink.min(FRAC_PI_4);
         let near = |t: f64| {

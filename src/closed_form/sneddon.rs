@@ -16,6 +16,7 @@ use std::sync::Arc;
 
 use super::generatrix::{Generatrix, Profile};
 use super::{ClosedForm, Revolution};
+use crate::clock::Deadline;
 use crate::error::{InputError, Unsolved, Verdict};
 use crate::material::EffectiveModulus;
 use crate::quadrature::{adaptive, from_zero};
@@ -30,6 +31,9 @@ pub struct Sneddon {
 
 /// Points at which the conditions of a disc are looked at, inside the contact and outside.
 const LOOKS: usize = 96;
+
+/// Most kinks: the time grows with their square, to a third of a second.
+const MOST_KINKS: usize = 200;
 
 impl Sneddon {
     /// The gap with slope g'(r), r > 0. `kinks` are the radii at which the slope is not smooth; `radius` is where the
@@ -49,7 +53,8 @@ impl Sneddon {
     /// ```
     ///
     /// # Errors
-    /// Names a kink that is not a finite number greater than zero, or the radius when it is not greater than zero.
+    /// Names a kink that is not a finite number greater than zero, or the radius when it is not greater than zero; `kinks` when
+    /// there are more than 200.
     pub fn new(
         modulus: EffectiveModulus,
         slope: impl Fn(f64) -> f64 + Send + Sync + 'static,
@@ -81,6 +86,16 @@ impl Sneddon {
         Self::from_profile(modulus, Box::new(gap), false, kinks, radius)
     }
 
+    /// The same, which gives up at the deadline: what is asked for later is NaN or an error, and a pressure that is not finite is
+    /// none.
+    #[must_use]
+    pub fn before(mut self, deadline: Deadline) -> Self {
+        if let Some(generatrix) = Arc::get_mut(&mut self.generatrix) {
+            generatrix.deadline = deadline;
+        }
+        self
+    }
+
     fn from_profile(
         modulus: EffectiveModulus,
         profile: Profile,
@@ -97,7 +112,10 @@ impl Sneddon {
         let mut kinks: Vec<f64> = kinks.iter().copied().filter(|&b| b < radius).collect();
         kinks.sort_by(f64::total_cmp);
         kinks.dedup();
-        let generatrix = Arc::new(Generatrix { profile, by_slope, kinks, radius });
+        if kinks.len() > MOST_KINKS {
+            return Err(InputError::new("kinks", format!("{} corners", kinks.len()), format!("at most {MOST_KINKS}")));
+        }
+        let generatrix = Arc::new(Generatrix { profile, by_slope, kinks, radius, deadline: Deadline::NEVER });
         Ok(Self { e_star: modulus.e_star(), generatrix })
     }
 
@@ -198,7 +216,11 @@ fn contacts(g: &Generatrix, excess: &mut impl FnMut(f64) -> f64) -> Result<Vec<f
         }
     }
     while high > 2.0 * low {
-        let middle = (low * high).sqrt();
+        // Of products near the end of the range of numbers nothing would be left.
+        let middle = low.sqrt() * high.sqrt();
+        if !(low < middle && middle < high) {
+            break;
+        }
         if look(middle)? > 0.0 { high = middle } else { low = middle }
     }
     // Every crossing between an eighth and eight times this one: more than one only if the contact was a ring once.
@@ -208,7 +230,10 @@ fn contacts(g: &Generatrix, excess: &mut impl FnMut(f64) -> f64) -> Result<Vec<f
     let mut before = (0.125 * first, look(0.125 * first)?);
     for k in 1..=LOOKS {
         let r = 0.125 * first * (end / (0.125 * first)).powf(k as f64 / LOOKS as f64);
-        let here = (r, if r < g.radius { look(r)? } else { look(g.radius)? });
+        let Ok(here) = look(r.min(g.radius)).map(|excess| (r, excess)) else {
+            // Nothing is known that far out.
+            break;
+        };
         if before.1 < 0.0 && here.1 > 0.0 && !(before.0 <= first && first <= here.0) {
             let found = root(|a| look(a).unwrap_or(f64::NAN), before.0, here.0);
             all.extend(found.map(|found| found.at));

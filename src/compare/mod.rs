@@ -269,9 +269,10 @@ struct Timed {
 
 fn timed(contact: &Contact, settings: &Settings, plan: &Plan) -> Result<Timed, Unsolved> {
     let once = |settings: &Settings| {
-        solve(contact, settings)
-            .pop()
-            .unwrap_or_else(|| Err(Unsolved::new(crate::Verdict::NotApplicable, "there is no state of loading")))
+        let nothing = || Err(Unsolved::new(crate::Verdict::NotApplicable, "there is no state of loading"));
+        let answer = solve(contact, settings).pop().unwrap_or_else(nothing);
+        // A run on prescribed cells is shown with whatever error it is left with.
+        if settings.cells.is_some() { answer.or_else(Unsolved::accept_best) } else { answer }
     };
     let mut first = None;
     let mut peak_bytes = plan.heap.map(|meter| meter(&mut || first = Some(once(settings))));
@@ -293,7 +294,12 @@ fn timed(contact: &Contact, settings: &Settings, plan: &Plan) -> Result<Timed, U
 fn bracket(contact: &Contact, best: &Solution, settings: &Settings, cells: usize) -> Option<ForceBracket> {
     let outputs = Outputs { pressure: true, ..Outputs::default() };
     let settings = Settings { method: Method::Fft, cells: Some(cells), outputs, ..*settings };
-    let field = solve(&contact.under(Loading::Single(at(best))), &settings).pop()?.ok()?.pressure.field?;
+    let field = solve(&contact.under(Loading::Single(at(best))), &settings)
+        .pop()?
+        .or_else(Unsolved::accept_best)
+        .ok()?
+        .pressure
+        .field?;
     let gap = contact.tilted_gap(best.tilt);
     let look = BracketSettings { threads: settings.threads, ..BracketSettings::default() };
     bracket::sharp(&gap, contact.modulus(), best.depth, &field, &look).ok()

@@ -9,7 +9,7 @@ use crate::material::EffectiveModulus;
 /// The boundary asked for: equation (15), or the best of a family.
 ///
 /// # Errors
-/// As [`stationary`]; `NoMaximum` when the force has no verified interior maximum within the family.
+/// As [`stationary`]; `NoMaximum` when the force has no verified interior maximum within the family; `TimeLimit`.
 pub fn solve(
     gap: impl Into<AnyGap>,
     modulus: EffectiveModulus,
@@ -18,12 +18,14 @@ pub fn solve(
     settings: &Settings,
 ) -> Result<Approximation, Error> {
     let gap = &gap.into();
-    match family {
+    let found = match family {
         Family::Stationary => stationary(gap, modulus, depth, settings),
         Family::Circle => crate::ritz::circle(gap, modulus, depth, settings),
         Family::Ellipse => crate::ritz::ellipse(gap, modulus, depth, settings),
         Family::Fourier(_) | Family::PlanForm => family::best(gap, modulus, depth, family, settings),
-    }
+    };
+    // Cut short, it fails for one reason or another.
+    found.map_err(|e| settings.deadline.check().map_or_else(Error::from, |()| e))
 }
 
 /// The depth at which the force of `family` is `force`, and what was found there: Newton's method on log P over log d with

@@ -46,7 +46,7 @@ pub(super) fn best(
     {
         return Err(InputError::new("fourier", order, format!("an order of at most {HIGHEST_ORDER}")).into());
     }
-    let problem = Problem::new(gap, modulus, depth)?;
+    let problem = Problem::new(gap, modulus, depth)?.before(settings.deadline);
     let tolerance: f64 = settings.tolerance;
     let mut star = Star::about(&problem.overlap, [0.0; 2], 0.5, first_rung(tolerance));
     star.careful = true;

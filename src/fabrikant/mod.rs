@@ -51,6 +51,7 @@ pub(crate) use ray::{DIFFERENCE_STEP, ScaledOverlap};
 pub(crate) use sectors::{Sectors, Spoke, THIRD};
 pub use stationary::stationary;
 
+use crate::clock::Deadline;
 use crate::error::{InputError, Unsolved, Verdict};
 use star::radius_in;
 
@@ -86,11 +87,13 @@ pub struct Settings {
     pub most_rays: usize,
     /// Equally spaced points of the boundary computed besides those of the quadrature; 0 saves their time.
     pub boundary_points: usize,
+    /// When to stop with the verdict [`Verdict::TimeLimit`]; never unless said.
+    pub deadline: Deadline,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { tolerance: 1e-9, most_rays: 4_000, boundary_points: 180 }
+        Self { tolerance: 1e-9, most_rays: 4_000, boundary_points: 180, deadline: Deadline::NEVER }
     }
 }
 

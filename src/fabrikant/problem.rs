@@ -1,5 +1,6 @@
 //! The problem at the door: units taken off.
 
+use crate::clock::Deadline;
 use crate::error::{InputError, Unsolved, Verdict, finite};
 use crate::fabrikant::{Boundary, Error, ScaledOverlap};
 use crate::gap::{AnyGap, Gap};
@@ -50,6 +51,12 @@ impl Problem {
             half: rect.size().map(|side| 0.5 * side / length),
             searched,
         })
+    }
+
+    /// The same, whose evaluation stops at the deadline.
+    pub fn before(mut self, deadline: Deadline) -> Self {
+        self.overlap.deadline = deadline;
+        self
     }
 
     /// 2E* length depth: the unit of P for D.

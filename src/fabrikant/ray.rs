@@ -15,6 +15,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
+use crate::clock::Deadline;
 use crate::fabrikant::radial::{RadialRule, Stand};
 use crate::gap::{AnyGap, Gap};
 use crate::overlap::Units;
@@ -29,6 +30,8 @@ pub(crate) struct ScaledOverlap {
     pub level: f64,
     has_gradient: bool,
     has_planes: bool,
+    /// When to stop evaluating it.
+    pub deadline: Deadline,
 }
 
 impl ScaledOverlap {
@@ -38,7 +41,8 @@ impl ScaledOverlap {
         let gap = gap.scaled(units.origin, units.length, units.height);
         let [x, y] = gap.known().centre;
         let has_gradient = gap.gradient(x, y).is_some();
-        Self { has_gradient, has_planes: has_gradient && gap.ridges().is_some(), gap, units, level }
+        let has_planes = has_gradient && gap.ridges().is_some();
+        Self { has_gradient, has_planes, gap, units, level, deadline: Deadline::NEVER }
     }
 
     /// The overlap at depth 1 in the gap's own units.

@@ -291,9 +291,9 @@ impl<'a> Star<'a> {
         }
     }
 
-    /// The evaluations spent, when they are more than a solve may take.
+    /// The evaluations spent, when they are more than a solve may take or the time is used up.
     pub fn tired(&self) -> Option<usize> {
-        Some(self.spent.get()).filter(|&spent| spent > self.budget)
+        Some(self.spent.get()).filter(|&spent| spent > self.budget || self.overlap.deadline.has_passed())
     }
 
     fn has_material(&self, ray: &Ray) -> bool {

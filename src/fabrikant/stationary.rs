@@ -56,7 +56,7 @@ pub fn stationary(
     if let Some(answered) = flat(gap, modulus, depth, &settings) {
         return answered;
     }
-    let problem = Problem::new(gap, modulus, depth)?;
+    let problem = Problem::new(gap, modulus, depth)?.before(settings.deadline);
     let first = about(&problem, modulus, &settings, None);
     // A boundary that does not settle, or not well enough, tells of kinks that the gap has kept to itself.
     let lacking = |answer: &Result<Approximation, Error>| match answer {

@@ -3,6 +3,8 @@
 //! A gap of many parts is restricted to those that matter, block by block, so that the whole takes of the order of n log n in their
 //! number.
 
+use std::convert::Infallible;
+
 use super::Gap;
 use crate::grid::Grid;
 
@@ -11,23 +13,32 @@ const SMALLEST: usize = 8;
 
 /// The gap at the centre of each cell, x fastest.
 pub(crate) fn values(gap: &dyn Gap, grid: &Grid) -> Vec<f64> {
-    in_cells(gap, grid, &|gap, i, j| {
+    centres(gap, grid, &|| Ok(())).unwrap_or_else(|never: Infallible| match never {})
+}
+
+/// As [`values`]; `before` is asked before each row of a block and may end it.
+pub(crate) fn centres<E>(gap: &dyn Gap, grid: &Grid, before: &dyn Fn() -> Result<(), E>) -> Result<Vec<f64>, E> {
+    let of = |gap: &dyn Gap, i, j| {
         let [x, y] = grid.centre(i, j);
         gap.gap(x, y)
-    })
+    };
+    in_cells(gap, grid, &of, before)
 }
 
-/// Its mean over each cell, x fastest.
-pub(crate) fn means(gap: &dyn Gap, grid: &Grid) -> Vec<f64> {
-    in_cells(gap, grid, &|gap, i, j| gap.mean(&grid.cell(i, j)))
+/// The mean of the gap over each cell, x fastest; `before` as in [`centres`].
+pub(crate) fn means<E>(gap: &dyn Gap, grid: &Grid, before: &dyn Fn() -> Result<(), E>) -> Result<Vec<f64>, E> {
+    in_cells(gap, grid, &|gap, i, j| gap.mean(&grid.cell(i, j)), before)
 }
 
-fn in_cells(gap: &dyn Gap, grid: &Grid, of: &dyn Fn(&dyn Gap, usize, usize) -> f64) -> Vec<f64> {
+/// A number of one cell of a gap.
+type OfCell<'a> = dyn Fn(&dyn Gap, usize, usize) -> f64 + 'a;
+
+fn in_cells<E>(gap: &dyn Gap, grid: &Grid, of: &OfCell, before: &dyn Fn() -> Result<(), E>) -> Result<Vec<f64>, E> {
     let mut values = vec![f64::INFINITY; grid.len()];
     if !grid.is_empty() {
-        Block { from: [0; 2], to: grid.shape }.fill(gap, grid, of, &mut values);
+        Block { from: [0; 2], to: grid.shape }.fill(gap, grid, of, before, &mut values)?;
     }
-    values
+    Ok(values)
 }
 
 /// Cells from a corner to another, the second one beyond the last.
@@ -38,7 +49,14 @@ struct Block {
 }
 
 impl Block {
-    fn fill(&self, gap: &dyn Gap, grid: &Grid, of: &dyn Fn(&dyn Gap, usize, usize) -> f64, values: &mut [f64]) {
+    fn fill<E>(
+        &self,
+        gap: &dyn Gap,
+        grid: &Grid,
+        of: &OfCell,
+        before: &dyn Fn() -> Result<(), E>,
+        values: &mut [f64],
+    ) -> Result<(), E> {
         let Self { from, to } = *self;
         let axis = usize::from(to[1] - from[1] > to[0] - from[0]);
         let composed = gap.is_composed();
@@ -49,14 +67,15 @@ impl Block {
             let middle = from[axis].midpoint(to[axis]);
             let (mut low, mut high) = (*self, *self);
             (low.to[axis], high.from[axis]) = (middle, middle);
-            low.fill(gap, grid, of, values);
-            high.fill(gap, grid, of, values);
-            return;
+            low.fill(gap, grid, of, before, values)?;
+            return high.fill(gap, grid, of, before, values);
         }
         for j in from[1]..to[1] {
+            before()?;
             for i in from[0]..to[0] {
                 values[j * grid.shape[0] + i] = of(gap, i, j);
             }
         }
+        Ok(())
     }
 }

@@ -90,7 +90,7 @@ pub(super) fn relax(level: &Level, state: &mut State, scratch: &mut Scratch) -> 
     let mut error = level.error(state);
     let mut stalls = 0;
     while error > level.tolerance {
-        if stalls > MOST_STALLS || state.all_products() >= level.limit {
+        if stalls > MOST_STALLS || level.is_exhausted(state) {
             return false;
         }
         for (single, r) in work.r.iter_mut().zip(&state.r) {
@@ -155,7 +155,7 @@ fn descend(level: &Level, state: &mut State, work: &mut Work, tolerance: f64, sc
         if here <= aim && worst <= tolerance {
             return true;
         }
-        if best.1 > PATIENCE || state.all_products() >= level.limit {
+        if best.1 > PATIENCE || level.is_exhausted(state) {
             return false;
         }
         // Rows in which anything happens: the face and what leaves it.
@@ -186,7 +186,7 @@ fn descend(level: &Level, state: &mut State, work: &mut Work, tolerance: f64, sc
         // Cells that leave and come back were judged too early: the longer nothing is gained, the better a face is solved.
         let fall = INNER.powi(1 + (best.1 / 2).min(5));
         let mut from = here;
-        while state.all_products() < level.limit {
+        while !level.is_exhausted(state) {
             // z, near the solution on the face for the residual.
             for ((w, m), r) in w[cells.clone()].iter_mut().zip(face).zip(&r[cells.clone()]) {
                 *w = m * r;

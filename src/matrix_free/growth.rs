@@ -25,7 +25,7 @@ use crate::influence::InfluenceTable;
 /// ```
 ///
 /// # Errors
-/// `IterationLimit` when the products are used up.
+/// `IterationLimit` when the products are used up, `TimeLimit` when the time is.
 pub fn growth(problem: &Discrete, pressure: &[f64], rates: &[f64], settings: &Settings) -> Result<Vec<f64>, Unsolved> {
     let grid = problem.grid;
     let masked: Vec<f64> = pressure.iter().map(|&p| if p > 0.0 { 1.0 } else { f64::NEG_INFINITY }).collect();
@@ -59,6 +59,7 @@ pub fn growth(problem: &Discrete, pressure: &[f64], rates: &[f64], settings: &Se
                 m.iter_mut().for_each(|m| *m *= unit);
                 return Ok(window.paste(grid.shape, &m));
             }
+            settings.deadline.check()?;
             if products >= settings.products || worst > 0.5 * before {
                 let reason = format!("the stiffness of the contact was not found in {products} products");
                 return Err(Unsolved::new(Verdict::IterationLimit, reason));

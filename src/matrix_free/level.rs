@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use super::convolution::Convolution;
 use super::operator::Scratch;
+use crate::clock::Deadline;
 use crate::influence::InfluenceTable;
 
 /// Offsets, in cells, as far as the displacement by a cell that leaves is foreseen.
@@ -26,8 +27,15 @@ pub(super) struct Level<'a> {
     pub(super) mirrored: bool,
     /// Largest error of the gap allowed.
     pub(super) tolerance: f64,
+    pub(super) limit: Limit,
+}
+
+/// What ends a solve before its tolerance.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Limit {
     /// Products allowed.
-    pub(super) limit: usize,
+    pub(super) products: usize,
+    pub(super) deadline: Deadline,
 }
 
 /// Pressure and what belongs to it.
@@ -53,6 +61,11 @@ impl State {
 }
 
 impl Level<'_> {
+    /// Whether no further product is allowed.
+    pub(super) fn is_exhausted(&self, state: &State) -> bool {
+        state.all_products() >= self.limit.products || self.limit.deadline.has_passed()
+    }
+
     pub(super) fn shape(&self) -> [usize; 2] {
         self.single.shape()
     }

@@ -25,6 +25,7 @@ mod symbol;
 mod transforms;
 mod window;
 
+use crate::clock::Deadline;
 use crate::discrete::{Discrete, DiscreteSolution};
 use crate::error::{Unsolved, Verdict};
 use crate::influence::InfluenceTable;
@@ -35,7 +36,7 @@ pub use operator::{Operator, Scratch};
 pub use solver::Solver;
 
 use convolution::{Convolution, FEW, Sums};
-use level::{Level, NEAR, State};
+use level::{Level, Limit, NEAR, State};
 use window::Window;
 
 /// What a solve is held to.
@@ -47,11 +48,13 @@ pub struct Settings {
     pub products: usize,
     /// Threads; 1 unless said. More need the feature `parallel`; 0 is one per core. The result is the same.
     pub threads: usize,
+    /// When to stop with the verdict [`Verdict::TimeLimit`]; never unless said. Asked for between products.
+    pub deadline: Deadline,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { tolerance: 1e-8, products: 2000, threads: 1 }
+        Self { tolerance: 1e-8, products: 2000, threads: 1, deadline: Deadline::NEVER }
     }
 }
 
@@ -60,8 +63,8 @@ impl Default for Settings {
 /// many problems in a row.
 ///
 /// # Errors
-/// [`Verdict::IterationLimit`] when the tolerance is not reached within the products allowed; [`Verdict::NotApplicable`] when
-/// pressures are beyond the range of numbers.
+/// [`Verdict::IterationLimit`] when the tolerance is not reached within the products allowed; [`Verdict::TimeLimit`] when it is
+/// not reached before the deadline; [`Verdict::NotApplicable`] when pressures are beyond the range of numbers.
 ///
 /// ```
 /// use contact_patch::{Discrete, Grid, Kernel, geometry::Rect, matrix_free};
@@ -141,7 +144,8 @@ impl Window {
             start.iter_mut().for_each(|p| *p /= unit);
             start
         });
-        let left = self.grid(problem).solve(table, operators, start, settings.tolerance, settings.products, scratch);
+        let limit = Limit { products: settings.products, deadline: settings.deadline };
+        let left = self.grid(problem).solve(table, operators, start, settings.tolerance, limit, scratch);
         self.finish(problem, table, left, settings)
     }
 
@@ -155,6 +159,7 @@ impl Window {
     ) -> Result<DiscreteSolution, Unsolved> {
         let Left { mut state, solved } = left;
         if !solved {
+            settings.deadline.check()?;
             let error = error(&state.p, &state.r);
             return Err(Unsolved::new(
                 Verdict::IterationLimit,
@@ -202,7 +207,7 @@ impl Cells {
         operators: &Operators,
         start: Option<Vec<f64>>,
         tolerance: f64,
-        limit: usize,
+        limit: Limit,
         scratch: &mut Scratch,
     ) -> Left {
         let answer = operators.compliance.is_some();

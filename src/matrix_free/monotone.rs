@@ -21,7 +21,7 @@ pub(super) fn minimise(level: &Level, norm: f64, state: &mut State, scratch: &mu
     let mut restart = true;
     let mut rz_old = 0.0;
     let mut since = 0;
-    while state.all_products() < level.limit {
+    while !level.is_exhausted(state) {
         if level.error(state) <= level.tolerance {
             // The residual was carried along: looked at once more from scratch.
             if since == 0 {

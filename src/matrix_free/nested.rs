@@ -4,6 +4,7 @@
 //! problem itself, for values at centres it is close, and a start is all that is wanted of it. One table of influence
 //! coefficients serves all grids.
 
+use super::level::Limit;
 use super::window::Window;
 use super::{Cells, Operators, SYMMETRIC, Settings, no_contact, with_threads};
 use crate::discrete::{Discrete, DiscreteSolution};
@@ -19,7 +20,8 @@ const COARSEST: usize = 12;
 /// Solves from a coarse grid up: the call for a problem without a good start.
 ///
 /// # Errors
-/// [`crate::Verdict::IterationLimit`] when the tolerance is not reached on the last grid within the products allowed.
+/// [`crate::Verdict::IterationLimit`] when the tolerance is not reached on the last grid within the products allowed,
+/// [`crate::Verdict::TimeLimit`] when it is not reached before the deadline.
 ///
 /// ```
 /// use contact_patch::{Discrete, Grid, Kernel, geometry::Rect, matrix_free};
@@ -42,10 +44,11 @@ pub fn solve_nested(problem: &Discrete, settings: &Settings) -> Result<DiscreteS
         }
         let mut start: Option<Vec<f64>> = None;
         for (level, grid) in grids.iter().enumerate().rev() {
-            let (tolerance, limit) = match level {
+            let (tolerance, products) = match level {
                 0 => (settings.tolerance, settings.products),
                 _ => (COARSE_TOLERANCE.max(settings.tolerance), 60),
             };
+            let limit = Limit { products, deadline: settings.deadline };
             let operators = Operators::new(&table, grid.shape, grid.mirrored, level == 0);
             let left = grid.solve(&table, &operators, start.take(), tolerance, limit, scratch);
             if level == 0 {

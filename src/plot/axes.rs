@@ -81,12 +81,19 @@ pub(super) fn decade(x: &f64) -> String {
     if (x / 10f64.powf(power) - 1.0).abs() < 1e-6 { format!("1e{power}") } else { String::new() }
 }
 
+/// Whether a character may stand in XML and HTML: no control characters, and none of those that Unicode has set aside for good
+/// (U+FDD0 to U+FDEF and the last two of each plane).
+pub(crate) fn is_text(c: char) -> bool {
+    let code = u32::from(c);
+    !c.is_control() && !(0xfdd0..=0xfdef).contains(&code) && code & 0xfffe != 0xfffe
+}
+
 /// The title in the middle of the top.
 pub(super) fn title<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, text: &str) -> Result<(), Fault<DB>> {
     let (width, _) = area.dim_in_pixel();
     // Cut rather than run over the edge; a letter is about half as wide as it is high.
     let most = (width as usize * 2) / TITLE as usize;
-    let text: String = text.chars().filter(|c| !c.is_control()).take(most).collect();
+    let text: String = text.chars().filter(|&c| is_text(c)).take(most).collect();
     let style = (FONT, TITLE).into_font().into_text_style(area);
     let taken = area.estimate_text_size(&text, &style)?.0;
     area.draw_text(&text, &style, ((width.saturating_sub(taken) / 2) as i32, (TOP / 4) as i32))

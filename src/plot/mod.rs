@@ -12,6 +12,7 @@ mod pressure;
 mod section;
 mod width;
 
+pub(crate) use axes::is_text;
 pub use curve::{curve, force_depth};
 pub use error_time::error_against_time;
 pub use outlines::{Outline, outlines};

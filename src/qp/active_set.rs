@@ -10,6 +10,7 @@ use faer::linalg::cholesky::llt;
 use faer::{Mat, Par, Spec};
 
 use super::reduced::Reduced;
+use crate::clock::Deadline;
 
 /// Rounds after which the set is taken to cycle.
 const MOST_ROUNDS: usize = 500;
@@ -30,8 +31,8 @@ pub(super) struct Outcome {
 }
 
 /// From all candidates in contact.
-pub(super) fn solve(reduced: &Reduced) -> Outcome {
-    rounds(reduced, vec![true; reduced.len()]).unwrap_or_else(|factorisations| Outcome {
+pub(super) fn solve(reduced: &Reduced, deadline: Deadline) -> Outcome {
+    rounds(reduced, vec![true; reduced.len()], deadline).unwrap_or_else(|factorisations| Outcome {
         pressure: vec![0.0; reduced.len()],
         closed: false,
         factorisations,
@@ -40,7 +41,7 @@ pub(super) fn solve(reduced: &Reduced) -> Outcome {
 
 /// From an interior point: a cell touches when its pressure, relative to the largest, exceeds its relative gap.
 /// Keeps the interior point, cut to y >= 0, when the rounds do not end.
-pub(super) fn polish(reduced: &Reduced, interior: &[f64]) -> Outcome {
+pub(super) fn polish(reduced: &Reduced, interior: &[f64], deadline: Deadline) -> Outcome {
     let strongest = interior.iter().zip(&reduced.weight).map(|(y, w)| y / w).fold(0.0, f64::max);
     let touching = (0..reduced.len())
         .map(|k| {
@@ -48,7 +49,7 @@ pub(super) fn polish(reduced: &Reduced, interior: &[f64]) -> Outcome {
             interior[k] / strongest > gap
         })
         .collect();
-    rounds(reduced, touching).unwrap_or_else(|factorisations| Outcome {
+    rounds(reduced, touching, deadline).unwrap_or_else(|factorisations| Outcome {
         pressure: interior.iter().map(|y| y.max(0.0)).collect(),
         closed: false,
         factorisations,
@@ -59,10 +60,13 @@ fn product(reduced: &Reduced, row: usize, y: &[f64]) -> f64 {
     reduced.matrix.col_as_slice(row).iter().zip(y).map(|(s, y)| s * y).sum()
 }
 
-fn rounds(reduced: &Reduced, mut touching: Vec<bool>) -> Result<Outcome, usize> {
+fn rounds(reduced: &Reduced, mut touching: Vec<bool>, deadline: Deadline) -> Result<Outcome, usize> {
     let n = reduced.len();
     let (mut fewest_wrong, mut patience) = (usize::MAX, PATIENCE);
     for round in 1..=MOST_ROUNDS {
+        if deadline.has_passed() {
+            return Err(round - 1);
+        }
         let set: Vec<usize> = (0..n).filter(|&k| touching[k]).collect();
         let y = on_set(reduced, &set).ok_or(round)?;
         let strongest = y.iter().zip(&reduced.weight).map(|(y, w)| y / w).fold(0.0, f64::max);

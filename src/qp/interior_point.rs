@@ -4,6 +4,7 @@ use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
 
 use super::reduced::Reduced;
+use crate::clock::Deadline;
 use crate::error::{Unsolved, Verdict};
 
 /// What the interior point ends with.
@@ -18,11 +19,13 @@ pub(super) struct Start {
 /// Clarabel divides its residuals by max(1, norms): data far below 1 pass its tests at once, with a wrong answer and
 /// the status `Solved`. [`Reduced`] is scaled to S_ii = 1 and max f = 1, and the status is never trusted: the caller
 /// recomputes every residual.
-pub(super) fn solve(reduced: &Reduced) -> Result<Start, Unsolved> {
+pub(super) fn solve(reduced: &Reduced, deadline: Deadline) -> Result<Start, Unsolved> {
     let n = reduced.len();
     let settings = DefaultSettings::<f64> {
         verbose: false,
         max_threads: 1,
+        // Clarabel counts elapsed time, which is never less than that of its one thread.
+        time_limit: deadline.remaining(),
         direct_solve_method: "faer".to_owned(),
         presolve_enable: false,
         // S_ii = 1 and f <= 1 already: equilibration and refinement cost a third of the time and change nothing.
@@ -39,7 +42,7 @@ pub(super) fn solve(reduced: &Reduced) -> Result<Start, Unsolved> {
     match solver.solution.status {
         SolverStatus::Solved | SolverStatus::AlmostSolved => {}
         // An answer that stopped short still tells which cells touch; the polish and the residuals decide.
-        SolverStatus::InsufficientProgress | SolverStatus::MaxIterations
+        SolverStatus::InsufficientProgress | SolverStatus::MaxIterations | SolverStatus::MaxTime
             if solver.solution.x.iter().all(|x| x.is_finite()) => {}
         status => {
             return Err(Unsolved::new(Verdict::IterationLimit, format!("Clarabel ended with status {status}")));

@@ -8,6 +8,7 @@ mod active_set;
 mod interior_point;
 mod reduced;
 
+use crate::clock::Deadline;
 use crate::discrete::{Discrete, DiscreteSolution};
 use crate::error::{Unsolved, Verdict};
 use crate::symmetry::Symmetry;
@@ -49,7 +50,20 @@ pub struct QpSolution {
 /// `TooLarge` beyond [`MOST_UNKNOWNS`] unknowns; `IterationLimit` when Clarabel does not reach an answer that the
 /// recomputed residuals confirm.
 pub fn solve(problem: &Discrete, candidates: Option<&[bool]>) -> Result<QpSolution, Unsolved> {
-    run(problem, candidates, true)
+    solve_before(problem, candidates, Deadline::NEVER)
+}
+
+/// As [`solve`], stopped at the deadline: it is asked for between factorisations, of which the longest (4000 unknowns) takes
+/// about ten seconds.
+///
+/// # Errors
+/// As [`solve`]; `TimeLimit` when the time is used up.
+pub fn solve_before(
+    problem: &Discrete,
+    candidates: Option<&[bool]>,
+    deadline: Deadline,
+) -> Result<QpSolution, Unsolved> {
+    run(problem, candidates, true, deadline)
 }
 
 /// Solves by the active set alone, from all candidates: block pivoting with dense Cholesky factors.
@@ -57,10 +71,15 @@ pub fn solve(problem: &Discrete, candidates: Option<&[bool]>) -> Result<QpSoluti
 /// # Errors
 /// As [`solve`]; `IterationLimit` when the pivoting does not end.
 pub fn solve_by_active_set(problem: &Discrete, candidates: Option<&[bool]>) -> Result<QpSolution, Unsolved> {
-    run(problem, candidates, false)
+    run(problem, candidates, false, Deadline::NEVER)
 }
 
-fn run(problem: &Discrete, candidates: Option<&[bool]>, interior: bool) -> Result<QpSolution, Unsolved> {
+fn run(
+    problem: &Discrete,
+    candidates: Option<&[bool]>,
+    interior: bool,
+    deadline: Deadline,
+) -> Result<QpSolution, Unsolved> {
     let symmetry = Symmetry::of(problem);
     let admissible: Vec<bool> = problem.overlap.iter().map(|&f| f > 0.0).collect();
     let mut wanted = match candidates {
@@ -72,6 +91,7 @@ fn run(problem: &Discrete, candidates: Option<&[bool]>, interior: bool) -> Resul
     }
     let (mut iterations, mut products) = (0, 0);
     loop {
+        deadline.check()?;
         let orbits = symmetry.orbits(&wanted, problem.grid.shape);
         let unknowns = orbits.members.len();
         if unknowns > MOST_UNKNOWNS {
@@ -84,11 +104,11 @@ fn run(problem: &Discrete, candidates: Option<&[bool]>, interior: bool) -> Resul
         let outcome = if unknowns == 0 {
             active_set::Outcome { pressure: Vec::new(), closed: true, factorisations: 0 }
         } else if interior {
-            let start = interior_point::solve(&reduced)?;
+            let start = interior_point::solve(&reduced, deadline)?;
             iterations += start.iterations;
-            active_set::polish(&reduced, &start.pressure)
+            active_set::polish(&reduced, &start.pressure, deadline)
         } else {
-            active_set::solve(&reduced)
+            active_set::solve(&reduced, deadline)
         };
         iterations += outcome.factorisations;
         let (pressure, displacement) = reduced.spread(problem, &outcome.pressure);
@@ -104,6 +124,9 @@ fn run(problem: &Discrete, candidates: Option<&[bool]>, interior: bool) -> Resul
         }
         if missed {
             continue;
+        }
+        if !outcome.closed {
+            deadline.check()?;
         }
         if !outcome.closed && !(interior && residuals.worst() < UNPOLISHED) {
             let reason = format!("the active set did not close and residuals of {:.1e} are left", residuals.worst());

@@ -1,9 +1,8 @@
 //! Everything a report shows of a scene, computed: the answers, every method on one of its states, brackets, the curve.
 
-use std::time::Instant;
-
-use super::Step;
+use super::{Step, numbers};
 use crate::bracket::{self, BracketSettings, ForceBracket};
+use crate::clock::Stopwatch;
 use crate::compare::{self, Comparison};
 use crate::contact::{Contact, Load, Loading};
 use crate::curve::Curve;
@@ -69,12 +68,10 @@ impl Evidence {
         let outputs = Outputs { patch: true, curve: false, ..scene.settings.outputs };
         let settings = Settings { outputs, ..scene.settings };
         let steps = clock.time("the answer", || solve(&scene.contact, &settings));
-        let touching = |step: &Step| step.as_ref().is_ok_and(|s| s.force > 0.0);
-        let detail = steps.iter().rposition(touching).map(|index| {
-            // Found by the line above.
-            let state = steps[index].as_ref().expect("a solved state");
-            detail(scene, index, state, runs, &mut clock)
-        });
+        let touching = |(_, step): &(usize, &Step)| numbers(step).is_some_and(|s| s.force > 0.0);
+        let last = steps.iter().enumerate().rfind(touching);
+        let detail =
+            last.and_then(|(index, step)| numbers(step).map(|state| detail(scene, index, state, runs, &mut clock)));
         let curve = clock.time("the force-depth curve", || curve(scene, &steps));
         Self { plan, detail, curve, seconds: clock.seconds, steps }
     }
@@ -88,9 +85,9 @@ struct Clock<'s> {
 impl Clock<'_> {
     fn time<T>(&mut self, what: &'static str, work: impl FnOnce() -> T) -> T {
         (self.say)(what);
-        let started = Instant::now();
+        let started = Stopwatch::start();
         let done = work();
-        self.seconds.push((what, started.elapsed().as_secs_f64()));
+        self.seconds.push((what, started.seconds()));
         done
     }
 }
@@ -103,9 +100,10 @@ fn detail(scene: &Scene, index: usize, state: &Solution, runs: &compare::Plan, c
     };
     let contact = scene.contact.under(Loading::Single(load));
     let gap = contact.tilted_gap(state.tilt);
+    // Whatever error the grids are left with: it is shown beside them.
     let run = |method, cells, outputs| {
         let settings = Settings { method, cells, outputs, ..scene.settings };
-        solve(&contact, &settings).pop()
+        solve(&contact, &settings).pop().map(|step| step.or_else(Unsolved::accept_best))
     };
     let both = Outputs { patch: true, pressure: true, ..Outputs::default() };
     let patch = Outputs { patch: true, ..Outputs::default() };
@@ -132,11 +130,11 @@ fn detail(scene: &Scene, index: usize, state: &Solution, runs: &compare::Plan, c
             if brackets.last().is_some_and(|b| b.seconds > PATIENCE) {
                 break;
             }
-            let started = Instant::now();
+            let started = Stopwatch::start();
             let Some(Ok(solution)) = run(Method::Fft, Some(cells), both) else { continue };
             let Some(field) = &solution.pressure.field else { continue };
             if let Ok(bracket) = bracket::sharp(&gap, contact.modulus(), state.depth, field, &look) {
-                let seconds = started.elapsed().as_secs_f64();
+                let seconds = started.seconds();
                 brackets.push(Bracketing { cells, force: solution.force, bracket, seconds });
             }
         }
@@ -150,7 +148,7 @@ fn curve(scene: &Scene, steps: &[Step]) -> Result<Curve, String> {
     if !upright {
         return Err("A curve is for a punch that does not tilt.".to_owned());
     }
-    let touching = steps.iter().flatten().filter(|s| s.force > 0.0);
+    let touching = steps.iter().filter_map(numbers).filter(|s| s.force > 0.0);
     let deepest = touching.map(|s| s.depth).reduce(f64::max).ok_or("No state was solved that touches.")?;
     let contact: &Contact = &scene.contact;
     let settings = Settings { outputs: Outputs::default(), ..scene.settings };

@@ -2,6 +2,8 @@
 
 use std::fmt::Write;
 
+use crate::plot::is_text;
+
 /// Text as it may stand in HTML, between tags and within quotes.
 pub(super) fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
@@ -12,9 +14,9 @@ pub(super) fn escaped(text: &str) -> String {
             '>' => out.push_str("&gt;"),
             '"' => out.push_str("&quot;"),
             '\'' => out.push_str("&#39;"),
-            // Control characters are no part of a document.
-            c if c.is_control() && c != '\n' && c != '\t' => out.push('\u{fffd}'),
-            c => out.push(c),
+            // What may not stand in a document is shown as missing.
+            '\n' | '\t' => out.push(c),
+            c => out.push(if is_text(c) { c } else { '\u{fffd}' }),
         }
     }
     out
@@ -121,6 +123,10 @@ mod tests {
     #[test]
     fn nothing_in_a_name_is_markup() {
         assert_eq!(escaped("<b> & \"x\" 'y'\u{7}"), "&lt;b&gt; &amp; &quot;x&quot; &#39;y&#39;\u{fffd}");
+        assert_eq!(
+            escaped("\u{fffe}\u{ffff}\u{1ffff}\u{fdd0}é\u{1f600}"),
+            "\u{fffd}\u{fffd}\u{fffd}\u{fffd}é\u{1f600}"
+        );
     }
 
     #[test]

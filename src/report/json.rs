@@ -1,14 +1,17 @@
 //! The result as JSON.
 //!
 //! One object a scene. With one state of loading the values are numbers and objects; with a list or a range of states
-//! every value is a list with one entry a state, `null` where that state was not solved. `scene`, `verdict`, `reason`,
+//! every value is a list with one entry a state, `null` where that state has none. `scene`, `verdict`, `reason`, `hint`,
 //! `left_out` and `remarks` are said once for the whole; `verdicts` and `reasons` are lists, there when a state of
-//! several was not solved. What is not known is left out, or `null` in a list; no number is NaN or infinite.
+//! several was not solved. What is not known is left out, or `null` in a list; no number is NaN or infinite. A number comes with
+//! its verdict: `tolerance_not_reached` and `time_limit` carry the best state that was found, with its true error.
 //!
 //! | key | value |
 //! |---|---|
 //! | `scene` | the scene as it was read |
 //! | `method` | what ran |
+//! | `origin` | how the force was found: `{kind, grids?, count?}`, `kind` one of `closed_form`, `approximate`, `one_grid`, `many_grids`, `separate_contacts`, `edge_fitted`, `no_contact` |
+//! | `grid` | `{shape, spacing}` of the finest grid |
 //! | `depth`, `force`, `stiffness` | approach, normal force, dP/dd |
 //! | `force_error` | estimate of the relative error of the force |
 //! | `energy`, `moment`, `tilt`, `stiffness_matrix`, `centre_of_pressure` | where the method gives them |
@@ -16,7 +19,7 @@
 //! | `patch` | `{area, centroid, regions, max_radius, boundary?}`, boundaries counter-clockwise, holes clockwise |
 //! | `pressure` | `{max, mean, at, field?}` |
 //! | `gap` | `{field}`: the gap after loading, when asked for |
-//! | `verdict`, `reason` | `solved`, or what is wrong in one word and in a sentence |
+//! | `verdict`, `reason`, `hint` | `solved`, or what is wrong in one word and in a sentence, and what to try |
 //! | `checks` | `{complementarity, tension, penetration}`, relative, recomputed |
 //! | `cost` | `{seconds, unknowns, iterations, operator_products, steps}` |
 //! | `left_out`, `remarks` | sentences |
@@ -33,13 +36,13 @@
 
 use serde::ser::{Serialize, SerializeMap, SerializeSeq, Serializer};
 
-use super::{Step, centre_of_pressure, said_once};
+use super::{Step, centre_of_pressure, numbers, said_once};
 use crate::bracket::{DepthBracket, Evidence, ForceBracket, Side};
 use crate::contact::Loading;
 use crate::curve::Curve;
 use crate::grid::Grid;
 use crate::scene::Scene;
-use crate::solution::Solution;
+use crate::solution::{Origin, Solution};
 
 /// A scene with its answers, ready to be written.
 #[derive(Clone)]
@@ -79,8 +82,7 @@ fn curve(scene: &Scene, steps: &[Step]) -> Option<serde_json::Value> {
     if !scene.settings.outputs.curve {
         return None;
     }
-    let deepest =
-        steps.iter().filter_map(|s| s.as_ref().ok()).filter(|s| s.force > 0.0).map(|s| s.depth).reduce(f64::max)?;
+    let deepest = steps.iter().filter_map(numbers).filter(|s| s.force > 0.0).map(|s| s.depth).reduce(f64::max)?;
     let curve = Curve::up_to(&scene.contact, &scene.settings, deepest, scene.settings.tolerance).ok()?;
     serde_json::from_str(&curve.json()).ok()
 }
@@ -91,6 +93,8 @@ impl Serialize for Outcome<'_> {
         let mut map = Keys { map: to.serialize_map(None)?, steps: self.steps, many };
         map.map.serialize_entry("scene", &self.scene.document)?;
         map.each("method", |s| Some(s.method.name()))?;
+        map.each("origin", |s| Some(OriginOf(s.origin)))?;
+        map.each("grid", |s| s.grid.map(GridOf))?;
         map.each("depth", |s| finite(s.depth))?;
         map.each("force", |s| finite(s.force))?;
         map.each("force_error", |s| s.force_error.and_then(finite))?;
@@ -137,7 +141,7 @@ impl<'a, M: SerializeMap> Keys<'a, M> {
         key: &'static str,
         of: impl Fn(&'a Solution) -> Option<T> + Copy,
     ) -> Result<(), M::Error> {
-        let value = |step: &'a Step| step.as_ref().ok().and_then(of);
+        let value = |step: &'a Step| numbers(step).and_then(of);
         if self.steps.iter().all(|step| value(step).is_none()) {
             return Ok(());
         }
@@ -157,6 +161,9 @@ impl<'a, M: SerializeMap> Keys<'a, M> {
         };
         self.map.serialize_entry("verdict", wrong.verdict.word())?;
         self.map.serialize_entry("reason", &wrong.reason)?;
+        if let Some(hint) = &wrong.hint {
+            self.map.serialize_entry("hint", hint)?;
+        }
         if self.many {
             let words = |s: &'a Step| s.as_ref().err().map_or("solved", |e| e.verdict.word());
             self.map.serialize_entry("verdicts", &List(self.steps, words))?;
@@ -177,6 +184,32 @@ impl<'a, T: Serialize, F: Fn(&'a Step) -> T> Serialize for List<'a, F> {
             list.serialize_element(&(self.1)(step))?;
         }
         list.end()
+    }
+}
+
+struct OriginOf(Origin);
+
+impl Serialize for OriginOf {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        let mut map = to.serialize_map(None)?;
+        map.serialize_entry("kind", self.0.kind())?;
+        match self.0 {
+            Origin::ManyGrids { grids } => map.serialize_entry("grids", &grids)?,
+            Origin::SeparateContacts { count } => map.serialize_entry("count", &count)?,
+            _ => {}
+        }
+        map.end()
+    }
+}
+
+struct GridOf(Grid);
+
+impl Serialize for GridOf {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        let mut map = to.serialize_map(Some(2))?;
+        map.serialize_entry("shape", &self.0.shape)?;
+        map.serialize_entry("spacing", &self.0.spacing)?;
+        map.end()
     }
 }
 

@@ -28,6 +28,11 @@ use crate::solution::Solution;
 /// One load state: solved, or what is wrong.
 pub type Step = Result<Solution, Unsolved>;
 
+/// The numbers of a step: those of its solution, or the best that its verdict carries.
+pub(crate) fn numbers(step: &Step) -> Option<&Solution> {
+    step.as_ref().map_or_else(|unsolved| unsolved.best.as_deref(), Some)
+}
+
 /// Where the resultant of the pressure meets the surface: x = -My/P, y = Mx/P; `None` without force or moment.
 fn centre_of_pressure(solution: &Solution) -> Option<[f64; 2]> {
     let [mx, my] = solution.moment?;
@@ -37,11 +42,7 @@ fn centre_of_pressure(solution: &Solution) -> Option<[f64; 2]> {
 
 /// What all steps say, each sentence once, in the order of its first appearance.
 fn said_once<'a>(steps: &'a [Step], of: impl Fn(&'a Solution) -> &'a [String]) -> Vec<&'a str> {
-    let mut said: Vec<&str> = Vec::new();
-    for sentence in steps.iter().flatten().flat_map(of) {
-        if !said.contains(&sentence.as_str()) {
-            said.push(sentence);
-        }
-    }
-    said
+    let mut known = std::collections::HashSet::new();
+    let sentences = steps.iter().filter_map(numbers).flat_map(of).map(String::as_str);
+    sentences.filter(|sentence| known.insert(*sentence)).collect()
 }

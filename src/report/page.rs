@@ -6,7 +6,7 @@ use super::comparison::{COLUMNS, in_words, row};
 use super::evidence::{Detail, Evidence};
 use super::html::{escaped, facts, figure as picture, list, table, typeset};
 use super::table::figure;
-use super::{Step, centre_of_pressure, said_once};
+use super::{Step, centre_of_pressure, numbers, said_once};
 use crate::bracket::Evidence as Proof;
 use crate::compare;
 use crate::contact::Load;
@@ -77,9 +77,14 @@ fn head(name: &str, evidence: &Evidence) -> String {
                 escaped(e.verdict.word()),
                 escaped(&e.reason)
             );
+            if let Some(hint) = &e.hint {
+                let _ = writeln!(html, "<p>What to try: {}.</p>", escaped(hint));
+            }
         }
     }
-    if let [Ok(s)] = &evidence.steps[..] {
+    if let [step] = &evidence.steps[..]
+        && let Some(s) = numbers(step)
+    {
         let mut keys = vec![("force", figure(s.force)), ("depth", figure(s.depth)), ("stiffness", figure(s.stiffness))];
         keys.push(("patch area", figure(s.patch.area)));
         keys.extend(s.pressure.max.map(|p| ("largest pressure", figure(p))));
@@ -145,8 +150,7 @@ fn plan(evidence: &Evidence) -> String {
 
 fn result(evidence: &Evidence) -> String {
     let told = match &evidence.steps[..] {
-        [Ok(solution)] => single(solution),
-        [Err(_)] => String::new(),
+        [step] => numbers(step).map_or(String::new(), single),
         steps => several(steps),
     };
     let remarks = said_once(&evidence.steps, |s| &s.remarks);
@@ -200,8 +204,8 @@ fn single(s: &Solution) -> String {
 fn several(steps: &[Step]) -> String {
     let heads =
         ["state", "depth", "force", "stiffness", "area", "regions", "mean pressure", "largest pressure", "method"];
-    let rows = steps.iter().enumerate().map(|(k, step)| match step {
-        Ok(s) => vec![
+    let rows = steps.iter().enumerate().map(|(k, step)| match numbers(step) {
+        Some(s) => vec![
             (k + 1).to_string(),
             figure(s.depth),
             figure(s.force),
@@ -212,10 +216,10 @@ fn several(steps: &[Step]) -> String {
             s.pressure.max.map_or("-".to_owned(), figure),
             s.method.name().to_owned(),
         ],
-        Err(e) => {
+        None => {
             let mut row = vec!["-".to_owned(); heads.len()];
             row[0] = (k + 1).to_string();
-            row[8] = e.verdict.to_string();
+            row[8] = step.as_ref().err().map_or(String::new(), |e| e.verdict.to_string());
             row
         }
     });
@@ -365,7 +369,7 @@ fn brackets(detail: &Detail) -> String {
 
 fn cost(evidence: &Evidence) -> String {
     let mut html = "<section>\n<h2>Cost</h2>\n".to_owned();
-    let costs: Vec<_> = evidence.steps.iter().flatten().map(|s| s.cost).collect();
+    let costs: Vec<_> = evidence.steps.iter().filter_map(numbers).map(|s| s.cost).collect();
     if !costs.is_empty() {
         let total = |of: fn(&crate::Cost) -> usize| costs.iter().map(of).sum::<usize>().to_string();
         let unknowns = costs.iter().map(|c| c.unknowns).max().unwrap_or(0);

@@ -1,6 +1,6 @@
 //! The result as a short table for people. Units are the user's own, so none are named.
 
-use super::{Step, said_once};
+use super::{Step, numbers, said_once};
 use crate::bracket::Evidence;
 use crate::contact::Loading;
 use crate::scene::Scene;
@@ -11,9 +11,14 @@ use crate::solution::Solution;
 pub fn table(scene: &Scene, steps: &[Step]) -> String {
     let mut lines: Vec<String> = scene.name.iter().map(|name| name.escape_debug().to_string()).collect();
     match (scene.contact.loading(), steps) {
-        (Loading::Single(_), [Ok(solution)]) => single(solution, &mut lines),
-        (Loading::Single(_), [Err(e)]) => {
-            lines.extend(aligned(&[["verdict".into(), e.verdict.to_string()], ["reason".into(), e.reason.clone()]]))
+        (Loading::Single(_), [step]) => {
+            let mut rows = Vec::new();
+            if let Err(e) = step {
+                rows = vec![["verdict".into(), e.verdict.to_string()], ["reason".into(), e.reason.clone()]];
+                rows.extend(e.hint.iter().map(|hint| ["hint".into(), hint.clone()]));
+            }
+            rows.extend(numbers(step).map(single).unwrap_or_default());
+            lines.extend(aligned(&rows));
         }
         _ => several(steps, &mut lines),
     }
@@ -23,7 +28,7 @@ pub fn table(scene: &Scene, steps: &[Step]) -> String {
     lines.join("\n")
 }
 
-fn single(s: &Solution, lines: &mut Vec<String>) {
+fn single(s: &Solution) -> Vec<[String; 2]> {
     let mut rows = vec![["method".into(), s.method.name().to_owned()], ["depth".into(), figure(s.depth)]];
     if s.tilt != [0.0; 2] {
         rows.push(["tilt".into(), pair(s.tilt)]);
@@ -73,14 +78,14 @@ fn single(s: &Solution, lines: &mut Vec<String>) {
             cost.seconds, cost.unknowns, cost.iterations, cost.operator_products
         ),
     ]);
-    lines.extend(aligned(&rows));
+    rows
 }
 
 fn several(steps: &[Step], lines: &mut Vec<String>) {
     let heads = ["depth", "force", "stiffness", "area", "regions", "largest radius", "mean pressure", "method", "s"];
     let mut rows = vec![heads.map(str::to_owned)];
-    rows.extend(steps.iter().map(|step| match step {
-        Ok(s) => [
+    rows.extend(steps.iter().map(|step| match numbers(step) {
+        Some(s) => [
             figure(s.depth),
             figure(s.force),
             figure(s.stiffness),
@@ -91,9 +96,9 @@ fn several(steps: &[Step], lines: &mut Vec<String>) {
             s.method.name().to_owned(),
             format!("{:.3}", s.cost.seconds),
         ],
-        Err(e) => {
+        None => {
             let mut row: [String; 9] = std::array::from_fn(|_| "-".to_owned());
-            row[7] = e.verdict.to_string();
+            row[7] = step.as_ref().err().map_or(String::new(), |e| e.verdict.to_string());
             row
         }
     }));
@@ -101,6 +106,7 @@ fn several(steps: &[Step], lines: &mut Vec<String>) {
     for (k, step) in steps.iter().enumerate() {
         if let Err(e) = step {
             lines.push(format!("step {}: {e}", k + 1));
+            lines.extend(e.hint.iter().map(|hint| format!("  hint: {hint}")));
         }
     }
 }

@@ -131,9 +131,9 @@ impl<'a> Disc<'a> {
     }
 
     /// Whether the gap was evaluated more often than any smooth one takes: the caps beyond a kink that nobody told about are so thin
-    /// that no rule settles.
+    /// that no rule settles; or whether the time is used up.
     pub fn tired(&self) -> bool {
-        self.work > MOST_EVALUATIONS
+        self.work > MOST_EVALUATIONS || self.overlap.deadline.has_passed()
     }
 
     /// Whether there is room for another climb with rays twice as many or twice as fine.

@@ -97,7 +97,7 @@ fn best(
 ) -> Result<Approximation, Error> {
     let settings = settings.checked()?;
     let circles = family == Family::Circle;
-    let problem = Problem::new(gap, modulus, depth)?;
+    let problem = Problem::new(gap, modulus, depth)?.before(settings.deadline);
     let tolerance: f64 = settings.tolerance;
     if let Some(mut ridged) = Ridged::of(&problem.overlap) {
         let peak = polyhedral(&mut ridged, circles, tolerance)?;

@@ -12,8 +12,8 @@ use crate::grid::Kernel;
 use crate::material::{Body, EffectiveModulus};
 use crate::settings::{BoundaryFamily, Method, Outputs, Settings};
 
-/// More steps than any curve needs; each one is a solve.
-const MOST_STEPS: usize = 1_000_000;
+/// States of loading in one scene: more than any curve needs. Each one is a solve, unless the gap is homogeneous.
+const MOST_STEPS: usize = 100_000;
 
 /// Cells along the longer side; memory grows with the square of it, about 17 GB at this limit.
 pub(crate) const MOST_CELLS: usize = 16_384;
@@ -247,6 +247,10 @@ fn several(path: &str, loads: Vec<Load>) -> Result<Loading, InputError> {
     if loads.is_empty() {
         return Err(InputError::new(path, "an empty list", "at least one number"));
     }
+    if loads.len() > MOST_STEPS {
+        let given = format!("a list of {}", loads.len());
+        return Err(InputError::new(path, given, format!("at most {MOST_STEPS} numbers")));
+    }
     Ok(Loading::Steps(loads))
 }
 
@@ -330,6 +334,8 @@ pub(super) struct SolveForm {
     tolerance: Option<f64>,
     /// Boundaries that `fabrikant` may choose from.
     boundary: Option<BoundaryForm>,
+    /// CPU seconds that one state of loading may take, 0 or more; 60 by default, 0 for no limit.
+    seconds: Option<f64>,
 }
 
 /// What else to compute and write.
@@ -368,6 +374,14 @@ pub(crate) fn checked_tolerance(path: &str, tolerance: f64) -> Result<f64, Input
     Err(InputError::new(path, tolerance, "a number greater than 0 and less than 1"))
 }
 
+/// Checks CPU seconds given at `path`; 0 stands for no limit.
+pub(crate) fn checked_seconds(path: &str, seconds: f64) -> Result<f64, InputError> {
+    if seconds.is_finite() && seconds >= 0.0 {
+        return Ok(seconds);
+    }
+    Err(InputError::new(path, seconds, "CPU seconds, 0 or more; 0: no limit"))
+}
+
 pub(super) fn settings(solve: SolveForm, output: &[OutputName]) -> Result<Settings, InputError> {
     let mut settings = Settings::default();
     if let Some(method) = solve.method {
@@ -381,6 +395,9 @@ pub(super) fn settings(solve: SolveForm, output: &[OutputName]) -> Result<Settin
     }
     if let Some(tolerance) = solve.tolerance {
         settings.tolerance = checked_tolerance("solve.tolerance", tolerance)?;
+    }
+    if let Some(seconds) = solve.seconds {
+        settings.seconds = checked_seconds("solve.seconds", seconds)?;
     }
     settings.boundary = match solve.boundary {
         None | Some(BoundaryForm::Stationary) => BoundaryFamily::Stationary,

@@ -1,12 +1,11 @@
 //! The gap of a scene: one structure a kind, chosen by the key `kind`.
 
-use std::path::Path;
-
 use serde::Deserialize;
 
 use super::decode::{decode, decode_without, unknown};
 use super::document::{Json, quoted};
 use crate::error::InputError;
+use crate::files::named::Directory;
 #[cfg(feature = "formula")]
 use crate::gap::Formula;
 use crate::gap::{
@@ -162,7 +161,10 @@ impl OutlineForm {
         match self {
             Self::Disc(radius) => Outline::disc(radius),
             Self::Ellipse(semi_axes) => Outline::ellipse(semi_axes),
-            Self::Polygon(corners) => Outline::polygon(&corners),
+            Self::Polygon(corners) => {
+                at_most(MOST_CORNERS, corners.len(), "polygon", "corners")?;
+                Outline::polygon(&corners)
+            }
         }
     }
 }
@@ -251,15 +253,15 @@ pub(super) enum LevelForm {
 }
 
 impl HeightMapForm {
-    fn build(&self, directory: &Path) -> Result<HeightMap, InputError> {
+    fn build(&self, directory: &Directory) -> Result<HeightMap, InputError> {
         let format = self.format.map(|f| match f {
             FormatForm::Text => MapFormat::Text,
             FormatForm::Xyz => MapFormat::Xyz,
             FormatForm::Npy => MapFormat::Npy,
         });
         let read = |key: &str, name: &str| -> Result<Heights, InputError> {
-            let mut heights =
-                Heights::read(&directory.join(name), format, self.spacing).map_err(|e| renamed(e, key))?;
+            let heights = directory.place(name).and_then(|place| Heights::read(&place, format, self.spacing));
+            let mut heights = heights.map_err(|e| renamed(e, key))?;
             if let Some(factor) = self.scale {
                 heights = heights.scaled(factor)?;
             }
@@ -323,8 +325,43 @@ struct Place {
     rotate: Option<f64>,
 }
 
+/// Most gaps that a sum or a minimum is made of, those inside of others counted: what is asked of the whole is asked of each.
+const MOST_PARTS: usize = 1000;
+
+/// Most planes of a polyhedron: to find its ridges takes the square of them.
+const MOST_PLANES: usize = 1000;
+
+/// Most points of a generatrix.
+const MOST_POINTS: usize = 100_000;
+
+/// Most corners of an outline.
+const MOST_CORNERS: usize = 10_000;
+
+/// # Errors
+/// When there are more of something than are allowed.
+fn at_most(most: usize, number: usize, path: &str, of: &str) -> Result<(), InputError> {
+    if number <= most {
+        return Ok(());
+    }
+    Err(InputError::new(path, format!("{number} {of}"), format!("at most {most} of them")))
+}
+
+/// Gaps that are not made of others, in this one.
+fn simple_parts(value: &Json) -> usize {
+    match value.get("of") {
+        Some(Json::Array(parts)) => parts.iter().map(simple_parts).sum(),
+        _ => 1,
+    }
+}
+
+/// The gap of a scene; files that it names are looked for in `directory`.
+pub(super) fn whole(value: &Json, path: &str, directory: &Directory) -> Result<AnyGap, InputError> {
+    at_most(MOST_PARTS, simple_parts(value), path, "gaps in one another")?;
+    gap(value, path, directory)
+}
+
 /// The gap described by `value`, which stands at `path`; files that it names are looked for in `directory`.
-pub(super) fn gap(value: &Json, path: &str, directory: &Path) -> Result<AnyGap, InputError> {
+fn gap(value: &Json, path: &str, directory: &Directory) -> Result<AnyGap, InputError> {
     let Json::Object(_) = value else {
         return Err(InputError::new(path, value.brief(), "an object with the key kind"));
     };
@@ -344,7 +381,7 @@ pub(super) fn gap(value: &Json, path: &str, directory: &Path) -> Result<AnyGap, 
 }
 
 /// The gap of this kind in its own place.
-fn own(kind: &str, value: &Json, path: &str, directory: &Path) -> Result<AnyGap, InputError> {
+fn own(kind: &str, value: &Json, path: &str, directory: &Directory) -> Result<AnyGap, InputError> {
     let built = match kind {
         "paraboloid" => {
             let ParaboloidForm { radii } = form(value, path)?;
@@ -373,6 +410,7 @@ fn own(kind: &str, value: &Json, path: &str, directory: &Path) -> Result<AnyGap,
         }
         "polyhedron" => {
             let PolyhedronForm { planes } = form(value, path)?;
+            at_most(MOST_PLANES, planes.len(), &format!("{path}.planes"), "planes")?;
             Polyhedron::new(planes).map(AnyGap::new)
         }
         "flat" => {
@@ -381,6 +419,7 @@ fn own(kind: &str, value: &Json, path: &str, directory: &Path) -> Result<AnyGap,
         }
         "revolved" => {
             let RevolvedForm { points } = form(value, path)?;
+            at_most(MOST_POINTS, points.len(), &format!("{path}.points"), "points")?;
             Revolved::new(points).map(AnyGap::new)
         }
         #[cfg(feature = "formula")]
@@ -415,7 +454,7 @@ fn form<'a, T: Deserialize<'a>>(value: &'a Json, path: &str) -> Result<T, InputE
     decode_without(value, path, &COMMON)
 }
 
-fn parts(value: &Json, path: &str, directory: &Path) -> Result<Vec<AnyGap>, InputError> {
+fn parts(value: &Json, path: &str, directory: &Directory) -> Result<Vec<AnyGap>, InputError> {
     let _: PartsKeys = form(value, path)?;
     match value.get("of") {
         Some(Json::Array(items)) => {

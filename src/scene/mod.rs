@@ -23,7 +23,7 @@ mod gap;
 mod schema;
 
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
@@ -33,12 +33,14 @@ pub use schema::schema;
 
 use crate::contact::Contact;
 use crate::error::InputError;
+use crate::files;
+use crate::files::named::Directory;
 use crate::settings::Settings;
 use decode::decode;
 use document::ROOT;
 
-/// Longest scene that is read, in bytes.
-pub(crate) const LONGEST: u64 = 1 << 28;
+/// Longest scene that is read, in bytes; as a document it takes up to twenty times that.
+pub(crate) const LONGEST: u64 = 1 << 26;
 
 /// A scene: the problem, how to solve it, and the document both came from.
 #[derive(Debug, Clone)]
@@ -51,6 +53,8 @@ pub struct Scene {
     pub settings: Settings,
     /// The document as it was written.
     pub document: Json,
+    /// The files that it names and that were read.
+    pub files: Vec<PathBuf>,
 }
 
 /// The keys of a scene. Bodies, gap and loading are read by their own modules.
@@ -96,29 +100,30 @@ impl Scene {
     /// Names the path in the document, the value that stands there, and what is allowed: text that is not UTF-8 or
     /// not JSON, unknown, missing and doubled keys, wrong types, values out of range.
     pub fn from_json(text: &[u8]) -> Result<Self, InputError> {
-        Self::from_json_in(text, Path::new(""))
+        Self::from_json_in(text, Directory::open(Path::new("")))
     }
 
     /// Reads a scene from a file. Files that it names are looked for in the same directory.
     ///
     /// # Errors
-    /// As [`Scene::from_json`]; also when there is no such file, or it cannot be read.
+    /// As [`Scene::from_json`]; also when there is no such file, when it is not a regular file (a pipe, a device), or when it
+    /// cannot be read.
     pub fn from_file(file: &Path) -> Result<Self, InputError> {
-        let unreadable = |e: std::io::Error| {
-            let given = match e.kind() {
-                std::io::ErrorKind::NotFound => "no such file".to_owned(),
-                std::io::ErrorKind::IsADirectory => "a directory".to_owned(),
-                std::io::ErrorKind::PermissionDenied => "a file without permission to read".to_owned(),
-                _ => format!("a file that cannot be read ({e})"),
-            };
-            InputError::new(ROOT, given, "a JSON file with a scene")
-        };
-        let text = read_all(std::fs::File::open(file).map_err(unreadable)?).map_err(unreadable)?;
-        Self::from_json_in(&text, file.parent().unwrap_or(Path::new("")))
+        let text = files::read(file, LONGEST).map_err(|e| InputError { path: ROOT.to_owned(), ..e })?;
+        Self::from_json_in(&text, Directory::open(file.parent().unwrap_or(Path::new(""))))
+    }
+
+    /// Reads a scene that somebody else wrote: files that it names are read from inside the directory `root` alone, whatever
+    /// `..`, absolute paths and symbolic links say.
+    ///
+    /// # Errors
+    /// As [`Scene::from_json`]; also when a file lies outside of `root`.
+    pub fn from_json_within(text: &[u8], root: &Path) -> Result<Self, InputError> {
+        Self::from_json_in(text, Directory::closed(root))
     }
 
     /// Reads a scene; files that it names are looked for in `directory`.
-    fn from_json_in(text: &[u8], directory: &Path) -> Result<Self, InputError> {
+    fn from_json_in(text: &[u8], directory: Directory) -> Result<Self, InputError> {
         if text.len() as u64 > LONGEST {
             return Err(InputError::new(ROOT, "a longer text", format!("at most {LONGEST} bytes")));
         }
@@ -130,11 +135,11 @@ impl Scene {
         let bodies = form.bodies.as_ref().and_then(|_| document.get("bodies"));
         let modulus = fields::modulus(bodies, form.effective_modulus)?;
         let absent = Json::Null;
-        let gap = gap::gap(document.get("gap").unwrap_or(&absent), "gap", directory)?;
+        let gap = gap::whole(document.get("gap").unwrap_or(&absent), "gap", &directory)?;
         let loading = fields::loading(document.get("loading").unwrap_or(&absent))?;
         let settings = fields::settings(form.solve.unwrap_or_default(), &form.output.unwrap_or_default())?;
         let contact = Contact::new(modulus, gap, loading)?;
-        Ok(Self { name: form.name, contact, settings, document })
+        Ok(Self { name: form.name, contact, settings, document, files: directory.into_read() })
     }
 }
 

@@ -5,8 +5,9 @@ use std::path::Path;
 use super::{npy, text};
 use crate::error::{InputError, finite, positive};
 
-/// Largest file that is read.
-const LARGEST_FILE: u64 = 1 << 30;
+/// Largest array and largest text that is read, in bytes; a text of two bytes a height takes four times its size.
+const LARGEST_ARRAY: u64 = 1 << 30;
+const LARGEST_TEXT: u64 = 1 << 28;
 
 /// Kinds of files that hold heights.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -100,20 +101,12 @@ impl Heights {
     /// A file; `format` by its extension when not said. `spacing` is needed but for XYZ, where it is checked.
     ///
     /// # Errors
-    /// Names `file` when it cannot be read or is larger than 1 GiB, or `spacing`; otherwise as the readers of the
-    /// formats.
+    /// Names `file` when it is not a regular file, cannot be read or is larger than 1 GiB (text: 256 MiB), or `spacing`; otherwise as the
+    /// readers of the formats. No message repeats what the file holds.
     pub fn read(path: &Path, format: Option<MapFormat>, spacing: Option<[f64; 2]>) -> Result<Self, InputError> {
         let name = path.display();
-        let unread = |e: std::io::Error| InputError::new("file", format!("{name} ({e})"), "a file that can be read");
-        let about = std::fs::metadata(path).map_err(unread)?;
-        if !about.is_file() {
-            return Err(InputError::new("file", name, "a file with heights"));
-        }
-        if about.len() > LARGEST_FILE {
-            return Err(InputError::new("file", format!("{name} of {} bytes", about.len()), "a file of at most 1 GiB"));
-        }
-        let bytes = std::fs::read(path).map_err(unread)?;
         let format = format.unwrap_or_else(|| MapFormat::of(path));
+        let bytes = crate::files::read(path, if format == MapFormat::Npy { LARGEST_ARRAY } else { LARGEST_TEXT })?;
         let needed = || {
             let allowed = "the steps [dx, dy] between the heights, which this kind of file does not hold";
             spacing.ok_or_else(|| InputError::new("spacing", "nothing", allowed))
@@ -134,7 +127,7 @@ impl Heights {
                     Some(m) => Err(InputError::new(
                         format!("spacing[{m}]"),
                         spacing.unwrap_or_default()[m],
-                        format!("the spacing of the coordinates in {name}, {}", heights.spacing[m]),
+                        format!("the spacing of the coordinates in {name}"),
                     )),
                     None => Ok(heights),
                 }

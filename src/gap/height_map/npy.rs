@@ -40,7 +40,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<(Vec<f64>, [usize; 2]), InputError> {
     }
     let numbers: Vec<f64> = data.chunks_exact(kind.size()).map(|chunk| kind.number(chunk)).collect();
     if let Some(k) = numbers.iter().position(|v| v.is_infinite()) {
-        return Err(refuse(format!("{} as number {k}", numbers[k]), "finite heights, or NaN for holes"));
+        return Err(refuse(format!("an infinite number as number {k}"), "finite heights, or NaN for holes"));
     }
     if !fortran {
         return Ok((numbers, [columns, rows]));
@@ -57,39 +57,73 @@ struct Header {
 }
 
 impl Header {
-    /// Reads `{'descr': '<f8', 'fortran_order': False, 'shape': (3, 4), }`.
+    /// Reads `{'descr': '<f8', 'fortran_order': False, 'shape': (3, 4), }`: each key once, and no other.
     fn of(text: &str) -> Result<Self, InputError> {
-        let shown: String = text.trim().chars().take(100).collect();
-        let entry = |key: &str| {
-            let quoted = text.find(&format!("'{key}'")).or_else(|| text.find(&format!("\"{key}\"")));
-            let found = quoted.and_then(|at| text[at + key.len() + 2..].trim_start().strip_prefix(':'));
-            found.map(str::trim_start).ok_or_else(|| refuse(format!("the header {shown}"), format!("an entry {key}")))
-        };
-        let descr = entry("descr")?;
-        let name = match descr.chars().next() {
-            Some(quote @ ('\'' | '"')) => descr[1..].split(quote).next().unwrap_or_default(),
-            _ => "",
-        };
-        let kind = Kind::of(name).ok_or_else(|| {
-            let given =
-                if name.is_empty() { "a structured array".to_owned() } else { format!("numbers of type {name}") };
-            refuse(given, "floats of 4 or 8 bytes or integers, such as '<f8'")
-        })?;
-        let order = entry("fortran_order")?;
-        let fortran = order.starts_with("True");
-        if !fortran && !order.starts_with("False") {
-            return Err(refuse(format!("the header {shown}"), "True or False as fortran_order"));
+        let malformed = || refuse("a header that is not one of NumPy's", "a .npy file");
+        let body = text.trim().strip_prefix('{').and_then(|t| t.strip_suffix('}')).ok_or_else(malformed)?;
+        let mut entries: [Option<&str>; 3] = [None; 3];
+        let mut rest = body.trim_start();
+        while !rest.is_empty() {
+            let (key, after) = string(rest).ok_or_else(malformed)?;
+            let after = after.trim_start().strip_prefix(':').ok_or_else(malformed)?.trim_start();
+            let end = value_end(after).ok_or_else(malformed)?;
+            let place = KEYS.iter().position(|known| *known == key).ok_or_else(malformed)?;
+            if entries[place].is_some() {
+                return Err(refuse(format!("a header with {key} twice"), "each key once"));
+            }
+            entries[place] = Some(after[..end].trim_end());
+            rest = after[end..].trim_start();
+            if !rest.is_empty() {
+                rest = rest.strip_prefix(',').ok_or_else(malformed)?.trim_start();
+            }
         }
-        let shape = entry("shape")?.strip_prefix('(').and_then(|s| s.split_once(')')).map(|s| s.0);
+        let entry = |k: usize| entries[k].ok_or_else(|| refuse("a header without", format!("an entry {}", KEYS[k])));
+        let kind = string(entry(0)?).filter(|(_, rest)| rest.is_empty()).and_then(|(name, _)| Kind::of(name));
+        let kind = kind.ok_or_else(|| {
+            refuse("numbers of another type", "an array of floats of 4 or 8 bytes or of integers, such as '<f8'")
+        })?;
+        let fortran = match entry(1)? {
+            "True" => true,
+            "False" => false,
+            _ => return Err(refuse("another word", "True or False as fortran_order")),
+        };
+        let shape = entry(2)?.strip_prefix('(').and_then(|s| s.strip_suffix(')'));
         let sides: Option<Vec<usize>> = shape.and_then(|shape| {
             let sides = shape.split(',').map(str::trim).filter(|s| !s.is_empty());
             sides.map(|s| s.parse().ok()).collect()
         });
         match sides.as_deref() {
             Some(&[rows, columns]) => Ok(Self { kind, fortran, rows, columns }),
-            _ => Err(refuse(format!("the header {shown}"), "a shape of two numbers, (rows, columns)")),
+            _ => Err(refuse("an array of another shape", "a shape of two numbers, (rows, columns)")),
         }
     }
+}
+
+/// The keys of a header.
+const KEYS: [&str; 3] = ["descr", "fortran_order", "shape"];
+
+/// A string in quotes at the beginning of the text, and what follows it.
+fn string(text: &str) -> Option<(&str, &str)> {
+    let quote = text.chars().next().filter(|c| matches!(c, '\'' | '"'))?;
+    text[1..].split_once(quote)
+}
+
+/// Where a value ends: at the next comma that is in no string and in no bracket, or with the text. `None` for brackets and strings
+/// without an end.
+fn value_end(text: &str) -> Option<usize> {
+    let (mut depth, mut quote) = (0_usize, None);
+    for (at, c) in text.char_indices() {
+        match (quote, c) {
+            (Some(open), c) if c == open => quote = None,
+            (Some(_), _) => {}
+            (None, '\'' | '"') => quote = Some(c),
+            (None, '(' | '[' | '{') => depth += 1,
+            (None, ')' | ']' | '}') => depth = depth.checked_sub(1)?,
+            (None, ',') if depth == 0 => return Some(at),
+            (None, _) => {}
+        }
+    }
+    (depth == 0 && quote.is_none()).then_some(text.len())
 }
 
 /// Type of the numbers in the file.

@@ -45,8 +45,8 @@ fn number(field: &str, line: usize, allowed: &str) -> Result<f64, InputError> {
     match field.parse::<f64>() {
         Ok(value) if value.is_finite() => Ok(value),
         _ => {
-            let short: String = field.chars().take(24).collect();
-            Err(refuse(format!("`{short}` in line {line}"), allowed))
+            // What stands there is not repeated: the file may be one that was not meant.
+            Err(refuse(format!("something else in line {line}"), allowed))
         }
     }
 }
@@ -120,9 +120,8 @@ pub(super) fn scattered(text: &str) -> Result<Scattered, InputError> {
         let at = [(place[0] - x) / dx, (place[1] - y) / dy];
         let on_grid = |m: usize| (at[m] - at[m].round()).abs() <= 0.01;
         if let Some(m) = (0..2).find(|&m| !on_grid(m)) {
-            let given = format!("{} = {} in line {line}", ["x", "y"][m], place[m]);
-            let (first, step) = if m == 0 { (x, dx) } else { (y, dy) };
-            return Err(refuse(given, format!("a regular grid; {first} + k {step} would be one")));
+            let given = format!("a value of {} in line {line} that is off the grid", ["x", "y"][m]);
+            return Err(refuse(given, "coordinates on a regular grid, to one hundredth of a step"));
         }
         let k = at[1].round() as usize * nx + at[0].round() as usize;
         if seen[k] > 0 {

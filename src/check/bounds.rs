@@ -1,10 +1,9 @@
-//! An independent check of a bracket and of the pressure field it came with.
-//!
-//! Nothing is shared with the proof or with a solver but the gap: displacements are summed directly ([`super::summation`]), at
-//! points that no proof and no solver uses. The checker samples: it can refuse, and it cannot prove.
+//! Bounds of the force, from the pressures that prove them. The checker samples: it can refuse, and it cannot prove.
 
+use super::Verification;
+use super::homogeneous::is_homogeneous;
 use super::summation::{Receiver, Summation};
-use super::{Evidence, ForceBracket, Repair};
+use crate::bracket::{Evidence, ForceBracket, Repair, Side};
 use crate::gap::{AnyGap, Gap};
 use crate::grid::{Grid, Pressure};
 use crate::material::EffectiveModulus;
@@ -24,38 +23,6 @@ const OWN_ERROR: f64 = 1e-6;
 
 /// Share of the width of a sampled bracket that its sampling may have missed.
 const MISSED: f64 = 0.05;
-
-/// What the checker found.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Verification {
-    /// What was looked at, with the figures found.
-    pub checked: Vec<String>,
-    /// What speaks against it.
-    pub objections: Vec<String>,
-}
-
-impl Verification {
-    /// Whether nothing speaks against it.
-    #[must_use]
-    pub fn accepted(&self) -> bool {
-        self.objections.is_empty()
-    }
-
-    /// Notes a condition and its figures.
-    pub fn require(&mut self, holds: bool, what: impl Into<String>) {
-        let what = what.into();
-        if !holds {
-            self.objections.push(what.clone());
-        }
-        self.checked.push(what);
-    }
-
-    /// Everything that another check found.
-    pub fn join(&mut self, other: Self) {
-        self.checked.extend(other.checked);
-        self.objections.extend(other.objections);
-    }
-}
 
 /// One claimed side of a bracket.
 #[derive(Debug, Clone, Copy)]
@@ -80,18 +47,18 @@ pub struct Claim<'a> {
 /// let problem = Discrete::sample(&gap, 1.0, grid, Kernel::Galerkin);
 /// let values = matrix_free::solve(&problem, None, &matrix_free::Settings::default())?.pressure;
 /// let bracket = bracket::certify(&gap, modulus, 1.0, &Pressure { grid, values }, &BracketSettings::default())?;
-/// assert!(bracket::check(&gap, modulus, 1.0, &bracket).accepted());
+/// assert!(contact_patch::check::bracket(&gap, modulus, 1.0, &bracket).accepted());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[must_use]
-pub fn check(gap: impl Into<AnyGap>, modulus: EffectiveModulus, depth: f64, bracket: &ForceBracket) -> Verification {
+pub fn bracket(gap: impl Into<AnyGap>, modulus: EffectiveModulus, depth: f64, bracket: &ForceBracket) -> Verification {
     let gap = &gap.into();
-    let side = |side: &super::Side| (side.force(), side.repair(), side.evidence() == Evidence::Proved);
+    let side = |side: &Side| (side.force(), side.repair(), side.evidence() == Evidence::Proved);
     let (upper, lower) = (bracket.upper_side(), bracket.lower_side());
     match (upper.pressure(), lower.pressure()) {
         (Some(above), Some(below)) => {
             let claim = |(force, repair, proved), pressure| Claim { force, repair, proved, pressure };
-            check_claims(gap, modulus, depth, &claim(side(upper), above), &claim(side(lower), below))
+            bounds(gap, modulus, depth, &claim(side(upper), above), &claim(side(lower), below))
         }
         _ => {
             let mut found = Verification::default();
@@ -106,7 +73,7 @@ pub fn check(gap: impl Into<AnyGap>, modulus: EffectiveModulus, depth: f64, brac
 /// On each side the violation v is sampled: f - S q where f > 0 (upper), S q - f under pressure (lower). What the repair has
 /// to make good is recomputed from below: a stack of discs no larger than those that just reach across the points.
 #[must_use]
-pub fn check_claims(
+pub fn bounds(
     gap: impl Into<AnyGap>,
     modulus: EffectiveModulus,
     depth: f64,
@@ -132,9 +99,8 @@ pub fn check_claims(
         let ratio = if level == 0.0 { 1.0 } else { (1.0 + by).max(0.0).powf(1.0 + 1.0 / degree.unwrap_or(f64::NAN)) };
         let proves = (if above { carried + discs } else { (carried - discs).max(0.0) }) / ratio;
         let rounding = 1e-9 * (carried.abs() + claim.force.abs());
-        let follows = if above { claim.force >= proves - rounding } else { claim.force <= proves + rounding };
         found.require(
-            follows && discs >= 0.0 && level >= 0.0,
+            (claim.force - proves).abs() <= rounding && discs >= 0.0 && level >= 0.0,
             format!("{name} bound {:e}: pressure and repair prove {proves:e}", claim.force),
         );
         if level > 0.0 {
@@ -238,19 +204,4 @@ fn least_stack(mut violations: Vec<(f64, [f64; 2])>, level: f64) -> f64 {
         force += diameter * (height - violations.get(k + 1).map_or(level, |v| v.0));
     }
     force
-}
-
-/// Whether g(c + s v) = s^k g(c + v) at points spread over the grid; with k infinite, whether g is 0 wherever there is material.
-fn is_homogeneous(gap: &AnyGap, k: f64, grid: &Grid) -> bool {
-    let [cx, cy] = gap.known().centre;
-    let size = grid.extent().size();
-    (1..=40).all(|n| {
-        let v = [0.7549, 0.5698].map(|step: f64| (step * f64::from(n)).fract() - 0.5);
-        let at = |s: f64| gap.gap(cx + s * v[0] * size[0], cy + s * v[1] * size[1]);
-        let whole = at(1.0);
-        if k == f64::INFINITY {
-            return whole == 0.0 || whole == f64::INFINITY;
-        }
-        [0.5, 0.13].iter().all(|s| (at(*s) - whole * s.powf(k)).abs() <= 1e-8 * whole.abs())
-    })
 }

@@ -1,4 +1,4 @@
-//! Displacement by one loaded cell, for the checker alone: at a point, and as mean over another cell.
+//! Displacement by one loaded cell: at a point, and as mean over another cell.
 //!
 //! Near the cell a polygon integrated edge by edge (Wilton et al., IEEE Trans. Antennas Propag. 32 (1984) 276), further out Gauss.
 
@@ -76,7 +76,7 @@ mod tests {
         assert!((middle - 4.0 * FRAC_1_PI * 1f64.asinh()).abs() < 1e-14);
         for h in [[1.0, 0.7], [1.0, 0.1]] {
             for at in [[0.3, 0.1], [0.9, -0.6], [2.0, 1.0], [3.5, 0.4], [-8.0, 3.0], [20.0, 1.0]] {
-                let other = super::super::kernel::displacement(h, at[0], at[1])[0];
+                let other = crate::bracket::kernel::displacement(h, at[0], at[1])[0];
                 assert!((of_cell(h, at) / other - 1.0).abs() < 1e-8, "{h:?} {at:?}");
             }
         }

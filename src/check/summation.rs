@@ -1,4 +1,4 @@
-//! Displacement by direct summation, for the checker alone: no transform, no lattice, no closed form of Love's.
+//! Displacement by direct summation: no transform, no lattice, no closed form of Love's.
 //!
 //! Near a point every cell counts by itself, as a polygon integrated edge by edge (Wilton et al., IEEE Trans. Antennas Propag. 32
 //! (1984) 276). Further out blocks of cells count by their moments: in the plane, with points as complex numbers,
@@ -44,6 +44,14 @@ pub(super) struct Summation<'a> {
     h: [f64; 2],
 }
 
+/// Displacement by unit pressure on the cells around one, for any pressure on a grid.
+pub(super) struct Near {
+    receiver: Receiver,
+    /// Offsets up to these, in cells.
+    half: [usize; 2],
+    table: Vec<f64>,
+}
+
 struct Block {
     centre: [f64; 2],
     radius: f64,
@@ -64,14 +72,25 @@ impl<'a> Summation<'a> {
         Self { grid, pressure, unit, h: grid.spacing.map(|h| h / unit) }
     }
 
-    /// Displacement in every wanted cell, in the unit of the grid; zero in the others.
-    pub fn in_cells(&self, receiver: Receiver, wanted: &[bool]) -> Vec<f64> {
-        let levels = self.levels(receiver);
+    /// What every pressure on this grid has in common.
+    pub fn near(&self, receiver: Receiver) -> Near {
         let [nx, ny] = self.grid.shape;
         let leaf = 0.5 * BLOCK as f64 * self.h[0].hypot(self.h[1]);
-        let near = self.h.map(|h| (leaf / OPENING / h).ceil() as usize + 2 * BLOCK);
+        let near = self.h.map(|h| ((leaf / OPENING / h).ceil() as usize).saturating_add(2 * BLOCK));
         let half = [near[0].min(nx), near[1].min(ny)];
-        let table = self.table(receiver, half);
+        Near { receiver, half, table: self.table(receiver, half) }
+    }
+
+    /// Displacement in every wanted cell, in the unit of the grid; zero in the others.
+    pub fn in_cells(&self, receiver: Receiver, wanted: &[bool]) -> Vec<f64> {
+        self.in_cells_with(&self.near(receiver), wanted)
+    }
+
+    /// The same with what is known of the grid.
+    pub fn in_cells_with(&self, near: &Near, wanted: &[bool]) -> Vec<f64> {
+        let &Near { receiver, half, ref table } = near;
+        let levels = self.levels(receiver);
+        let [nx, ny] = self.grid.shape;
         let width = 2 * half[0] + 1;
         let shift = match receiver {
             Receiver::Point(at) => at,

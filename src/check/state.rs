@@ -1,0 +1,256 @@
+//! The check of one state of a result.
+
+use super::result::{Bounds, State};
+use super::{Claim, Verification, bounds, close};
+use crate::bracket::{self, DepthBracket};
+use crate::contact::Load;
+use crate::error::InputError;
+use crate::gap::{AnyGap, Gap};
+use crate::overlap::least;
+use crate::scene::Scene;
+
+/// Relative difference of two numbers that are written from the same ones.
+pub(super) const ROUNDING: f64 = 1e-9;
+
+impl State<'_> {
+    /// Checks the state against the scene and the load that it is said to answer.
+    ///
+    /// # Errors
+    /// Names the path of what is missing or has another type.
+    pub fn check(&self, scene: &Scene, load: Load) -> Result<Verification, InputError> {
+        let mut found = Verification::default();
+        let gap = scene.contact.tilted_gap(self.tilt);
+        self.as_loaded(load, &mut found)?;
+        self.error_is_sane(scene, &mut found);
+        match self.origin.as_str() {
+            "no_contact" => self.apart(&gap, &mut found)?,
+            "closed_form" | "approximate" => self.applied_again(scene, &gap, &mut found)?,
+            "one_grid" | "many_grids" => self.on_grid(scene, &gap, load, &mut found)?,
+            "separate_contacts" => found.require(
+                false,
+                "the field is the contact on one grid; here it is a mean of several, one for each of contacts far apart, and shows \
+                 nothing: solve with \"cells\" in \"solve\" for one grid",
+            ),
+            "edge_fitted" => found.require(
+                false,
+                "the field is the contact on one grid; cells fitted to edges are not in a result, and it shows nothing: solve with \
+                 \"cells\" in \"solve\" for one grid",
+            ),
+            other => {
+                let known = "closed_form, approximate, one_grid, many_grids, separate_contacts, edge_fitted or no_contact";
+                return Err(InputError::new("origin.kind", format!("\"{other}\""), known));
+            }
+        }
+        self.relations(&mut found)?;
+        if let Some(claimed) = &self.bracket {
+            let under_force = matches!(load, Load::Force(_));
+            self.bracketed(claimed, &gap, scene, load, &mut found);
+            if under_force {
+                self.depth_bracketed(claimed, &gap, &mut found)?;
+            }
+        }
+        found.unchecked = self.reader.unused();
+        Ok(found)
+    }
+
+    /// What was prescribed comes back as it was given.
+    fn as_loaded(&self, load: Load, found: &mut Verification) -> Result<(), InputError> {
+        let same = |a: f64, b: f64| close(a, b, 1e-12);
+        let (holds, what) = match load {
+            Load::Depth(depth) => (same(self.depth, depth) && self.tilt == [0.0; 2], "depth"),
+            Load::Tilted { depth, tilt } => (same(self.depth, depth) && self.tilt == tilt, "depth and tilt"),
+            Load::Force(force) => (same(self.force, force) && self.tilt == [0.0; 2], "force"),
+            Load::ForceMoment { force, moment } => {
+                let given = self.reader.pair("moment")?;
+                (same(self.force, force) && (force == 0.0 || given == Some(moment)), "force and moments")
+            }
+        };
+        found.require(
+            holds,
+            format!("the {what} are those of the loading: depth {:e}, force {:e}", self.depth, self.force),
+        );
+        match load {
+            Load::Depth(_) | Load::Tilted { .. } => self.reader.use_up("depth"),
+            Load::Force(_) | Load::ForceMoment { .. } => self.reader.use_up("force"),
+        }
+        if !matches!(load, Load::ForceMoment { .. }) {
+            self.reader.use_up("tilt");
+        }
+        Ok(())
+    }
+
+    /// A solved state states an error below 1, and one that its scene asked for.
+    fn error_is_sane(&self, scene: &Scene, found: &mut Verification) {
+        let Some(error) = self.force_error else { return };
+        found.require((0.0..1.0).contains(&error), format!("the stated error {error:e} is from 0 to 1"));
+        if error > scene.settings.tolerance {
+            found.checked.push(format!(
+                "the stated error {error:.1e} is larger than the tolerance of the scene, {:.1e}: solved with another one",
+                scene.settings.tolerance
+            ));
+        }
+    }
+
+    /// Nothing touches, and every number says so.
+    fn apart(&self, gap: &AnyGap, found: &mut Verification) -> Result<(), InputError> {
+        let overlap = |[x, y]: [f64; 2]| gap.gap(x, y) < self.depth;
+        found.require(
+            !overlap(gap.known().centre) && !overlap(least(gap).0),
+            "no force: the undeformed bodies do not overlap",
+        );
+        for path in [
+            "force",
+            "force_error",
+            "stiffness",
+            "energy",
+            "patch.area",
+            "patch.regions",
+            "patch.max_radius",
+            "pressure.max",
+        ] {
+            if let Some(value) = self.reader.number(path)? {
+                found.require(value == 0.0, format!("{path} {value:e} is 0 without contact"));
+                self.reader.use_up(path);
+            }
+        }
+        if let Some(moment) = self.reader.numbers("moment")? {
+            found.require(moment.iter().all(|m| *m == 0.0), "the moments are 0 without contact");
+            self.reader.use_up("moment");
+        }
+        if let Some(rows) = self.reader.get("stiffness_matrix")? {
+            let zero = matrix(rows).is_some_and(|m| m.iter().flatten().all(|k| *k == 0.0));
+            found.require(zero, "the stiffness matrix is 0 without contact");
+            self.reader.use_up("stiffness_matrix");
+        }
+        self.reader.use_up("depth");
+        Ok(())
+    }
+
+    /// Numbers that follow from others.
+    fn relations(&self, found: &mut Verification) -> Result<(), InputError> {
+        let reader = &self.reader;
+        if let Some(mean) = reader.number("pressure.mean")? {
+            found.require(
+                close(mean * self.area, self.force, ROUNDING),
+                format!("mean pressure {mean:e} times area {:e} is the force", self.area),
+            );
+            reader.use_up("pressure.mean");
+        }
+        if let (Some(centre), Some(moment)) = (reader.pair("centre_of_pressure")?, reader.pair("moment")?) {
+            let holds = close(centre[0] * self.force, -moment[1], ROUNDING)
+                && close(centre[1] * self.force, moment[0], ROUNDING);
+            found.require(
+                holds,
+                format!("the centre of pressure {centre:?} is where the force has the moments {moment:?}"),
+            );
+            reader.use_up("centre_of_pressure");
+        }
+        Ok(())
+    }
+
+    /// The bracket follows from its pressures, and the force lies in it but for its own error.
+    fn bracketed(&self, claimed: &Bounds, gap: &AnyGap, scene: &Scene, load: Load, found: &mut Verification) {
+        let force_driven = !matches!(load, Load::Depth(_) | Load::Tilted { .. });
+        let error = self.force_error.unwrap_or(0.0);
+        let room = error * self.force + if force_driven { 0.01 * self.force } else { 0.0 };
+        found.require(
+            self.origin == "approximate" || (claimed.lower - room <= self.force && self.force <= claimed.upper + room),
+            format!("the force {:e} lies in the bracket, but for its own error", self.force),
+        );
+        let checked = claimed.check(gap, scene, self.depth);
+        if claimed.needs_no_field() || checked.accepted() {
+            for key in [
+                "lower",
+                "upper",
+                "below.discs",
+                "above.discs",
+                "below.level",
+                "above.level",
+                "below.degree",
+                "above.degree",
+            ] {
+                self.reader.use_up(&format!("bracket.{key}"));
+            }
+            for side in ["below", "above"] {
+                self.reader.use_up(&format!("bracket.{side}.field"));
+            }
+        }
+        found.join(checked);
+    }
+
+    /// The bounds of the depth follow from those of the force.
+    fn depth_bracketed(&self, claimed: &Bounds, gap: &AnyGap, found: &mut Verification) -> Result<(), InputError> {
+        let Some(lower) = self.reader.number("bracket.depth.lower")? else { return Ok(()) };
+        let upper = self.reader.number("bracket.depth.upper")?;
+        let [own, above] = DepthBracket::bounds(gap, self.depth, self.force, [claimed.lower, claimed.upper]);
+        let same = match upper {
+            Some(upper) => close(upper, above, ROUNDING),
+            None => !above.is_finite(),
+        };
+        found.require(
+            same && close(lower, own, ROUNDING),
+            format!("the bounds of the depth, {lower:e} and {upper:?}, follow from those of the force"),
+        );
+        self.reader.use_up("bracket.depth");
+        Ok(())
+    }
+}
+
+/// Three rows of three.
+pub(super) fn matrix(json: &crate::scene::Json) -> Option<[[f64; 3]; 3]> {
+    use crate::scene::Json;
+    let row = |row: &Json| match row {
+        Json::Array(items) => {
+            let numbers: Option<Vec<f64>> =
+                items.iter().map(|item| if let Json::Number(n) = item { n.as_f64() } else { None }).collect();
+            <[f64; 3]>::try_from(numbers?).ok()
+        }
+        _ => None,
+    };
+    match json {
+        Json::Array(rows) => <[[f64; 3]; 3]>::try_from(rows.iter().map(row).collect::<Option<Vec<_>>>()?).ok(),
+        _ => None,
+    }
+}
+
+impl Bounds {
+    /// Whether the theorems on both sides do without a pressure field.
+    pub(super) fn needs_no_field(&self) -> bool {
+        let without = |p: &Option<super::result::Proof>| {
+            p.as_ref().is_some_and(|p| matches!(p.theorem.as_str(), "ellipse" | "fabrikant" | "comparison"))
+        };
+        without(&self.above) && without(&self.below)
+    }
+
+    fn check(&self, gap: &AnyGap, scene: &Scene, depth: f64) -> Verification {
+        let modulus = scene.contact.modulus();
+        if self.needs_no_field() {
+            return self.check_again(gap, scene, depth);
+        }
+        let pressures = (self.above.as_ref(), self.below.as_ref());
+        if let (Some(above), Some(below)) = pressures
+            && let (Some(q), Some(m)) = (&above.pressure, &below.pressure)
+        {
+            let upper = Claim { force: self.upper, repair: above.repair, proved: above.proved, pressure: q };
+            let lower = Claim { force: self.lower, repair: below.repair, proved: below.proved, pressure: m };
+            return bounds(gap, modulus, depth, &upper, &lower);
+        }
+        let mut found = Verification::default();
+        let what = format!("the bracket [{:e}, {:e}] comes with the fields that prove it", self.lower, self.upper);
+        found.require(false, what);
+        found
+    }
+
+    /// A bracket without fields: its theorems are applied again.
+    fn check_again(&self, gap: &AnyGap, scene: &Scene, depth: f64) -> Verification {
+        let mut found = Verification::default();
+        let own = bracket::approximate(gap, scene.contact.modulus(), depth);
+        let holds = own.as_ref().is_ok_and(|own| {
+            self.lower <= self.upper
+                && close(self.lower, own.lower(), ROUNDING)
+                && close(self.upper, own.upper(), ROUNDING)
+        });
+        found.require(holds, format!("the bracket [{:e}, {:e}] follows from its theorems", self.lower, self.upper));
+        found
+    }
+}
