@@ -97,10 +97,11 @@ impl Unsolved {
     /// ```
     ///
     /// # Errors
-    /// Itself, under any other verdict and when no state was found.
+    /// Itself, under any other verdict, when no state was found, and when the error of its force is not stated or not below 100 %.
     pub fn accept_best(self) -> Result<Solution, Self> {
+        let known = |state: &Solution| state.force_error.is_some_and(|error| error < 1.0);
         match self.best {
-            Some(best) if self.verdict == Verdict::ToleranceNotReached => Ok(*best),
+            Some(best) if self.verdict == Verdict::ToleranceNotReached && known(&best) => Ok(*best),
             best => Err(Self { best, ..self }),
         }
     }

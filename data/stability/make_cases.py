@@ -125,11 +125,9 @@ write("shapes", shapes)
 
 # Meshes and places.
 grids = []
-for n in [1, 2]:
-    # No cell overlaps in the mean, so nothing can be said.
+# On so few cells the force is not known to within 100 %: no answer.
+for n in [1, 2, 3, 5]:
     grids.append(case(f"{n} cells along the box", scene(pyramid(3), depth(1.0)), [run("fft", 0.0, n), run("qp", 0.0, n)], verdict="tolerance_not_reached"))
-for n in [3, 5]:
-    grids.append(case(f"{n} cells along the box", scene(pyramid(3), depth(1.0)), [run("fft", 0.5, n), run("qp", 0.5, n)], K3, CONVERGED))
 grids.append(case("no contact", scene(pyramid(3), depth(-1.0)), [run(m, 0.0) for m in ["auto", "fft", "qp", "fabrikant", "ritz"]], 0, "the bodies do not touch"))
 grids.append(case("depth 0", scene(pyramid(3), depth(0.0)), [run(m, 0.0) for m in ["auto", "fft", "qp", "fabrikant", "ritz"]], 0, "the bodies do not touch"))
 for n in [64, 65]:
