@@ -33,9 +33,11 @@ pub(crate) fn with_bracket(
         return Ok(solution);
     }
     let gap = contact.tilted_gap(solution.tilt);
-    let bracket = match settings.method {
-        Method::Ritz | Method::Fabrikant => bracket::approximate(&gap, contact.modulus(), solution.depth)?,
-        _ => match on_grids(contact, &gap, &mut solution, settings) {
+    let narrow = |b: &mut ForceBracket| b.evidence() == Evidence::Proved && b.relative_width() <= settings.tolerance;
+    let bracket = match (solution.bracket.take_if(narrow), settings.method) {
+        (Some(narrow), _) => narrow,
+        (None, Method::Ritz | Method::Fabrikant) => bracket::approximate(&gap, contact.modulus(), solution.depth)?,
+        (None, _) => match on_grids(contact, &gap, &mut solution, settings) {
             Ok(Some(bracket)) => bracket,
             Ok(None) => return Ok(solution),
             Err(e) => {

@@ -1,6 +1,7 @@
 //! A state of contact from the grid, in the user's units.
 
 use crate::Contact;
+use crate::bracket::ForceBracket;
 use crate::discrete::Discrete;
 use crate::domain;
 use crate::edges::{self, Edge};
@@ -327,7 +328,7 @@ fn in_users_units(
         tilt,
         force: force * unit_force,
         force_error: Some(error / force),
-        bracket: None,
+        bracket: refined.proved.map(|bounds| ForceBracket::of_energy(bounds.map(|force| force * unit_force))),
         depth_bracket: None,
         stiffness: stiffness * e_star * length,
         stiffness_matrix: None,

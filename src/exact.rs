@@ -2,6 +2,7 @@
 
 use crate::domain::{coarsest, locate, locate_closely, shape, squared};
 use crate::edges::{self, Border, Edge, Ladder};
+use crate::energy::{Trial, force_bounds};
 use crate::error::{Unsolved, Verdict};
 use crate::extrapolate::{self, Ends, Estimate};
 use crate::gap::{Degree, Gap, Law};
@@ -9,7 +10,7 @@ use crate::geometry::Rect;
 use crate::grid::Kernel;
 use crate::one_grid::{GridState, Way, of_shape, other_kernel};
 use crate::overlap::Scaled;
-use crate::settings::{Method, Settings};
+use crate::settings::{ErrorBar, Method, Settings};
 
 /// Cells along the longer side that no grid has more of.
 const FINEST: usize = 2560;
@@ -38,6 +39,9 @@ const BESIDE_STEPS: f64 = 1.5;
 /// than three grids tell, measured on 300 grids of minima like these and of flat punches).
 const AT_EDGES_AS_GIVEN: f64 = 2.0;
 
+/// Cells along the longer side up to which grids are refined for narrower bounds, once the estimate is good enough.
+const FINEST_PROVED: usize = 512;
+
 /// A contact refined until the force is good enough.
 #[derive(Debug, Clone)]
 pub(crate) struct Refined {
@@ -53,12 +57,14 @@ pub(crate) struct Refined {
     pub stopped: Option<Unsolved>,
     /// The grids that it took where the contact ends at sharp edges; `state` is the finest.
     pub ladder: Option<Ladder>,
+    /// Proved bounds of the force, from the pressure of `state`.
+    pub proved: Option<[f64; 2]>,
 }
 
 impl Refined {
     /// One grid whose force is the best there is.
     pub fn of(state: GridState, error: f64) -> Self {
-        Self { force: state.force(), error, grids: 1, state, stopped: None, ladder: None }
+        Self { force: state.force(), error, grids: 1, state, stopped: None, ladder: None, proved: None }
     }
 
     /// Best values of what is found in a state: of the finest grid, or the limits of all where the contact ends at sharp edges.
@@ -73,6 +79,12 @@ impl Refined {
             Some(ladder) => ladder.limits(values),
             None => values(&self.state),
         }
+    }
+
+    /// With the bounds: their distance is the error, and the force lies between them.
+    fn within(self, [lower, upper]: [f64; 2]) -> Self {
+        let force = self.force.clamp(lower, upper);
+        Self { force, error: (upper - force).max(force - lower), proved: Some([lower, upper]), ..self }
     }
 
     fn is_within(&self, tolerance: f64) -> bool {
@@ -185,8 +197,15 @@ impl Ascent<'_> {
             let area = pressed as f64 * state.problem.grid.cell_area();
             error = error.max(force * (Border::of(self.scaled, &state).left_out / area).abs());
         }
-        // Who prescribes the grid wants the force of that grid.
-        Ok(Some(Refined::of(state, error + (force - value).abs())))
+        // Who prescribes the grid wants the force of that grid, whether or not the bounds hold it.
+        let estimated = error + (force - value).abs();
+        Ok(Some(match self.proved(&state) {
+            Some([lower, upper]) => {
+                let error = (upper - force).abs().max((force - lower).abs());
+                Refined { proved: Some([lower, upper]), ..Refined::of(state, error) }
+            }
+            None => Refined::of(state, estimated),
+        }))
     }
 
     fn free(mut self) -> Result<Option<Refined>, Unsolved> {
@@ -247,7 +266,8 @@ impl Ascent<'_> {
             if !good && ends {
                 return match self.at_sharp_edges(aligned) {
                     Err(e) if e.verdict == Verdict::TimeLimit => {
-                        Ok(Some(Refined { state, force: value, error, grids: 1, stopped: Some(e), ladder: None }))
+                        let stopped = Some(e);
+                        Ok(Some(Refined { state, force: value, error, grids: 1, stopped, ladder: None, proved: None }))
                     }
                     found => found.map(Some),
                 };
@@ -260,10 +280,25 @@ impl Ascent<'_> {
                 }
             }
             let grids = if few { 1 } else { self.energies.len().max(1) };
-            best = Some(Refined { state, force: value, error, grids, stopped: None, ladder: None });
-            if good {
-                break;
+            let found = Refined { state, force: value, error, grids, stopped: None, ladder: None, proved: None };
+            if !good {
+                best = Some(found);
+                continue;
             }
+            let proved = self.proved(&found.state);
+            let found = proved.map_or_else(|| found.clone(), |bounds| found.clone().within(bounds));
+            // Bounds narrow as the square of the cell at least: no further than where they will be narrow enough.
+            let finer = (found.error / (tolerance * found.force)).sqrt();
+            let too_far = !(cells as f64 * finer <= FINEST_PROVED as f64);
+            if found.is_within(tolerance) {
+                return Ok(Some(found));
+            }
+            // What stops the next grid leaves the estimate.
+            let found = Refined { error: error.max((found.force - value).abs()), ..found };
+            if too_far {
+                return Ok(Some(found));
+            }
+            best = Some(found);
         }
         Ok(best)
     }
@@ -302,6 +337,18 @@ impl Ascent<'_> {
         limit.unwrap_or(Estimate { value: force, error: force })
     }
 
+    /// Proved bounds of the force from the energy of a grid, P (d - g0) = (2 + 1/k) U for a homogeneous gap; `None` where they are not
+    /// asked for, or none can be had.
+    fn proved(&self, state: &GridState) -> Option<[f64; 2]> {
+        let wanted = |law: &(Degree, Ends)| law.0 != Degree::Flat && self.settings.evidence == ErrorBar::Proof;
+        let (degree, _) = self.law.filter(wanted)?;
+        let GridState { problem, solution, .. } = state;
+        // Displacements of the quadratic programme come from a dense matrix.
+        let displacement = (self.method == Method::Fft).then_some(solution.displacement.as_slice());
+        let trial = Trial { grid: &problem.grid, pressure: &solution.pressure, displacement };
+        force_bounds(self.scaled, degree, &trial)
+    }
+
     /// How far off the other kernel makes the force on the same grid. Values at centres err by up to 1.45 times that
     /// (measured on 800 closed forms), means by less.
     fn doubt(&self, state: &GridState) -> Result<f64, Unsolved> {
@@ -319,6 +366,7 @@ impl Ascent<'_> {
         let most = || Unsolved::new(Verdict::ToleranceNotReached, edges::most(edges::finest(finest)));
         let stopped = stopped.or_else(|| Some(most()));
         let grids = ladder.grids();
-        Ok(Refined { state, force: limit.value, error: limit.error, grids, stopped, ladder: Some(ladder) })
+        let (force, error) = (limit.value, limit.error);
+        Ok(Refined { state, force, error, grids, stopped, ladder: Some(ladder), proved: None })
     }
 }

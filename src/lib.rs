@@ -53,6 +53,7 @@ mod discrete;
 mod displaced;
 mod domain;
 mod edges;
+pub mod energy;
 mod engine;
 mod equilibrium;
 mod error;
@@ -105,6 +106,6 @@ pub use material::{Body, EffectiveModulus};
 pub use plan::{Plan, plan};
 #[cfg(feature = "scene")]
 pub use scene::Scene;
-pub use settings::{BoundaryFamily, Method, Outputs, Settings};
-pub use solution::{Cost, Origin, Patch, PressureSummary, Solution};
+pub use settings::{BoundaryFamily, ErrorBar, Method, Outputs, Settings};
+pub use solution::{Cost, ForceEvidence, Origin, Patch, PressureSummary, Solution};
 pub use solve::solve;

@@ -71,6 +71,16 @@ pub struct Outputs {
     pub energy: bool,
 }
 
+/// What the stated error of the force is to be.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ErrorBar {
+    /// Half the width of a proved bracket, wherever a theorem reaches ([`crate::energy`]); else an estimate.
+    #[default]
+    Proof,
+    /// An estimate from several grids: cheapest, for inner loops.
+    Estimate,
+}
+
 /// How to solve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
@@ -82,6 +92,8 @@ pub struct Settings {
     pub kernel: Kernel,
     /// Relative error of the force that is good enough, in (0, 1).
     pub tolerance: f64,
+    /// Whether the error of the force is to be proved.
+    pub evidence: ErrorBar,
     /// Boundaries that [`Method::Fabrikant`] may choose from.
     pub boundary: BoundaryFamily,
     /// What to compute besides.
@@ -101,6 +113,7 @@ impl Default for Settings {
             cells: None,
             kernel: Kernel::Galerkin,
             tolerance: 1e-3,
+            evidence: ErrorBar::default(),
             boundary: BoundaryFamily::Stationary,
             outputs: Outputs::default(),
             threads: 1,

@@ -1,6 +1,6 @@
 //! The answer: force, stiffness, patch and pressure of one state of loading, in the user's units.
 
-use crate::bracket::{DepthBracket, ForceBracket};
+use crate::bracket::{DepthBracket, Evidence, ForceBracket};
 use crate::discrete::Residuals;
 use crate::gap::Law;
 use crate::grid::{Grid, Pressure};
@@ -63,9 +63,9 @@ pub struct Solution {
     pub tilt: [f64; 2],
     /// Normal force.
     pub force: f64,
-    /// Estimate of the relative error of the force; `None` when no estimate could be made.
+    /// Relative error of the force, of the kind that [`Solution::evidence`] says; `None` when nothing is known of it.
     pub force_error: Option<f64>,
-    /// Bounds of the force with their evidence, when asked for.
+    /// Bounds of the force with their evidence: where they make the error, and when asked for.
     pub bracket: Option<ForceBracket>,
     /// Bounds of the depth under a prescribed force, with the bracket.
     pub depth_bracket: Option<DepthBracket>,
@@ -91,7 +91,49 @@ pub struct Solution {
     pub remarks: Vec<String>,
 }
 
+/// What the stated error of a force is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ForceEvidence {
+    /// Rounding: the force is from a formula, or there is no contact.
+    Exact,
+    /// The force lies in a proved bracket, and so does everything within the stated error of it.
+    Proved,
+    /// As proved, by a supremum that was sampled.
+    Sampled,
+    /// An estimate.
+    Estimated,
+}
+
+impl ForceEvidence {
+    /// The word in results.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Exact => "exact",
+            Self::Proved => "proved",
+            Self::Sampled => "sampled",
+            Self::Estimated => "estimated",
+        }
+    }
+}
+
 impl Solution {
+    /// What the stated error is: that of a bracket, where it covers it.
+    #[must_use]
+    pub fn evidence(&self) -> ForceEvidence {
+        if matches!(self.origin, Origin::ClosedForm | Origin::NoContact) {
+            return ForceEvidence::Exact;
+        }
+        let (Some(error), Some(bracket)) = (self.force_error, &self.bracket) else { return ForceEvidence::Estimated };
+        let room = error * self.force * (1.0 + 1e-9);
+        let covers = bracket.upper() - self.force <= room && self.force - bracket.lower() <= room;
+        match bracket.evidence() {
+            Evidence::Proved if covers => ForceEvidence::Proved,
+            Evidence::Sampled { .. } if covers => ForceEvidence::Sampled,
+            _ => ForceEvidence::Estimated,
+        }
+    }
+
     /// The bodies do not touch.
     pub(crate) fn apart(method: Method, depth: f64, tilt: [f64; 2]) -> Self {
         Self {
@@ -128,7 +170,7 @@ impl Solution {
         let mut other = self.clone();
         other.depth = depth;
         other.force *= stronger;
-        other.bracket = None;
+        other.bracket = self.bracket.as_ref().and_then(|bracket| bracket.at_other_depth(stronger));
         other.depth_bracket = None;
         other.stiffness *= longer;
         other.energy = self.energy.map(|u| u * deeper * stronger);

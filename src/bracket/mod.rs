@@ -76,6 +76,8 @@ pub enum Theorem {
     CorrectedFabrikant,
     /// A gap with a closed form that lies below everywhere: it is pressed with more force.
     Comparison,
+    /// Bounds of the energy of a homogeneous gap, P (d - g0) = (2 + 1/k) U ([`crate::energy`]): by the pressure of the solution.
+    Energy,
     /// The bodies do not touch.
     NoContact,
 }
@@ -91,6 +93,7 @@ impl Theorem {
             Self::Ellipse => "ellipse",
             Self::CorrectedFabrikant => "fabrikant",
             Self::Comparison => "comparison",
+            Self::Energy => "energy",
             Self::NoContact => "no_contact",
         }
     }
@@ -184,6 +187,27 @@ pub struct ForceBracket {
 }
 
 impl ForceBracket {
+    /// From bounds of the energy, proved.
+    pub(crate) fn of_energy([lower, upper]: [f64; 2]) -> Self {
+        let side = |force: f64| Side {
+            force,
+            theorem: Theorem::Energy,
+            evidence: Evidence::Proved,
+            violation: 0.0,
+            at: [0.0; 2],
+            repair: Repair::default(),
+            pressure: None,
+        };
+        Self { lower: side(lower), upper: side(upper), cost: BracketCost::default() }
+    }
+
+    /// At another depth of a homogeneous gap, where all forces are larger by this factor; `None` for bounds that come with fields.
+    pub(crate) fn at_other_depth(&self, factor: f64) -> Option<Self> {
+        let both = self.lower.theorem == Theorem::Energy && self.upper.theorem == Theorem::Energy;
+        let more = |force: f64, rounding: f64| force * factor * (1.0 + rounding);
+        both.then(|| Self::of_energy([more(self.lower(), -1e-13), more(self.upper(), 1e-13)]))
+    }
+
     /// Lower bound of the force.
     #[must_use]
     pub fn lower(&self) -> f64 {

@@ -4,9 +4,11 @@ use super::result::{Bounds, State};
 use super::{Claim, Verification, bounds, close};
 use crate::bracket::{self, DepthBracket};
 use crate::contact::Load;
+use crate::energy::{Trial, force_bounds};
 use crate::error::InputError;
 use crate::gap::{AnyGap, Gap};
-use crate::overlap::least;
+use crate::grid::{Grid, Pressure};
+use crate::overlap::{Overlap, least};
 use crate::scene::Scene;
 
 /// Relative difference of two numbers that are written from the same ones.
@@ -42,6 +44,14 @@ impl State<'_> {
             }
         }
         self.relations(&mut found)?;
+        if let Ok(word @ ("proved" | "sampled")) = self.reader.word("evidence") {
+            let room = self.force_error.unwrap_or(0.0) * self.force * (1.0 + ROUNDING);
+            let covers = |b: &Bounds| b.upper - self.force <= room && self.force - b.lower <= room;
+            found.require(
+                self.bracket.as_ref().is_some_and(covers),
+                format!("the error is {word}: there is a bracket, and it lies within the stated error of the force"),
+            );
+        }
         if let Some(claimed) = &self.bracket {
             let under_force = matches!(load, Load::Force(_));
             self.bracketed(claimed, &gap, scene, load, &mut found);
@@ -157,7 +167,11 @@ impl State<'_> {
             self.origin == "approximate" || (claimed.lower - room <= self.force && self.force <= claimed.upper + room),
             format!("the force {:e} lies in the bracket, but for its own error", self.force),
         );
-        let checked = claimed.check(gap, scene, self.depth);
+        let checked = if claimed.is_of_energy() {
+            claimed.by_energy(gap, scene, self.depth, self.field.as_ref())
+        } else {
+            claimed.check(gap, scene, self.depth)
+        };
         if claimed.needs_no_field() || checked.accepted() {
             for key in [
                 "lower",
@@ -196,6 +210,21 @@ impl State<'_> {
     }
 }
 
+/// Bounds of the force that the energy of a pressure field proves, where the gap is homogeneous.
+fn energy_bounds(gap: &AnyGap, scene: &Scene, depth: f64, field: &Pressure) -> Option<[f64; 2]> {
+    let degree = gap.known().law?.degree;
+    let scaled = Overlap::of(gap, depth).ok()??.scaled();
+    let (units, e_star) = (scaled.units, scene.contact.modulus().e_star());
+    let grid = Grid {
+        origin: units.inward(field.grid.origin),
+        spacing: field.grid.spacing.map(|h| h / units.length),
+        shape: field.grid.shape,
+    };
+    let pressure: Vec<f64> = field.values.iter().map(|p| p / (e_star * units.height / units.length)).collect();
+    let bounds = force_bounds(&scaled, degree, &Trial { grid: &grid, pressure: &pressure, displacement: None })?;
+    Some(bounds.map(|force| force * e_star * units.height * units.length))
+}
+
 /// Three rows of three.
 pub(super) fn matrix(json: &crate::scene::Json) -> Option<[[f64; 3]; 3]> {
     use crate::scene::Json;
@@ -220,6 +249,25 @@ impl Bounds {
             p.as_ref().is_some_and(|p| matches!(p.theorem.as_str(), "ellipse" | "fabrikant" | "comparison"))
         };
         without(&self.above) && without(&self.below)
+    }
+
+    fn is_of_energy(&self) -> bool {
+        let energy = |p: &Option<super::result::Proof>| p.as_ref().is_some_and(|p| p.theorem == "energy");
+        energy(&self.above) && energy(&self.below)
+    }
+
+    /// Bounds by the energy of the pressure of the solution, worked out again from that.
+    fn by_energy(&self, gap: &AnyGap, scene: &Scene, depth: f64, field: Option<&Pressure>) -> Verification {
+        let mut found = Verification::default();
+        let own = field.and_then(|field| energy_bounds(gap, scene, depth, field));
+        let holds = own.is_some_and(|[lower, upper]| {
+            self.lower <= lower * (1.0 + ROUNDING) && self.upper >= upper * (1.0 - ROUNDING)
+        });
+        found.require(
+            holds,
+            format!("the bracket [{:e}, {:e}]: the energy of the field proves {own:?}", self.lower, self.upper),
+        );
+        found
     }
 
     fn check(&self, gap: &AnyGap, scene: &Scene, depth: f64) -> Verification {

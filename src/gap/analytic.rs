@@ -293,6 +293,10 @@ impl Gap for Cone {
         radial::taylor(rect, |r| Profile { value: slope * r, slope_over_r: slope / r, curvature: Interval::ZERO })
     }
 
+    fn slopes(&self, rect: &Rect) -> Option<[Interval; 2]> {
+        radial::slopes(rect, Interval::point(self.slope))
+    }
+
     fn growth(&self, _: Interval, from: f64) -> Option<Growth> {
         Some(radial::power(self.slope, 1.0, from))
     }
@@ -373,6 +377,12 @@ impl Gap for Power {
             slope_over_r: n * lowered(r),
             curvature: if self.exponent == 1.0 { Interval::ZERO } else { n * (n - one) * lowered(r) },
         })
+    }
+
+    fn slopes(&self, rect: &Rect) -> Option<[Interval; 2]> {
+        let (n, one) = (Interval::point(self.exponent), Interval::point(1.0));
+        let steep = if self.exponent == 1.0 { one } else { radial::distances(rect).powf(n - one) };
+        radial::slopes(rect, n * Interval::point(self.coefficient) * steep)
     }
 
     fn growth(&self, _: Interval, from: f64) -> Option<Growth> {

@@ -218,6 +218,13 @@ impl Gap for AnyGap {
         self.inner.taylor(&self.transform.rect_inward(rect)).and_then(|own| self.transform.taylor_outward(&own, rect))
     }
 
+    fn slopes(&self, rect: &Rect) -> Option<[Interval; 2]> {
+        if self.transform.is_identity() {
+            return self.inner.slopes(rect);
+        }
+        self.inner.slopes(&self.transform.rect_inward(rect)).map(|own| self.transform.slopes_outward(own))
+    }
+
     fn mean_bounds(&self, rect: &Rect) -> Option<[f64; 2]> {
         if self.transform.is_identity() {
             return self.inner.mean_bounds(rect);

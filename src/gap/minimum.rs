@@ -181,6 +181,12 @@ impl Gap for Minimum {
         }
     }
 
+    fn slopes(&self, rect: &Rect) -> Option<[Interval; 2]> {
+        let mut parts = self.candidates(rect).into_iter().map(|part| part.slopes(rect));
+        let first = parts.next()??;
+        parts.try_fold(first, |all, part| part.map(|part| [all[0].union(part[0]), all[1].union(part[1])]))
+    }
+
     fn mean_bounds(&self, rect: &Rect) -> Option<[f64; 2]> {
         match self.candidates(rect).as_slice() {
             [one] => one.mean_bounds(rect),

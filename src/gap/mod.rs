@@ -130,6 +130,11 @@ pub trait Gap: Send + Sync {
         None
     }
 
+    /// Bounds of dg/dx and dg/dy wherever in a rectangle they exist. `None` where the gap may jump or end there, or cannot prove any.
+    fn slopes(&self, rect: &Rect) -> Option<[Interval; 2]> {
+        self.taylor(rect).map(|taylor| taylor.slopes(rect.size()))
+    }
+
     /// Bounds of the mean over a rectangle.
     fn mean_bounds(&self, rect: &Rect) -> Option<[f64; 2]> {
         enclosure::mean(self, rect)

@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use super::analytic::slope_of;
 use super::ridges::{corner_window, face_polygon, unit};
-use super::{AnyGap, Degree, Gap, Growth, Known, Law, Material, Quadratic, Reach, Ridges, Taylor, mean, range};
+use super::{AnyGap, Degree, Gap, Growth, Known, Law, Material, Quadratic, Reach, Ridges, Taylor, mean, radial, range};
 use crate::error::{InputError, finite, positive};
 use crate::geometry::{Rect, centroid, clip};
 use crate::numeric::Interval;
@@ -418,6 +418,22 @@ impl Gap for Polyhedron {
         let [x, y] = rect.centre().map(Interval::point);
         let [a, b, c] = top.map(Interval::point);
         Taylor { value: a * x + b * y + c, gradient: [a, b], hessian: [Interval::ZERO; 3] }.finite()
+    }
+
+    fn slopes(&self, rect: &Rect) -> Option<[Interval; 2]> {
+        let own = self.bounds(rect, [0.0; 2])?[0];
+        let near = match self.fan {
+            Some((faces, _)) if faces > MANY => self.near(faces, rect),
+            _ => self.planes.clone(),
+        };
+        // A plane that lies below the lowest point of the gap all over the rectangle is nowhere the highest.
+        let [x, y] = radial::sides(rect);
+        let highest = |p: &[f64; 3]| {
+            let [a, b, c] = p.map(Interval::point);
+            (a * x + b * y + c).hi >= own
+        };
+        let slopes = near.iter().filter(|p| highest(p)).map(|p| [p[0], p[1]].map(Interval::point));
+        slopes.reduce(|a, b| [a[0].union(b[0]), a[1].union(b[1])])
     }
 
     fn mean_bounds(&self, rect: &Rect) -> Option<[f64; 2]> {

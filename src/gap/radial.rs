@@ -49,6 +49,19 @@ pub(super) fn taylor(rect: &Rect, g: impl Fn(Interval) -> Profile) -> Option<Tay
     .finite()
 }
 
+/// Bounds of the slopes of g(r) over a rectangle, from those of g'(r).
+pub(super) fn slopes(rect: &Rect, slope: Interval) -> Option<[Interval; 2]> {
+    let (sides, r) = (sides(rect), distances(rect));
+    let finite = slope.defined && slope.lo.is_finite() && slope.hi.is_finite();
+    // x/r lies between -1 and 1, on one side of 0 where x does.
+    let unit = |x: Interval| {
+        let quotient = if r.lo > 0.0 { x / r } else { Interval::new(-1.0, 1.0) };
+        let (low, high) = (if x.lo >= 0.0 { 0.0 } else { -1.0 }, if x.hi <= 0.0 { 0.0 } else { 1.0 });
+        Interval { lo: quotient.lo.max(low), hi: quotient.hi.min(high), defined: true }
+    };
+    finite.then(|| sides.map(|x| slope * unit(x)))
+}
+
 /// Bounds of g - slope . (x - c) over a rectangle: from the Taylor form where there is one, and from the values of g(r).
 pub(super) fn bounds(
     rect: &Rect,

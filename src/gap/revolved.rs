@@ -160,6 +160,20 @@ impl Gap for Revolved {
         })
     }
 
+    fn slopes(&self, rect: &Rect) -> Option<[Interval; 2]> {
+        let r = distances(rect);
+        let (first, last) = (self.points[0], self.points[self.points.len() - 1]);
+        if !(r.lo >= first[0] && r.hi <= last[0]) {
+            return None;
+        }
+        let over = self.points.windows(2).filter(|w| w[0][0] <= r.hi && w[1][0] >= r.lo);
+        let slope = over.map(|w| {
+            let [[r0, z0], [r1, z1]] = [w[0], w[1]].map(|p| p.map(Interval::point));
+            (z1 - z0) / (r1 - r0)
+        });
+        radial::slopes(rect, slope.reduce(Interval::union)?)
+    }
+
     fn growth(&self, _: Interval, from: f64) -> Option<Growth> {
         Growth::ended(&Rect::around([0.0; 2], [self.points[self.points.len() - 1][0]; 2]), from)
     }

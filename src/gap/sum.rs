@@ -269,6 +269,12 @@ impl Gap for Sum {
         parts.try_fold(first, |sum, part| part.map(|part| sum.plus(&part)))?.finite()
     }
 
+    fn slopes(&self, rect: &Rect) -> Option<[Interval; 2]> {
+        self.parts.iter().try_fold([Interval::ZERO; 2], |sum, part| {
+            part.slopes(rect).map(|slopes| [sum[0] + slopes[0], sum[1] + slopes[1]])
+        })
+    }
+
     fn mean_bounds(&self, rect: &Rect) -> Option<[f64; 2]> {
         let sum = self.parts.iter().try_fold(Interval::ZERO, |sum, part| {
             part.mean_bounds(rect).map(|[low, high]| sum + Interval::new(low, high))

@@ -33,6 +33,14 @@ impl Taylor {
         }
     }
 
+    /// Bounds of the slopes over the rectangle, whose sides are w and h.
+    #[must_use]
+    pub fn slopes(&self, [w, h]: [f64; 2]) -> [Interval; 2] {
+        let [x, y] = [w, h].map(|side| Interval::new((-0.5 * side).next_down(), (0.5 * side).next_up()));
+        let ([gx, gy], [xx, xy, yy]) = (self.gradient, self.hessian);
+        [gx + xx * x + xy * y, gy + xy * x + yy * y]
+    }
+
     /// Bounds of g - slope . (x - c) over the rectangle, whose sides are w and h.
     #[must_use]
     pub fn bounds(&self, [w, h]: [f64; 2], slope: [f64; 2]) -> [f64; 2] {

@@ -206,6 +206,17 @@ impl Transform {
         .finite()
     }
 
+    /// Bounds of the gap's own slopes in the outer frame.
+    pub fn slopes_outward(&self, [gx, gy]: [Interval; 2]) -> [Interval; 2] {
+        let m = self.turn.matrix();
+        let (c, s) = (Interval::point(m[(0, 0)]), Interval::point(m[(1, 0)]));
+        let steep = Interval::point(self.scale) / Interval::point(self.per);
+        [
+            steep * (c * gx - s * gy) - Interval::point(self.plane[0]),
+            steep * (s * gx + c * gy) - Interval::point(self.plane[1]),
+        ]
+    }
+
     /// Growth about the outer origin from that about the gap's own: the ray of a direction, seen from there, lies in a slightly wider
     /// sector at a slightly different distance.
     pub fn growth_outward(

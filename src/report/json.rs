@@ -13,7 +13,8 @@
 //! | `origin` | how the force was found: `{kind, grids?, count?}`, `kind` one of `closed_form`, `approximate`, `one_grid`, `many_grids`, `separate_contacts`, `edge_fitted`, `no_contact` |
 //! | `grid` | `{shape, spacing}` of the finest grid |
 //! | `depth`, `force`, `stiffness` | approach, normal force, dP/dd |
-//! | `force_error` | estimate of the relative error of the force |
+//! | `force_error` | relative error of the force |
+//! | `evidence` | what that is: `exact` (rounding), `proved` (of a bracket), `sampled`, `estimated` |
 //! | `energy`, `moment`, `tilt`, `stiffness_matrix`, `centre_of_pressure` | where the method gives them |
 //! | `bracket` | `{lower, upper, evidence, points_per_cell_side?, depth?, below, above}`: see below |
 //! | `patch` | `{area, centroid, regions, max_radius, boundary?}`, boundaries counter-clockwise, holes clockwise |
@@ -37,7 +38,7 @@
 use serde::ser::{Serialize, SerializeMap, SerializeSeq, Serializer};
 
 use super::{Step, centre_of_pressure, numbers, said_once};
-use crate::bracket::{DepthBracket, Evidence, ForceBracket, Side};
+use crate::bracket::{DepthBracket, Evidence, ForceBracket, Side, Theorem};
 use crate::contact::Loading;
 use crate::curve::Curve;
 use crate::grid::Grid;
@@ -98,6 +99,7 @@ impl Serialize for Outcome<'_> {
         map.each("depth", |s| finite(s.depth))?;
         map.each("force", |s| finite(s.force))?;
         map.each("force_error", |s| s.force_error.and_then(finite))?;
+        map.each("evidence", |s| s.force_error.map(|_| s.evidence().word()))?;
         map.each("bracket", |s| {
             let with_fields = s.pressure.field.is_some();
             s.bracket.as_ref().map(|bracket| BracketOf { bracket, depth: s.depth_bracket.as_ref(), with_fields })
@@ -282,6 +284,9 @@ impl Serialize for SideOf<'_> {
         let mut map = to.serialize_map(None)?;
         map.serialize_entry("theorem", self.side.theorem().name())?;
         map.serialize_entry("evidence", word(self.side.evidence()))?;
+        if self.side.theorem() == Theorem::Energy {
+            return map.end();
+        }
         map.serialize_entry("violation", &finite(self.side.violation()))?;
         map.serialize_entry("at", &self.side.at())?;
         let repair = self.side.repair();

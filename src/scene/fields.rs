@@ -10,7 +10,7 @@ use crate::contact::{Load, Loading};
 use crate::error::{InputError, finite};
 use crate::grid::Kernel;
 use crate::material::{Body, EffectiveModulus};
-use crate::settings::{BoundaryFamily, Method, Outputs, Settings};
+use crate::settings::{BoundaryFamily, ErrorBar, Method, Outputs, Settings};
 
 /// States of loading in one scene: more than any curve needs. Each one is a solve, unless the gap is homogeneous.
 const MOST_STEPS: usize = 100_000;
@@ -334,6 +334,8 @@ pub(super) struct SolveForm {
     tolerance: Option<f64>,
     /// Boundaries that `fabrikant` may choose from.
     boundary: Option<BoundaryForm>,
+    /// What the error of the force is to be: "proof" by default, "estimate" for inner loops.
+    evidence: Option<String>,
     /// CPU seconds that one state of loading may take, 0 or more; 60 by default, 0 for no limit.
     seconds: Option<f64>,
 }
@@ -395,6 +397,13 @@ pub(super) fn settings(solve: SolveForm, output: &[OutputName]) -> Result<Settin
     }
     if let Some(tolerance) = solve.tolerance {
         settings.tolerance = checked_tolerance("solve.tolerance", tolerance)?;
+    }
+    if let Some(evidence) = &solve.evidence {
+        settings.evidence = match evidence.as_str() {
+            "proof" => ErrorBar::Proof,
+            "estimate" => ErrorBar::Estimate,
+            other => return Err(InputError::new("solve.evidence", format!("\"{other}\""), "proof or estimate")),
+        };
     }
     if let Some(seconds) = solve.seconds {
         settings.seconds = checked_seconds("solve.seconds", seconds)?;

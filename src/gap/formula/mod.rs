@@ -10,7 +10,7 @@ use std::sync::OnceLock;
 
 use super::{
     AnyGap, Axis, Degree, Face, Gap, Generatrix, Growth, Known, Law, Material, Outline, Polyhedron, Quadratic, Reach,
-    Taylor, enclosure, growth, mean, sum,
+    Taylor, enclosure, growth, mean, radial, sum,
 };
 use crate::error::InputError;
 use crate::geometry::Rect;
@@ -400,6 +400,21 @@ impl Gap for Formula {
             |m: usize| Dual { value: c[m], gradient: [0, 1].map(|k| Interval::point(f64::from(u8::from(k == m)))) };
         let Dual { value, gradient } = self.tape.run(self.variables(one(0), one(1)));
         Taylor { value, gradient, hessian }.finite()
+    }
+
+    fn slopes(&self, rect: &Rect) -> Option<[Interval; 2]> {
+        if let Some(polyhedron) = &self.polyhedron {
+            return polyhedron.slopes(rect);
+        }
+        if self.region.as_ref().is_some_and(|region| !region.covers(rect)) {
+            return None;
+        }
+        let sides = radial::sides(rect);
+        let one =
+            |m: usize| Dual { value: sides[m], gradient: [0, 1].map(|k| Interval::point(f64::from(u8::from(k == m)))) };
+        let Dual { value, gradient } = self.tape.run(self.variables(one(0), one(1)));
+        let finite = |i: &Interval| i.defined && i.lo.is_finite() && i.hi.is_finite();
+        (finite(&value) && gradient.iter().all(finite)).then_some(gradient)
     }
 
     fn mean_bounds(&self, rect: &Rect) -> Option<[f64; 2]> {

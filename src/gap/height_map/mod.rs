@@ -323,6 +323,26 @@ impl Gap for HeightMap {
         .finite()
     }
 
+    fn slopes(&self, rect: &Rect) -> Option<[Interval; 2]> {
+        let whole = self.extent();
+        if !(0..2).all(|m| whole.min[m] <= rect.min[m] && rect.max[m] <= whole.max[m]) {
+            return None;
+        }
+        let [columns, rows] = [0, 1].map(|m| self.parts(m, rect));
+        let [dx, dy] = self.spacing.map(Interval::point);
+        let mut all: Option<[Interval; 2]> = None;
+        for (j, _) in &rows {
+            for (i, _) in &columns {
+                // A hole is an end of the map.
+                let [a, b, c, d] = self.corners(*i, *j)?.map(Interval::point);
+                let along = ((b - a) / dx).union((d - c) / dx);
+                let across = ((c - a) / dy).union((d - b) / dy);
+                all = Some(all.map_or([along, across], |s| [s[0].union(along), s[1].union(across)]));
+            }
+        }
+        all
+    }
+
     fn mean_bounds(&self, rect: &Rect) -> Option<[f64; 2]> {
         let mean = self.mean(rect);
         if !mean.is_finite() {

@@ -1,0 +1,209 @@
+//! The energy from below and from above, from any pressure.
+
+use super::field::{COEFFICIENTS, Field};
+use super::overlap::OverlapBounds;
+use super::residual::{Halves, Norms, Residual};
+use crate::grid::Grid;
+
+/// Two-sided bounds of the energy U = max over p >= 0 of <f, p> - <p, S p>/2, E* = 1.
+///
+/// `lower <= U <= lower + width`, for any pressure that was given; how close they are is another matter.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EnergyBracket {
+    /// <f, p> - <p, S p>/2 of the pressure given, rounded down.
+    pub lower: f64,
+    /// Bound of what it misses; infinite where none could be shown.
+    pub width: f64,
+    /// Share of each cell of the grid in the width, x fastest; they add up to a little less than it.
+    pub shares: Vec<f64>,
+}
+
+impl EnergyBracket {
+    /// Bounds of the energy.
+    #[must_use]
+    pub fn bounds(&self) -> [f64; 2] {
+        [self.lower, (self.lower + self.width).next_up()]
+    }
+
+    /// The middle, and the largest error that it can have.
+    #[must_use]
+    pub fn middle(&self) -> (f64, f64) {
+        (self.lower + 0.5 * self.width, 0.5 * self.width * (1.0 + 1e-15))
+    }
+
+    /// What both know: each is a bound of the same energy.
+    #[must_use]
+    pub fn and(&self, other: &Self) -> Self {
+        let upper = self.bounds()[1].min(other.bounds()[1]);
+        let best = if self.width <= other.width { self } else { other };
+        let lower = self.lower.max(other.lower);
+        Self { lower, width: (upper - lower).next_up().max(0.0), shares: best.shares.clone() }
+    }
+}
+
+/// A pressure p >= 0 on the cells of a grid, and its displacement.
+#[derive(Debug, Clone)]
+pub struct Trial<'a> {
+    /// The cells.
+    pub grid: &'a Grid,
+    /// Pressure in each cell, x fastest; not negative.
+    pub pressure: &'a [f64],
+    /// Cell means of the displacement S p, where a solver has them: by one product in double precision, 0 where they are not known.
+    pub displacement: Option<&'a [f64]>,
+}
+
+/// A pressure on a larger grid of the same cells: so many more on each side, without pressure.
+#[derive(Debug, Clone)]
+pub struct Padded {
+    grid: Grid,
+    pressure: Vec<f64>,
+}
+
+impl Padded {
+    /// The same pressure, as one whose displacement is not known.
+    #[must_use]
+    pub fn trial(&self) -> Trial<'_> {
+        Trial { grid: &self.grid, pressure: &self.pressure, displacement: None }
+    }
+}
+
+impl Trial<'_> {
+    /// With so many more cells on each side: where the contact ends close to the grid, nothing can be shown of what lies beyond.
+    #[must_use]
+    pub fn padded(&self, by: usize) -> Padded {
+        let Grid { origin, spacing, shape } = *self.grid;
+        let grid = Grid {
+            origin: [0, 1].map(|m| origin[m] - by as f64 * spacing[m]),
+            spacing,
+            shape: shape.map(|n| n + 2 * by),
+        };
+        let mut pressure = vec![0.0; grid.len()];
+        for (j, row) in self.pressure.chunks_exact(shape[0]).enumerate() {
+            pressure[(j + by) * grid.shape[0] + by..][..shape[0]].copy_from_slice(row);
+        }
+        Padded { grid, pressure }
+    }
+
+    /// Pressure and displacement on the cells, made even where the overlap has a mirror in the middle of the grid.
+    pub(super) fn field(&self, overlap: &dyn OverlapBounds, known: bool) -> Option<(Field, Halves)> {
+        let halves = self.halves(overlap);
+        let even = |field: &[f64]| evened(field, self.grid.shape, halves);
+        let p = even(self.pressure);
+        let field = match self.displacement.filter(|_| known) {
+            Some(u) => Field::known(self.grid, &p, &even(u)),
+            None => Field::new(self.grid, &p),
+        };
+        Some((field?, halves))
+    }
+
+    fn halves(&self, overlap: &dyn OverlapBounds) -> Halves {
+        let (mirrors, middle) = (overlap.mirrors(), self.grid.extent().centre());
+        let near = |m: usize, c: f64| (c - middle[m]).abs() <= ASIDE * self.grid.spacing[m];
+        let mut halves = [0, 1].map(|m| mirrors[m].is_some_and(|c| near(m, c)));
+        // A pressure that is not even would lose by being made so.
+        let strongest = self.pressure.iter().copied().fold(0.0, f64::max);
+        for (axis, half) in halves.iter_mut().enumerate().filter(|(_, half)| **half) {
+            let alike = |k: usize| {
+                (self.pressure[k] - self.pressure[image(k, self.grid.shape, axis)]).abs() <= SAME * strongest
+            };
+            *half = (0..self.pressure.len()).all(alike);
+        }
+        halves
+    }
+}
+
+/// Share of a cell by which a mirror of the overlap may lie off the middle of the grid: less than what every bound allows for.
+const ASIDE: f64 = 1e-12;
+
+/// Pressures that differ by less than this share of the largest are made even.
+const SAME: f64 = 1e-4;
+
+fn image(k: usize, [nx, ny]: [usize; 2], axis: usize) -> usize {
+    let (i, j) = (k % nx, k / nx);
+    if axis == 0 { j * nx + nx - 1 - i } else { (ny - 1 - j) * nx + i }
+}
+
+fn evened(field: &[f64], shape: [usize; 2], halves: Halves) -> Vec<f64> {
+    let mut field = field.to_vec();
+    for axis in (0..2).filter(|axis| halves[*axis]) {
+        for k in 0..field.len() {
+            let other = image(k, shape, axis);
+            if other > k {
+                let mean = 0.5 * (field[k] + field[other]);
+                (field[k], field[other]) = (mean, mean);
+            }
+        }
+    }
+    field
+}
+
+/// Bounds of the energy from a pressure.
+///
+/// The width is infinite for cells more slender than 2:1, where the contact may reach beyond the grid, and where the overlap jumps
+/// within the contact.
+#[must_use]
+pub fn energy_bracket(overlap: &dyn OverlapBounds, trial: &Trial) -> EnergyBracket {
+    let unknown = || EnergyBracket { lower: f64::NEG_INFINITY, width: f64::INFINITY, shares: Vec::new() };
+    let positive =
+        trial.pressure.len() == trial.grid.len() && trial.pressure.iter().all(|p| *p >= 0.0 && p.is_finite());
+    if !positive || trial.grid.is_empty() {
+        return unknown();
+    }
+    for known in [trial.displacement.is_some(), false] {
+        let Some((field, halves)) = trial.field(overlap, known) else { return unknown() };
+        let bracket = of_field(overlap, &field, halves);
+        if !known || bracket.width.is_finite() && bracket.lower.is_finite() {
+            return bracket;
+        }
+    }
+    unknown()
+}
+
+fn of_field(overlap: &dyn OverlapBounds, field: &Field, halves: Halves) -> EnergyBracket {
+    let residual = Residual { field, overlap, halves };
+    let [lower, open] = lower(&residual);
+    let norms = residual.admissible().map(|set| residual.norms(&set, false));
+    match norms {
+        Some(norms) if norms.energy().is_finite() => {
+            EnergyBracket { lower, width: 0.5 * norms.energy() + open, shares: shares(&norms) }
+        }
+        _ => EnergyBracket { lower, width: f64::INFINITY, shares: Vec::new() },
+    }
+}
+
+/// a(w, w)/2 <= (l |grad w|^2 + |w|^2/l)/8 with the best l, cell by cell.
+fn shares(norms: &Norms) -> Vec<f64> {
+    let l = (norms.value / norms.gradient).sqrt();
+    if !(l > 0.0 && l.is_finite()) {
+        return vec![0.0; norms.cells.len()];
+    }
+    norms.cells.iter().map(|[gradient, value]| 0.125 * (l * gradient + value / l)).collect()
+}
+
+/// <f, p> - <p, S p>/2, rounded down, and how much less that may be than the number itself.
+fn lower(residual: &Residual) -> [f64; 2] {
+    let field = residual.field;
+    let grid = &field.grid;
+    let [nx, ny] = grid.shape;
+    let first = [0, 1].map(|m| if residual.halves[m] { grid.shape[m] / 2 } else { 0 });
+    let (mut work, mut elastic, mut size, mut open) = (0.0, 0.0, 0.0, 0.0);
+    for j in first[1]..ny {
+        let row = j as isize;
+        let (p, u) = (field.pressures(0, row), field.displacements(0, row));
+        for i in (first[0]..nx).filter(|i| p[*i] != 0.0) {
+            let images = residual.images(i as isize, row);
+            let [mean, high] = residual.overlap.mean(&residual.rect(i as isize, row));
+            let (p, u) = (images * p[i], u[i] * field.scale);
+            work += p * mean;
+            open += p * (high - mean);
+            elastic += p * u;
+            size += p.abs() * (mean.abs() + u.abs() + field.rounding * field.scale);
+        }
+    }
+    // Each sum of n terms errs by n eps at most; of the displacements by their own rounding, and that of the coefficients.
+    let load = size * (f64::EPSILON * (grid.len() + 8) as f64 + 2.0 * COEFFICIENTS);
+    let rounding = 0.5 * field.rounding * field.scale * grid.len() as f64 * field.strongest;
+    let sum = work - 0.5 * elastic;
+    let rounded = grid.cell_area() * (1.0 + 1e-12);
+    [grid.cell_area() * (sum - load - rounding), rounded * (2.0 * (load + rounding) + open)]
+}

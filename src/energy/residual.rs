@@ -1,0 +1,261 @@
+//! The energy norm of the residual: a trial displacement w, continued beyond the contact, and the integrals of w^2 and |grad w|^2.
+
+use super::cut::{Cell, left_out, scaled};
+use super::extension::Extension;
+use super::field::{Field, RING};
+use super::lanes::{Expansions, LANES, Room};
+use super::outside::{Loads, clear_beyond, near};
+use super::overlap::{OverlapBounds, Taylor};
+use super::tables::MOST_SLENDER;
+use super::whole::integrals;
+use super::{basis, whole};
+use crate::geometry::Rect;
+
+/// Which halves of the grid are worked out: the upper one along an axis where pressure and overlap are their own images.
+pub(super) type Halves = [bool; 2];
+
+/// Integrals over the plane, in the units of the grid, and what each cell and what belongs to it contributes.
+#[derive(Debug, Clone)]
+pub(super) struct Norms {
+    /// Bound of the integral of |grad w|^2.
+    pub gradient: f64,
+    /// Bound of the integral of w^2.
+    pub value: f64,
+    /// Both, cell by cell of the grid, without what was not worked out cell by cell.
+    pub cells: Vec<[f64; 2]>,
+}
+
+impl Norms {
+    /// Bound of a(w, w) <= |w| |grad w|/2.
+    pub fn energy(&self) -> f64 {
+        0.5 * (self.gradient * self.value).sqrt() * (1.0 + 1e-14)
+    }
+}
+
+/// Share of |grad r| and |r| in a cell that f may leave open before it is looked at more closely.
+const CLOSE: f64 = 0.05;
+
+/// What sums in floating point may add to integrals, and the quadrature of [`super::tables`], relative.
+const ROUNDING: f64 = 1e-6;
+
+pub(super) struct Residual<'a> {
+    pub field: &'a Field,
+    pub overlap: &'a dyn OverlapBounds,
+    pub halves: Halves,
+}
+
+impl Residual<'_> {
+    pub fn rect(&self, i: isize, j: isize) -> Rect {
+        let grid = &self.field.grid;
+        let at = |n: isize, m: usize| grid.origin[m] + n as f64 * grid.spacing[m];
+        Rect { min: [at(i, 0), at(j, 1)], max: [at(i + 1, 0), at(j + 1, 1)] }
+    }
+
+    /// First cell along each axis that is worked out.
+    fn first(&self) -> [isize; 2] {
+        [0, 1].map(|m| if self.halves[m] { (self.field.grid.shape[m] / 2) as isize } else { -(RING as isize) })
+    }
+
+    /// How many cells a cell stands for.
+    pub fn images(&self, i: isize, j: isize) -> f64 {
+        let twice = |m: usize, k: isize| self.halves[m] && 2 * k + 1 != self.field.grid.shape[m] as isize;
+        let count = |m: usize, k: isize| if twice(m, k) { 2.0 } else { 1.0 };
+        count(0, i) * count(1, j)
+    }
+
+    /// The extension with w >= f - u wherever there is material; `None` where the contact may reach beyond the grid.
+    pub fn admissible(&self) -> Option<Extension> {
+        let field = self.field;
+        let loads = Loads::new(field);
+        if !clear_beyond(field, self.overlap, &loads) {
+            return None;
+        }
+        let loaded = |i: isize, j: isize| field.pressure(i, j) > 0.0;
+        let mut set = Extension::of_cells(field.grid.shape, |i, j| loaded(i as isize, j as isize));
+        let mut open = Vec::new();
+        let mut room = Room::new();
+        let most = left_out(field);
+        near(field, self.overlap, &loads, self.first(), loaded, |from, count, j| {
+            for start in (0..count).step_by(LANES) {
+                let first = from + start as isize;
+                let lanes = LANES.min(count - start);
+                let wanted = |k: usize| {
+                    let i = first + k as isize;
+                    k < lanes
+                        && !loaded(i, j)
+                        && (0..4).any(|q| !set.holds(i, j, q))
+                        && self.overlap.material(&self.rect(i, j))
+                };
+                if !(0..lanes).any(wanted) {
+                    continue;
+                }
+                let expansions = Expansions::new(field, first, j, &mut room);
+                let clear = self.clear(&expansions, first, j, most, &wanted);
+                for k in (0..lanes).filter(|k| wanted(*k)) {
+                    let i = first + k as isize;
+                    if clear[k] {
+                        continue;
+                    }
+                    let expansion = expansions.cell(field, first, j, k);
+                    let cell = Cell::new(field, self.overlap, self.rect(i, j), expansion);
+                    let beyond = (0..4).filter(|q| !set.holds(i, j, *q));
+                    open.extend(beyond.filter(|q| !cell.clear_quarter(*q)).map(|q| (i, j, q)));
+                }
+            }
+        });
+        open.into_iter().for_each(|(i, j, quarter)| set.open(i, j, quarter));
+        Some(set)
+    }
+
+    /// Of cells side by side, those over which r <= 0 by the corners of the cell alone. (No cell that touches may be loaded.)
+    fn clear(&self, u: &Expansions, i: isize, j: isize, most: f64, wanted: &impl Fn(usize) -> bool) -> [bool; LANES] {
+        let h = self.field.tables.h;
+        let mut sums = [[0.0; LANES]; 4];
+        let mut bend = [0.0; LANES];
+        for (k, (c, [a, b])) in u.polynomial.iter().zip(basis::DEGREES).enumerate() {
+            let class = basis::CLASSES[1..].iter().filter(|first| k >= **first).count();
+            let bends = 0.125 * (basis::BENDS[a] + basis::BENDS[b]);
+            for n in 0..LANES {
+                sums[class][n] += c[n];
+                bend[n] += bends * c[n].abs();
+            }
+        }
+        let mut clear = [false; LANES];
+        for k in 0..LANES {
+            if u.singular.iter().any(|z| z[k] != 0.0) || !wanted(k) {
+                continue;
+            }
+            // u at the corners is even +- x +- y +- xy.
+            let [even, x, y, xy] = [0, 1, 2, 3].map(|class: usize| sums[class][k]);
+            let lowest = even - xy.abs() - bend[k] - most;
+            let [_, high] = self.overlap.bounds(&self.rect(i + k as isize, j), [2.0 * x / h[0], 2.0 * y / h[1]]);
+            clear[k] = high / self.field.scale <= lowest;
+        }
+        clear
+    }
+
+    /// The integrals for an extension: of w = max(r, chi r), or where `free` of w = chi r.
+    pub fn norms(&self, set: &Extension, free: bool) -> Norms {
+        let field = self.field;
+        let shape = field.grid.shape;
+        let first = self.first();
+        let mut total = [0.0; 2];
+        let mut room = Room::new();
+        let mut cells = vec![[0.0; 2]; field.grid.len()];
+        let end = shape.map(|n| (n + RING) as isize);
+        for j in first[1]..end[1] {
+            let mut i = first[0];
+            while i < end[0] {
+                if !set.touches(i, j) {
+                    i += 1;
+                    continue;
+                }
+                let lanes = LANES.min((end[0] - i) as usize);
+                let found = self.lanes(set, free, i, j, lanes, &mut room);
+                for (k, found) in found.iter().enumerate().take(lanes) {
+                    let images = self.images(i + k as isize, j);
+                    let at = |n: isize, m: usize| n.clamp(0, shape[m] as isize - 1) as usize;
+                    let place = at(j, 1) * shape[0] + at(i + k as isize, 0);
+                    for m in 0..2 {
+                        total[m] += images * found[m];
+                        cells[place][m] += found[m];
+                    }
+                }
+                i += lanes as isize;
+            }
+        }
+        self.unfold(&mut cells);
+        let rest = self.rest();
+        let [gradient, value] = [0, 1].map(|m| ((total[m] * (1.0 + ROUNDING)).sqrt() + rest[m]).powi(2));
+        let (two, four) = (field.scale.powi(2), field.scale.powi(4));
+        cells.iter_mut().for_each(|[a, b]| (*a, *b) = (*a * two, *b * four));
+        Norms { gradient: gradient * two, value: value * four, cells }
+    }
+
+    /// The integrals of |grad w|^2 and w^2 over cells side by side.
+    fn lanes(
+        &self,
+        set: &Extension,
+        free: bool,
+        i: isize,
+        j: isize,
+        lanes: usize,
+        room: &mut Room,
+    ) -> [[f64; 2]; LANES] {
+        let field = self.field;
+        let expansions = Expansions::new(field, i, j, room);
+        let mut found = [[0.0; 2]; LANES];
+        let mut overlaps: whole::Overlaps = [[0.0; LANES]; basis::POLYNOMIALS];
+        let mut rests = [None; LANES];
+        let half = field.grid.spacing.map(|h| 0.5 * h);
+        for k in 0..lanes {
+            let i = i + k as isize;
+            if !set.whole(i, j) {
+                continue;
+            }
+            let Some(jet) = self.overlap.jet(&self.rect(i, j)) else { continue };
+            let taylor = scaled(&Taylor::of(&jet, half), field.scale);
+            for (n, c) in basis::of_taylor(&taylor.terms, field.tables.h) {
+                overlaps[n][k] = c;
+            }
+            rests[k] = Some(taylor.rest);
+        }
+        let area = field.tables.h[0] * field.tables.h[1];
+        let [slopes, values] = if rests.iter().any(Option::is_some) {
+            integrals(&field.tables, &expansions, &overlaps)
+        } else {
+            [[0.0; LANES]; 2]
+        };
+        for k in 0..lanes {
+            let i = i + k as isize;
+            if let Some([value, gradient]) = rests[k] {
+                let (a, b) = (slopes[k].max(0.0).sqrt(), values[k].max(0.0).sqrt());
+                let (da, db) = (area.sqrt() * gradient, area.sqrt() * value);
+                if da <= CLOSE * a && db <= CLOSE * b {
+                    found[k] = [(a + da).powi(2), (b + db).powi(2)];
+                    continue;
+                }
+            }
+            if !set.touches(i, j) {
+                continue;
+            }
+            let cell = Cell::new(field, self.overlap, self.rect(i, j), expansions.cell(field, i - k as isize, j, k))
+                .with_overlap();
+            for quarter in 0..4 {
+                if set.holds(i, j, quarter) {
+                    let part = cell.integrals(quarter, set.fade(i, j, quarter), free);
+                    (0..2).for_each(|m| found[k][m] += part[m]);
+                }
+            }
+        }
+        found
+    }
+
+    /// What is left out of every cell, in the norms of the gradient and of the value: the cells beyond the near block, and the error of
+    /// the cell means.
+    fn rest(&self) -> [f64; 2] {
+        let field = self.field;
+        let tables = &field.tables;
+        let [along, across] = field.differences;
+        let [gradient, value] = [tables.rest.gradient, tables.rest.value].map(|[x, y]| x * along + y * across);
+        let around = field.grid.shape.map(|n| (n + 8) as f64);
+        let nodes = (around[0] * around[1]).sqrt() * field.rounding;
+        let one = basis::GROWTH[0] * nodes;
+        let slope = (2.0 * basis::GROWTH[0] * basis::GROWTH[1]).sqrt() * MOST_SLENDER * nodes;
+        [gradient + slope + 2.0 * MOST_SLENDER * one, value + one]
+    }
+
+    /// Copies what was found to the images.
+    fn unfold(&self, cells: &mut [[f64; 2]]) {
+        let [nx, ny] = self.field.grid.shape;
+        for j in 0..ny {
+            for i in 0..nx {
+                let from = [
+                    if self.halves[0] { i.max(nx - 1 - i) } else { i },
+                    if self.halves[1] { j.max(ny - 1 - j) } else { j },
+                ];
+                cells[j * nx + i] = cells[from[1] * nx + from[0]];
+            }
+        }
+    }
+}

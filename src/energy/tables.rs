@@ -1,0 +1,435 @@
+//! What the cells around one do to the displacement in it, for cells of one aspect ratio.
+//!
+//! With L_j the displacement by unit pressure on the cell at offset j, I g the polynomial that the means of g over 7 x 7 cells
+//! determine ([`super::basis`]), and p_j the pressures around a cell under pressure p_0,
+//!
+//!   u = I u + sum over j of (p_j - p_0) (L_j - I L_j).
+//!
+//! (The terms with p_0 add up to nothing: pressure p_0 everywhere moves the surface as one.) L_j - I L_j falls like |j|^-8. Of the
+//! eight cells that touch the middle one it is kept as it is, logarithms at the sides included: as the projection of L_j on the
+//! polynomials, and Z_j, orthogonal to all of them. Of the cells of a near block it is a polynomial. What that leaves out, and the
+//! cells beyond, count by their norms.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use super::basis::{CLASSES, DEGREES, NODES, legendre, slopes, through};
+use super::potential::Corners;
+use super::quarter::Rule;
+use crate::grid::Kernel;
+use crate::influence::InfluenceTable;
+use crate::quadrature::GaussLegendre;
+
+/// Half side of the near block, in longer sides of a cell, less half a cell.
+const NEAR: f64 = 4.0;
+
+/// The same for the cells whose norms are added one by one.
+const FAR: f64 = 20.0;
+
+/// Points along half a side for the integrals of Z_j: in the inner half of it, and in the outer half.
+const FINE: [usize; 2] = [6, 10];
+
+/// The outer half is put at the cube of the nodes from the side, where the slopes have a logarithm.
+const GRADING: i32 = 3;
+
+/// Aspect ratio up to which tables are made: of more slender cells those next but one along the short side are too close for
+/// polynomials of degree 4.
+pub(super) const MOST_SLENDER: f64 = 2.0;
+
+/// Largest half side of a near block: that of the most slender cells.
+pub(super) const WIDEST: usize = 8;
+
+/// Tables that are kept.
+const MOST_KEPT: usize = 8;
+
+/// The cells that touch, in the order of their weights.
+pub(super) const TOUCHING: [[i32; 2]; 8] = [[-1, -1], [0, -1], [1, -1], [-1, 0], [1, 0], [-1, 1], [0, 1], [1, 1]];
+
+/// Singular functions of each class of parity: those of the cells (1, 0), (0, 1), (1, 1), as far as they have a part in it.
+pub(super) const SINGULAR: [&[usize]; 4] = [&[0, 1, 2], &[0, 2], &[1, 2], &[2]];
+
+/// First singular function of each class, and the end.
+pub(super) const FIRSTS: [usize; 5] = [0, 3, 5, 7, 8];
+
+/// What is left out, per unit of the root of the sum of squares of the differences of the pressure along x and along y.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Rest {
+    /// Of the gradient.
+    pub gradient: [f64; 2],
+    /// Of the value.
+    pub value: [f64; 2],
+}
+
+/// Tables for cells of sides `h`, the longer one 1.
+#[derive(Debug)]
+pub(super) struct Tables {
+    pub h: [f64; 2],
+    /// Half sides of the near block, in cells.
+    pub near: [usize; 2],
+    /// For each class, coefficient by coefficient: the weights of the sums of the images, with the signs of the class, of the cells of the
+    /// near block at (a, b) >= 0 (a fastest; those that touch and those that the class does not have left out), of the singular
+    /// functions, and in the first class of the pressure itself.
+    pub weights: [Vec<f64>; 4],
+    /// Integrals of products of singular functions, and of their gradients, of one class.
+    pub values: [[f64; 3]; 8],
+    pub gradients: [[f64; 3]; 8],
+    /// Integrals of grad Z . grad P, P in the order of the class.
+    pub mixed: [[f64; 9]; 8],
+    pub rest: Rest,
+    /// Supremum of what is left out by unit pressure on all cells around: within the near block, and beyond.
+    pub most: [f64; 2],
+    /// For cells that are integrated quarter by quarter.
+    pub rule: Rule,
+}
+
+impl Tables {
+    /// For cells of these sides; `None` for slender ones. The last few are kept.
+    pub fn of(spacing: [f64; 2]) -> Option<Arc<Self>> {
+        static KEPT: Mutex<Vec<Arc<Tables>>> = Mutex::new(Vec::new());
+        let longer = spacing[0].max(spacing[1]);
+        // Grids over a rectangle have sides that differ by rounding: the tables then do by as much.
+        let h = spacing.map(|s| if s > longer * (1.0 - 1e-13) { 1.0 } else { s / longer });
+        if !(h[0].min(h[1]) * MOST_SLENDER >= 1.0) {
+            return None;
+        }
+        let kept = || KEPT.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(known) = kept().iter().find(|t| t.h == h) {
+            return Some(known.clone());
+        }
+        let tables = Arc::new(Self::new(h));
+        let mut kept = kept();
+        if kept.len() >= MOST_KEPT {
+            kept.remove(0);
+        }
+        kept.push(tables.clone());
+        Some(tables)
+    }
+
+    fn new(h: [f64; 2]) -> Self {
+        let near = h.map(|side| (NEAR / side).ceil() as usize);
+        let far = h.map(|side| (FAR / side).ceil() as usize);
+        let means = Means::new(h, far);
+        let mut tables = Self {
+            h,
+            near,
+            weights: Default::default(),
+            values: [[0.0; 3]; 8],
+            gradients: [[0.0; 3]; 8],
+            mixed: [[0.0; 9]; 8],
+            rest: Rest::default(),
+            most: [0.0; 2],
+            rule: Rule::empty(h),
+        };
+        let mut block = vec![[[0.0; 5]; 5]; (near[0] + 1) * (near[1] + 1)];
+        tables.smooth::<8>(&means, near, [1; 2], &mut block);
+        tables.smooth::<6>(&means, far, near, &mut block);
+        let [gradient, value] = beyond(h);
+        for m in 0..2 {
+            tables.rest.gradient[m] += gradient;
+            tables.rest.value[m] += value;
+        }
+        tables.most[1] += value;
+        let touching = tables.singular(&means);
+        tables.collect(&block, &touching);
+        tables
+    }
+
+    /// Puts the weights of each class together.
+    fn collect(&mut self, block: &[[[f64; 5]; 5]], touching: &[[f64; 9]; 8]) {
+        let [nx, ny] = self.near;
+        for class in 0..4 {
+            let odd = [class & 1, class >> 1];
+            for (k, [m, n]) in DEGREES[CLASSES[class]..CLASSES[class + 1]].iter().enumerate() {
+                let mut uniform = 0.0;
+                for b in 0..=ny {
+                    for a in (0..=nx).filter(|a| *a > 1 || b > 1) {
+                        // The sums of images count those of offset 0 twice.
+                        let images = if a == 0 || b == 0 { 2.0 } else { 4.0 };
+                        let c = block[b * (nx + 1) + a][*n][*m];
+                        uniform += images * c;
+                        if a >= odd[0] && b >= odd[1] {
+                            self.weights[class].push(0.25 * images * c);
+                        }
+                    }
+                }
+                self.weights[class].extend((FIRSTS[class]..FIRSTS[class + 1]).map(|f| touching[f][k]));
+                if class == 0 {
+                    self.weights[class].push(-uniform);
+                }
+            }
+        }
+    }
+
+    /// Cells that do not touch: with polynomials up to degree N - 1, those within `within` and not within `without`.
+    fn smooth<const N: usize>(
+        &mut self,
+        means: &Means,
+        within: [usize; 2],
+        without: [usize; 2],
+        block: &mut [[[f64; 5]; 5]],
+    ) {
+        let h = self.h;
+        let rule = GaussLegendre::new(N);
+        let along = |m: usize| -> Vec<f64> {
+            let shifted = |x: f64| (0..within[m] + 2).map(move |n| (0.5 * x - (n as f64 - 0.5)) * h[m]);
+            rule.nodes().iter().flat_map(|(x, _)| shifted(*x)).collect()
+        };
+        let corners = Corners::new(&along(0), &along(1));
+        let projection = Projection::<N>::new(&rule);
+        for b in 0..=within[1] {
+            for a in 0..=within[0] {
+                if a <= without[0] && b <= without[1] {
+                    continue;
+                }
+                let at = |k: usize, l: usize| {
+                    let (x, y) = (k * (within[0] + 2) + a, l * (within[1] + 2) + b);
+                    corners.cell([x + 1, x], [y + 1, y])[0]
+                };
+                let mut c = projection.of(at);
+                let nodal = means.polynomial([a, b]);
+                for (row, nodal) in c.iter_mut().zip(nodal) {
+                    row.iter_mut().zip(nodal).for_each(|(c, n)| *c -= n);
+                }
+                let images = if a == 0 || b == 0 { 2.0 } else { 4.0 };
+                let near = a <= self.near[0] && b <= self.near[1];
+                if near {
+                    let to = &mut block[b * (self.near[0] + 1) + a];
+                    to.iter_mut().zip(&c).for_each(|(to, row)| to.copy_from_slice(&row[..5]));
+                    c.iter_mut().take(5).for_each(|row| row[..5].fill(0.0));
+                }
+                self.most[usize::from(!near)] += images * supremum(&c);
+                let [gradient, value] = norms(&c, h);
+                for (m, steps) in [a, b].into_iter().enumerate() {
+                    self.rest.gradient[m] += images * steps as f64 * gradient;
+                    self.rest.value[m] += images * steps as f64 * value;
+                }
+            }
+        }
+    }
+
+    /// Cells that touch; the polynomials that go with the singular functions.
+    fn singular(&mut self, means: &Means) -> [[f64; 9]; 8] {
+        let h = self.h;
+        let fine = graded(FINE);
+        let places: Vec<f64> = fine.iter().map(|(s, _)| *s).collect();
+        let touching = Touching::new(h, &places, &places);
+        // By class: values and gradients at the points, with the weights of the cell.
+        let n = fine.len() * fine.len();
+        let weight = |k: usize| 4.0 * fine[k % fine.len()].1 * fine[k / fine.len()].1;
+        let area = h[0] * h[1];
+        let polynomials: Vec<[[f64; 5]; 2]> = fine.iter().map(|(s, _)| [legendre(*s), slopes(*s)]).collect();
+        let at = |k: usize, [a, b]: [usize; 2]| {
+            let (x, y) = (&polynomials[k % fine.len()], &polynomials[k / fine.len()]);
+            [x[0][a] * y[0][b], x[1][a] * y[0][b] / h[0], x[0][a] * y[1][b] / h[1]]
+        };
+        let mut projections = [[[0.0; 5]; 5]; 3];
+        for class in 0..4 {
+            let degrees = &DEGREES[CLASSES[class]..CLASSES[class + 1]];
+            let mut functions: Vec<Vec<[f64; 3]>> = Vec::new();
+            for &cell in SINGULAR[class] {
+                let mut z: Vec<[f64; 3]> =
+                    (0..n).map(|k| touching.of_class([k % fine.len(), k / fine.len()], cell, class)).collect();
+                for &[a, b] in degrees {
+                    let size = ((2 * a + 1) * (2 * b + 1)) as f64;
+                    let c = size * (0..n).map(|k| weight(k) * z[k][0] * at(k, [a, b])[0]).sum::<f64>();
+                    projections[cell][b][a] = c;
+                    for (k, z) in z.iter_mut().enumerate() {
+                        let p = at(k, [a, b]);
+                        (0..3).for_each(|m| z[m] -= c * p[m]);
+                    }
+                }
+                functions.push(z);
+            }
+            for (f, zf) in functions.iter().enumerate() {
+                let row = FIRSTS[class] + f;
+                for (g, zg) in functions.iter().enumerate() {
+                    for (k, (p, q)) in zf.iter().zip(zg).enumerate() {
+                        self.values[row][g] += area * weight(k) * p[0] * q[0];
+                        self.gradients[row][g] += area * weight(k) * (p[1] * q[1] + p[2] * q[2]);
+                    }
+                }
+                for (g, &degree) in degrees.iter().enumerate() {
+                    let sum = |k: usize, z: &[f64; 3]| {
+                        let p = at(k, degree);
+                        area * weight(k) * (z[1] * p[1] + z[2] * p[2])
+                    };
+                    self.mixed[row][g] = zf.iter().enumerate().map(|(k, z)| sum(k, z)).sum();
+                }
+            }
+        }
+        let mut touching_polynomials = [[0.0; 9]; 8];
+        for (cell, offset) in [[1, 0], [0, 1], [1, 1]].into_iter().enumerate() {
+            let nodal = means.polynomial(offset);
+            for class in 0..4 {
+                let Some(place) = SINGULAR[class].iter().position(|c| *c == cell) else { continue };
+                for (k, [a, b]) in DEGREES[CLASSES[class]..CLASSES[class + 1]].iter().enumerate() {
+                    touching_polynomials[FIRSTS[class] + place][k] = projections[cell][*b][*a] - nodal[*b][*a];
+                }
+            }
+        }
+        self.rule = Rule::new(h, &projections);
+        touching_polynomials
+    }
+}
+
+/// Places in half a cell, from its centre, and weights; the last ones crowd towards the side.
+pub(super) fn graded([inner, outer]: [usize; 2]) -> Vec<(f64, f64)> {
+    let mut points: Vec<(f64, f64)> =
+        GaussLegendre::new(inner).nodes().iter().map(|(x, w)| (0.125 * (1.0 + x), 0.125 * w)).collect();
+    points.extend(GaussLegendre::new(outer).nodes().iter().map(|(x, w)| {
+        let t = 0.5 * (1.0 - x);
+        (0.5 - 0.25 * t.powi(GRADING), 0.125 * f64::from(GRADING) * t.powi(GRADING - 1) * w)
+    }));
+    points
+}
+
+/// The nine cells of the middle block as they act in the quarter s, t > 0 of the middle one.
+pub(super) struct Touching(Corners);
+
+impl Touching {
+    /// At the points of a tensor lattice, in sides of the cell from its centre.
+    pub fn new(h: [f64; 2], along: &[f64], across: &[f64]) -> Self {
+        let shifted = |points: &[f64], side: f64| -> Vec<f64> {
+            points.iter().flat_map(|s| (0..4).map(move |n| (s + 1.5 - f64::from(n)) * side)).collect()
+        };
+        Self(Corners::new(&shifted(along, h[0]), &shifted(across, h[1])))
+    }
+
+    /// Displacement and slopes at the point (x, y) of the lattice by the cell at an offset of -1, 0 or 1.
+    pub fn at(&self, x: usize, y: usize, offset: [i32; 2]) -> [f64; 3] {
+        let [a, b] = offset.map(|o| (o + 1) as usize);
+        self.0.cell([4 * x + a + 1, 4 * x + a], [4 * y + b + 1, 4 * y + b])
+    }
+
+    /// The part of one class that the cell (1, 0), (0, 1) or (1, 1) and its images have, for the sum of their jumps with the signs of
+    /// the class.
+    fn of_class(&self, [i, j]: [usize; 2], cell: usize, class: usize) -> [f64; 3] {
+        let [a, b] = [[1, 0], [0, 1], [1, 1]][cell];
+        let odd = [class & 1, class >> 1];
+        let mut sum = [0.0; 3];
+        let mut images = 0.0;
+        for x in if a == 1 { &[1, -1][..] } else { &[0] } {
+            for y in if b == 1 { &[1, -1][..] } else { &[0] } {
+                let negative = (odd[0] == 1 && *x < 0) != (odd[1] == 1 && *y < 0);
+                let value = self.at(i, j, [*x, *y]);
+                (0..3).for_each(|m| sum[m] += if negative { -value[m] } else { value[m] });
+                images += 1.0;
+            }
+        }
+        sum.map(|s| s / images)
+    }
+}
+
+/// Means of L_j over the cells around.
+struct Means(InfluenceTable);
+
+impl Means {
+    fn new(h: [f64; 2], far: [usize; 2]) -> Self {
+        Self(InfluenceTable::new(Kernel::Galerkin, h, far.map(|n| n + NODES + 1)))
+    }
+
+    /// I L_j for the cell at the offset j >= 0.
+    fn polynomial(&self, [a, b]: [usize; 2]) -> [[f64; 5]; 5] {
+        let mean = |k: usize, l: usize| {
+            self.0.get(
+                (k as i64 - 3 - a as i64).unsigned_abs() as usize,
+                (l as i64 - 3 - b as i64).unsigned_abs() as usize,
+            )
+        };
+        let rows: [[f64; 5]; 7] = std::array::from_fn(|l| through(std::array::from_fn(|k| mean(k, l))));
+        let columns: [[f64; 5]; 5] = std::array::from_fn(|m| through(rows.map(|row| row[m])));
+        std::array::from_fn(|n| std::array::from_fn(|m| columns[m][n]))
+    }
+}
+
+/// Coefficients of P_a(2s) P_b(2t), a, b < N, by the Gauss rule of N points.
+struct Projection<const N: usize>([[f64; N]; N]);
+
+impl<const N: usize> Projection<N> {
+    fn new(rule: &GaussLegendre) -> Self {
+        let mut rows = [[0.0; N]; N];
+        for (k, (x, w)) in rule.nodes().iter().enumerate() {
+            let (mut before, mut p) = (0.0, 1.0);
+            for (a, row) in rows.iter_mut().enumerate() {
+                row[k] = 0.5 * (2 * a + 1) as f64 * w * p;
+                let n = a as f64;
+                (before, p) = (p, ((2.0 * n + 1.0) * x * p - n * before) / (n + 1.0));
+            }
+        }
+        Self(rows)
+    }
+
+    /// Row b, column a.
+    fn of(&self, at: impl Fn(usize, usize) -> f64) -> [[f64; N]; N] {
+        let values: [[f64; N]; N] = std::array::from_fn(|l| std::array::from_fn(|k| at(k, l)));
+        let dot = |a: &[f64; N], b: &[f64; N]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let along = values.map(|row| self.0.map(|weights| dot(&weights, &row)));
+        std::array::from_fn(|b| std::array::from_fn(|a| (0..N).map(|l| self.0[b][l] * along[l][a]).sum::<f64>()))
+    }
+}
+
+/// Bound of a polynomial in the cell.
+fn supremum<const N: usize>(c: &[[f64; N]; N]) -> f64 {
+    c.iter().flatten().map(|c| c.abs()).sum::<f64>() * MARGIN
+}
+
+/// What the coefficients from degree N on and rounding may add to norms that are sums over the ones before.
+const MARGIN: f64 = 1.01;
+
+/// Norms over the cell of the gradient, enlarged by twice the value over half the shorter side (what a fade over half a cell can
+/// add), and of the value.
+fn norms<const N: usize>(c: &[[f64; N]; N], h: [f64; 2]) -> [f64; 2] {
+    let (mut value, mut slopes) = (0.0, [0.0; 2]);
+    // P_a' has the coefficients 2k + 1 of P_k for k = a - 1, a - 3, ...
+    let slope = |line: [f64; N]| {
+        (0..N).map(|k| (2 * k + 1) as f64 * line.iter().skip(k + 1).step_by(2).sum::<f64>().powi(2)).sum::<f64>()
+    };
+    for b in 0..N {
+        let size = 1.0 / (2 * b + 1) as f64;
+        value += size * (0..N).map(|a| c[b][a] * c[b][a] / (2 * a + 1) as f64).sum::<f64>();
+        slopes[0] += 4.0 * size * slope(c[b]) / (h[0] * h[0]);
+        slopes[1] += 4.0 * size * slope(std::array::from_fn(|k| c[k][b])) / (h[1] * h[1]);
+    }
+    let area = h[0] * h[1];
+    let value = (area * value).sqrt();
+    let fade = 2.0 / h[0].min(h[1]);
+    [((area * (slopes[0] + slopes[1])).sqrt() + fade * value) * MARGIN, value * MARGIN]
+}
+
+/// Sums over all cells further away than [`FAR`] of bounds of |grad (L_j - I L_j)| (enlarged as in [`norms`]) and |L_j - I L_j|,
+/// times their offset in cells.
+///
+/// About the centre 1/r differs from its Taylor polynomial T of degree 6 by |x|^7/d^8 at most and its gradient from that of T by
+/// 7 |x|^6/d^8, d the least distance of the source from the points between (all n-th derivatives of 1/r are at most n!/r^(n+1)). T is
+/// its own interpolant but for the parts of P_5 and P_6, less than 2^-6/d^6 (slopes: 1/(2 d^6)); a remainder counts at the nodes, too.
+fn beyond(h: [f64; 2]) -> [f64; 2] {
+    // Suprema over the cell of what a mean of 1, k cells away, does to the interpolant, and to its slope.
+    const NODAL: [f64; 4] = [1.126, 0.510, 0.0905, 0.0096];
+    const SLOPES: [f64; 4] = [1.360, 1.358, 0.218, 0.0237];
+    let shortest = h[0].min(h[1]);
+    let by_one = |distance: f64| {
+        let x = h[0].hypot(h[1]) / 2.0;
+        let d = distance - x;
+        let mut value = x.powi(7) / d.powi(8) + 2f64.powi(-6) / d.powi(6);
+        let mut slope = 7.0 * x.powi(6) / d.powi(8) + 0.5 / d.powi(6) / shortest;
+        for b in 0..=NODES {
+            for a in 0..=NODES {
+                let x = ((a as f64 + 0.5) * h[0]).hypot((b as f64 + 0.5) * h[1]);
+                let images = if a == 0 { 1.0 } else { 2.0 } * if b == 0 { 1.0 } else { 2.0 };
+                let rest = images * x.powi(7) / (distance - x).powi(8);
+                value += rest * NODAL[a] * NODAL[b];
+                slope += rest * (SLOPES[a] * NODAL[b]).hypot(NODAL[a] * SLOPES[b]) / shortest;
+            }
+        }
+        [slope + 2.0 / shortest * value, value]
+    };
+    // Rings of width 1 around the square of half side FAR + 1/2 hold an area below 8 (R + 2), each point of them further away than R.
+    let mut sum = [0.0; 2];
+    let mut last = [0.0; 2];
+    for ring in 0..64 {
+        let r = FAR + f64::from(ring);
+        last = by_one(r).map(|e| std::f64::consts::FRAC_1_PI * 8.0 * (r + 2.0) * (r + 2.0) / shortest * e);
+        (0..2).for_each(|k| sum[k] += last[k]);
+    }
+    // Of the sixth power at least: the rest is less than a fifth of R times the last.
+    [0, 1].map(|k| sum[k] + 20.0 * last[k])
+}
