@@ -7,10 +7,10 @@
 
 use crate::Contact;
 use crate::by_grid;
-use crate::displaced::DisplacedGap;
+use crate::displaced::{self, DisplacedGap};
 use crate::error::{Unsolved, Verdict};
 use crate::exact::{self, Refined};
-use crate::gap::AnyGap;
+use crate::gap::{AnyGap, Gap};
 use crate::geometry::Rect;
 use crate::grid::{Grid, Pressure};
 use crate::one_grid;
@@ -19,7 +19,7 @@ use crate::settings::{Method, Settings};
 use crate::solution::{Origin, Patch, PressureSummary, Solution};
 
 /// More contacts than that share one grid.
-const MOST: usize = 16;
+const MOST: usize = 64;
 
 /// The box of all contacts is so many times as long as the largest one, or one grid serves them all.
 const FAR: f64 = 4.0;
@@ -70,12 +70,12 @@ impl One {
     }
 }
 
-/// The loads of pressures in the units of the scaled.
+/// The loads of pressures in the user's units, gathered on the nodes of a polynomial over the box of their cells.
 fn loads(scaled: &Scaled, refined: &Refined, pressure: impl Fn(usize) -> f64) -> Loads {
     let grid = &refined.state.problem.grid;
     let unit = scaled.units.height * scaled.units.length * grid.cell_area();
     let load = |k: usize| (scaled.units.outward(grid.centre_of(k)), pressure(k) * unit);
-    (0..grid.len()).map(load).filter(|load| load.1 != 0.0).collect()
+    displaced::gathered((0..grid.len()).map(load).filter(|load| load.1 != 0.0).collect())
 }
 
 fn others(all: &[Loads], but: usize) -> Loads {
@@ -100,6 +100,9 @@ pub(crate) fn solution(
     with_matrix: bool,
 ) -> Result<Solution, Unsolved> {
     let mut current = vec![Loads::new(); rectangles.len()];
+    // Of many parts only those that matter in a rectangle.
+    let gaps: Vec<AnyGap> =
+        rectangles.iter().map(|within| gap.restricted(within).unwrap_or_else(|| gap.clone())).collect();
     let mut ones: Vec<One> = Vec::new();
     let mut missed = 0.0;
     let mut out_of_time = None;
@@ -112,7 +115,7 @@ pub(crate) fn solution(
             let mut next = Vec::new();
             for (k, &within) in rectangles.iter().enumerate() {
                 let solved = settings.deadline.check();
-                let solved = solved.and_then(|()| One::solve(gap, depth, within, &others(&current, k), &settings));
+                let solved = solved.and_then(|()| One::solve(&gaps[k], depth, within, &others(&current, k), &settings));
                 let one = match solved {
                     // The sweep before serves.
                     Err(e) if e.verdict == Verdict::TimeLimit && !ones.is_empty() => {

@@ -3,6 +3,7 @@
 //! Lines go to the workers through a short queue; the writer takes the answers in the order of the lines. Memory
 //! holds the lines of that window and nothing else.
 
+use std::fs::File;
 use std::io::{self, BufRead, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -12,6 +13,7 @@ use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use clap::Args;
 use serde_json::json;
 
+use super::outputs::outputs;
 use super::{Failure, Overrides, checked_threads};
 use crate::clock::Deadline;
 use crate::error::InputError;
@@ -45,6 +47,9 @@ pub(super) struct Batch {
     /// Exit with 1 when a line is wrong or not solved
     #[arg(long)]
     strict: bool,
+    /// Where to write the results, line by line; - is standard output
+    #[arg(short, long, value_name = "FILE", default_value = "-")]
+    output: PathBuf,
 }
 
 /// Cells along the longer side of any scene of a batch: about 1.1 GB each, where one alone may take 17.
@@ -68,6 +73,12 @@ impl Batch {
         if let Some(root) = self.root.as_deref().filter(|root| !root.is_dir()) {
             return Err(wrong(&InputError::new("--root", root.display(), "a directory")));
         }
+        // The file that standard input is read from, where it is one.
+        outputs([("--output", Some(self.output.as_path()))], &[PathBuf::from("/dev/stdin")])?;
+        let to: Box<dyn Write + Send> = match self.output.as_os_str().to_str() {
+            Some("-") => Box::new(io::stdout()),
+            _ => Box::new(File::create(&self.output).map_err(|e| Failure::unwritable(&self.output, &e))?),
+        };
         let (to_workers, work) = sync_channel::<Job>(jobs);
         let (to_writer, ordered) = sync_channel::<Receiver<Answer>>(WINDOW * jobs);
         let work = Mutex::new(work);
@@ -75,7 +86,7 @@ impl Batch {
             for _ in 0..jobs {
                 scope.spawn(|| self.work(&work));
             }
-            let writer = scope.spawn(move || write_in_order(&ordered));
+            let writer = scope.spawn(move || write_in_order(to, &ordered));
             let read = read_lines(&mut io::stdin().lock(), &to_workers, &to_writer);
             // Without senders the workers and the writer come to their end.
             drop((to_workers, to_writer));
@@ -201,8 +212,7 @@ fn read_line(from: &mut impl BufRead) -> io::Result<Option<Result<Vec<u8>, Input
 }
 
 /// Writes each answer as one whole line; says whether all were solved.
-fn write_in_order(ordered: &Receiver<Receiver<Answer>>) -> io::Result<bool> {
-    let mut to = io::stdout().lock();
+fn write_in_order(mut to: Box<dyn Write + Send>, ordered: &Receiver<Receiver<Answer>>) -> io::Result<bool> {
     let mut all_solved = true;
     for answer in ordered {
         let Ok((line, solved)) = answer.recv() else { continue };

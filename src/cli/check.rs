@@ -5,11 +5,11 @@ use std::process::ExitCode;
 
 use clap::Args;
 
-use super::{Failure, scene};
+use super::outputs::MainOutput;
+use super::{Failure, inputs, scene};
 use crate::check::{State, Verification};
 use crate::contact::Loading;
 use crate::error::InputError;
-use crate::report::write::Target;
 use crate::scene::{Json, Scene};
 
 /// Check a result by direct summation: exit 0 accepted, 1 refused
@@ -24,11 +24,16 @@ pub(super) struct Check {
     /// Take the values of the pressure from a NumPy array, [j, i] = cell (i, j), in place of those in the result
     #[arg(long, value_name = "FILE.npy")]
     field: Option<PathBuf>,
+    #[command(flatten)]
+    output: MainOutput,
 }
 
 impl Check {
     pub(super) fn run(&self) -> Result<ExitCode, Failure> {
         let scene = scene(&self.scene)?;
+        let mut read_files = inputs(&self.scene, &scene);
+        read_files.extend(self.field.iter().chain([&self.result]).cloned());
+        let output = self.output.target(&read_files)?;
         let wrong = |e: &InputError| Failure::wrong(self.result.display(), e);
         let text = read(&self.result, LONGEST)?;
         let result = Json::parse(&text).map_err(|e| wrong(&e))?;
@@ -67,7 +72,7 @@ impl Check {
         let mut head: Vec<String> = found.checked.iter().map(|what| mark(&found, what)).collect();
         head.extend(lines);
         head.push(if found.accepted() { "accepted".to_owned() } else { "refused".to_owned() });
-        Target::Stdout.write(|to| head.iter().try_for_each(|line| writeln!(to, "{line}")))?;
+        output.write(|to| head.iter().try_for_each(|line| writeln!(to, "{line}")))?;
         Ok(if found.accepted() { ExitCode::SUCCESS } else { ExitCode::from(1) })
     }
 }

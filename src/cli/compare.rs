@@ -36,7 +36,7 @@ pub(super) struct Compare {
     #[arg(long, value_name = "N", default_value_t = 1)]
     threads: usize,
     /// Write the comparison as JSON; - prints it alone
-    #[arg(long, value_name = "FILE")]
+    #[arg(short = 'o', long, visible_alias = "output", value_name = "FILE")]
     json: Option<PathBuf>,
     /// Write a line a run as CSV; - prints it alone
     #[arg(long, value_name = "FILE")]

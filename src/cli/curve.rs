@@ -41,7 +41,7 @@ pub(super) struct CurveCommand {
     #[arg(long, value_enum, value_name = "FORMAT", default_value_t = Format::Csv)]
     format: Format,
     /// Where to write
-    #[arg(long, value_name = "FILE", default_value = "-")]
+    #[arg(short, long, value_name = "FILE", default_value = "-")]
     output: PathBuf,
     /// Draw force against depth, with the states that were solved
     #[arg(long, value_name = "FILE.svg|.png")]

@@ -25,7 +25,7 @@ use clap::{Args, Parser, Subcommand};
 
 use crate::error::InputError;
 use crate::scene::Scene;
-use crate::scene::fields::{KernelName, MethodName, checked_cells, checked_tolerance};
+use crate::scene::fields::{EvidenceName, KernelName, MethodName, checked_cells, checked_tolerance};
 use crate::settings::Settings;
 
 /// Contact patch, force, stiffness and pressure of two bodies pressed together.
@@ -62,6 +62,9 @@ struct Overrides {
     /// Means over cells, or values at their centres
     #[arg(long, value_enum, value_name = "KERNEL")]
     kernel: Option<KernelName>,
+    /// Whether the error of the force is to be proved
+    #[arg(long, value_enum, value_name = "EVIDENCE")]
+    evidence: Option<EvidenceName>,
     /// Relative error of the force that is good enough
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     tolerance: Option<f64>,
@@ -77,6 +80,9 @@ impl Overrides {
         }
         if let Some(kernel) = self.kernel {
             settings.kernel = kernel.into();
+        }
+        if let Some(evidence) = self.evidence {
+            settings.evidence = evidence.into();
         }
         if let Some(tolerance) = self.tolerance {
             settings.tolerance = checked_tolerance("--tolerance", tolerance)?;

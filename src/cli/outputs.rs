@@ -1,6 +1,9 @@
 //! The files that a command writes: checked before anything is computed.
 
+use std::io::Write;
 use std::path::{Path, PathBuf};
+
+use clap::Args;
 
 use super::Failure;
 use crate::error::InputError;
@@ -35,6 +38,41 @@ pub(super) fn outputs<'a, const N: usize>(
         found[k] = Some((*path, Target::check(path).map_err(|e| Failure::unwritable(path, &e))?));
     }
     Ok(found)
+}
+
+/// Where the main output of a command goes.
+#[derive(Args)]
+pub(super) struct MainOutput {
+    /// Where to write; - is standard output
+    #[arg(short, long, value_name = "FILE", default_value = "-")]
+    output: PathBuf,
+}
+
+impl MainOutput {
+    /// Checked before anything is computed.
+    ///
+    /// # Errors
+    /// As [`outputs`].
+    pub fn target(&self, inputs: &[PathBuf]) -> Result<MainTarget<'_>, Failure> {
+        let [target] = outputs([("--output", Some(self.output.as_path()))], inputs)?;
+        Ok(MainTarget { path: &self.output, target: target.map_or(Target::Stdout, |(_, target)| target) })
+    }
+}
+
+/// The main output, ready to be written.
+pub(super) struct MainTarget<'a> {
+    path: &'a Path,
+    target: Target,
+}
+
+impl MainTarget<'_> {
+    /// Writes it as a whole.
+    ///
+    /// # Errors
+    /// When it cannot be written.
+    pub fn write(&self, fill: impl FnOnce(&mut dyn Write) -> std::io::Result<()>) -> Result<(), Failure> {
+        self.target.write(fill).map_err(|e| Failure::unwritable(self.path, &e))
+    }
 }
 
 /// Whether two paths lead to one file, whether or not it is there yet.

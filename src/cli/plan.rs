@@ -5,8 +5,8 @@ use std::process::ExitCode;
 
 use clap::Args;
 
-use super::{Failure, Overrides, scene};
-use crate::report::write::Target;
+use super::outputs::MainOutput;
+use super::{Failure, Overrides, inputs, scene};
 
 /// Say what would run, why, and what is left out, without running it
 #[derive(Args)]
@@ -16,19 +16,22 @@ pub(super) struct Plan {
     scene: PathBuf,
     #[command(flatten)]
     overrides: Overrides,
+    #[command(flatten)]
+    output: MainOutput,
 }
 
 impl Plan {
     pub(super) fn run(&self) -> Result<ExitCode, Failure> {
         let mut scene = scene(&self.scene)?;
         self.overrides.apply(&mut scene.settings).map_err(|e| Failure::wrong("arguments", &e))?;
+        let output = self.output.target(&inputs(&self.scene, &scene))?;
         match crate::plan(&scene.contact, &scene.settings) {
             Ok(plan) => {
-                Target::Stdout.write(|to| write!(to, "{plan}"))?;
+                output.write(|to| write!(to, "{plan}"))?;
                 Ok(ExitCode::SUCCESS)
             }
             Err(unsolved) => {
-                Target::Stdout.write(|to| writeln!(to, "method: none\n  {unsolved}"))?;
+                output.write(|to| writeln!(to, "method: none\n  {unsolved}"))?;
                 Ok(ExitCode::from(1))
             }
         }

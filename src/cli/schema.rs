@@ -5,15 +5,18 @@ use std::process::ExitCode;
 use clap::Args;
 
 use super::Failure;
-use crate::report::write::Target;
+use super::outputs::MainOutput;
 
 /// Print the JSON Schema of a scene
 #[derive(Args)]
-pub(super) struct SchemaCommand {}
+pub(super) struct SchemaCommand {
+    #[command(flatten)]
+    output: MainOutput,
+}
 
 impl SchemaCommand {
     pub(super) fn run(&self) -> Result<ExitCode, Failure> {
-        Target::Stdout.write(|to| {
+        self.output.target(&[])?.write(|to| {
             serde_json::to_writer_pretty(&mut *to, &crate::scene::schema())?;
             to.write_all(b"\n")
         })?;

@@ -25,7 +25,7 @@ pub(super) struct Solve {
     #[command(flatten)]
     overrides: Overrides,
     /// Write the result as JSON; - prints it alone
-    #[arg(long, value_name = "FILE")]
+    #[arg(short = 'o', long, visible_alias = "output", value_name = "FILE")]
     json: Option<PathBuf>,
     /// Write a line a state of loading as CSV; - prints it alone
     #[arg(long, value_name = "FILE")]

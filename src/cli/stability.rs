@@ -5,11 +5,11 @@ use std::process::ExitCode;
 use clap::Args;
 
 use super::Failure;
+use super::outputs::MainOutput;
 use super::progress::Progress;
 use crate::clock::Stopwatch;
 use crate::error::InputError;
 use crate::report::table::{aligned, figure};
-use crate::report::write::Target;
 use crate::stability::{Check, cases};
 
 /// Run stiff and extreme cases and tabulate them; exit code 1 if any misses its bound
@@ -18,10 +18,13 @@ pub(super) struct Stability {
     /// Only the cases whose name holds this text
     #[arg(long, value_name = "TEXT")]
     only: Option<String>,
+    #[command(flatten)]
+    output: MainOutput,
 }
 
 impl Stability {
     pub(super) fn run(&self) -> Result<ExitCode, Failure> {
+        let output = self.output.target(&[])?;
         let heads =
             ["case", "method", "at", "verdict", "force", "error", "bound", "residual", "condition", "seconds", ""];
         let mut rows = vec![heads.map(str::to_owned)];
@@ -55,7 +58,7 @@ impl Stability {
         let mut lines = aligned(&rows);
         lines.extend(missed.iter().cloned());
         lines.push(format!("{run} runs, {} missed, {:.1} s\n", missed.len(), started.seconds()));
-        Target::Stdout.write(|to| to.write_all(lines.join("\n").as_bytes()))?;
+        output.write(|to| to.write_all(lines.join("\n").as_bytes()))?;
         Ok(if missed.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(1) })
     }
 }

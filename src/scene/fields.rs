@@ -306,6 +306,26 @@ impl From<KernelName> for Kernel {
     }
 }
 
+/// Names of what the stated error is to be.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema, clap::ValueEnum), value(rename_all = "snake_case"))]
+pub(crate) enum EvidenceName {
+    /// A proved bracket wherever a theorem reaches.
+    Proof,
+    /// An estimate, for inner loops.
+    Estimate,
+}
+
+impl From<EvidenceName> for ErrorBar {
+    fn from(name: EvidenceName) -> Self {
+        match name {
+            EvidenceName::Proof => Self::Proof,
+            EvidenceName::Estimate => Self::Estimate,
+        }
+    }
+}
+
 /// Boundaries that `fabrikant` may choose from; a Fourier series for a(theta) by its order.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -335,7 +355,7 @@ pub(super) struct SolveForm {
     /// Boundaries that `fabrikant` may choose from.
     boundary: Option<BoundaryForm>,
     /// What the error of the force is to be: "proof" by default, "estimate" for inner loops.
-    evidence: Option<String>,
+    evidence: Option<EvidenceName>,
     /// CPU seconds that one state of loading may take, 0 or more; 60 by default, 0 for no limit.
     seconds: Option<f64>,
 }
@@ -398,12 +418,8 @@ pub(super) fn settings(solve: SolveForm, output: &[OutputName]) -> Result<Settin
     if let Some(tolerance) = solve.tolerance {
         settings.tolerance = checked_tolerance("solve.tolerance", tolerance)?;
     }
-    if let Some(evidence) = &solve.evidence {
-        settings.evidence = match evidence.as_str() {
-            "proof" => ErrorBar::Proof,
-            "estimate" => ErrorBar::Estimate,
-            other => return Err(InputError::new("solve.evidence", format!("\"{other}\""), "proof or estimate")),
-        };
+    if let Some(evidence) = solve.evidence {
+        settings.evidence = evidence.into();
     }
     if let Some(seconds) = solve.seconds {
         settings.seconds = checked_seconds("solve.seconds", seconds)?;
