@@ -238,7 +238,7 @@ fn reach_and_components_hold_every_point_below_the_depth() {
 
 #[test]
 fn bounds_taylor_forms_and_means_hold() {
-    let (mut smooth, mut tight) = (0, 0);
+    let (mut smooth, mut tight, mut sloped) = (0, 0, 0);
     for (seed, gap, mut random) in gaps() {
         for _ in 0..12 {
             let c = somewhere(&mut random, 1.2);
@@ -247,16 +247,19 @@ fn bounds_taylor_forms_and_means_hold() {
             let c = rect.centre();
             let slope = somewhere(&mut random, 1.0);
             let taylor = gap.taylor(&rect);
+            let slopes = gap.slopes(&rect);
             let restricted = gap.restricted(&rect);
             let bounds = gap.bounds(&rect, slope).unwrap_or_else(|| panic!("{seed}: no bounds"));
             let mean = gap.mean_bounds(&rect).unwrap_or_else(|| panic!("{seed}: no bounds of the mean"));
             let (n, mut sum) = (12, 0.0);
+            let mut values = vec![0.0; n * n];
             for k in 0..n * n {
                 let [s, t] = [k % n, k / n].map(|i| (i as f64 + 0.5) / n as f64);
                 let p = [rect.min[0] + s * rect.size()[0], rect.min[1] + t * rect.size()[1]];
                 let (x, y) = (p[0] - c[0], p[1] - c[1]);
                 let value = gap.gap(p[0], p[1]);
                 sum += value / (n * n) as f64;
+                values[k] = value;
                 let less = value - slope[0] * x - slope[1] * y;
                 let room = rounding(value);
                 assert!(bounds[0] <= less + room && less <= bounds[1] + room, "{seed}: {bounds:?} {less} {rect:?}");
@@ -274,6 +277,20 @@ fn bounds_taylor_forms_and_means_hold() {
                     assert!(same == value || (same - value).abs() <= room, "{seed}: {same} {value}");
                 }
             }
+            // Over a chord the slope takes its mean somewhere.
+            if let Some(slopes) = slopes {
+                for k in 0..n * n {
+                    let chords = [(k % n > 0, 1), (k >= n, n)];
+                    for (m, (_, step)) in chords.into_iter().enumerate().filter(|(_, (inside, _))| *inside) {
+                        sloped += 1;
+                        let length = rect.size()[m] / n as f64;
+                        let steep = (values[k] - values[k - step]) / length;
+                        let room = 2.0 * rounding(values[k].abs().max(values[k - step].abs())) / length;
+                        let held = slopes[m].lo <= steep + room && steep <= slopes[m].hi + room;
+                        assert!(held, "{seed}: {slopes:?} {steep} {rect:?}");
+                    }
+                }
+            }
             // The mean of the midpoints is inside the hull of the values, and close to the mean where the gap is smooth.
             if let Some(t) = taylor {
                 let curved = t.hessian.iter().map(|h| h.magnitude()).sum::<f64>() * (half[0] + half[1]).powi(2);
@@ -289,7 +306,7 @@ fn bounds_taylor_forms_and_means_hold() {
             }
         }
     }
-    assert!(smooth > 100_000 && tight > 1000, "{smooth} {tight}");
+    assert!(smooth > 100_000 && tight > 1000 && sloped > 200_000, "{smooth} {tight} {sloped}");
 }
 
 #[test]

@@ -24,21 +24,6 @@ impl EnergyBracket {
     pub fn bounds(&self) -> [f64; 2] {
         [self.lower, (self.lower + self.width).next_up()]
     }
-
-    /// The middle, and the largest error that it can have.
-    #[must_use]
-    pub fn middle(&self) -> (f64, f64) {
-        (self.lower + 0.5 * self.width, 0.5 * self.width * (1.0 + 1e-15))
-    }
-
-    /// What both know: each is a bound of the same energy.
-    #[must_use]
-    pub fn and(&self, other: &Self) -> Self {
-        let upper = self.bounds()[1].min(other.bounds()[1]);
-        let best = if self.width <= other.width { self } else { other };
-        let lower = self.lower.max(other.lower);
-        Self { lower, width: (upper - lower).next_up().max(0.0), shares: best.shares.clone() }
-    }
 }
 
 /// A pressure p >= 0 on the cells of a grid, and its displacement.
@@ -141,6 +126,20 @@ fn evened(field: &[f64], shape: [usize; 2], halves: Halves) -> Vec<f64> {
 ///
 /// The width is infinite for cells more slender than 2:1, where the contact may reach beyond the grid, and where the overlap jumps
 /// within the contact.
+///
+/// ```
+/// use contact_patch::energy::{GapOverlap, Trial, energy_bracket};
+/// use contact_patch::{Grid, gap::{AnyGap, Paraboloid}, geometry::Rect};
+/// // Hertz's pressure for R = d = E* = 1, at the centres of 64 x 64 cells; U = 2/5 P d = 8/15.
+/// let grid = Grid::over(&Rect::around([0.0; 2], [1.05; 2]), [64, 64]);
+/// let hertz = |[x, y]: [f64; 2]| 2.0 / std::f64::consts::PI * (1.0 - x * x - y * y).max(0.0).sqrt();
+/// let pressure: Vec<f64> = grid.centres().map(hertz).collect();
+/// let gap = AnyGap::from(&Paraboloid::new([1.0, 1.0])?);
+/// let trial = Trial { grid: &grid, pressure: &pressure, displacement: None };
+/// let [lower, upper] = energy_bracket(&GapOverlap::new(&gap, 1.0), &trial).bounds();
+/// assert!(lower <= 8.0 / 15.0 && 8.0 / 15.0 <= upper && upper < 1.01 * lower);
+/// # Ok::<(), contact_patch::InputError>(())
+/// ```
 #[must_use]
 pub fn energy_bracket(overlap: &dyn OverlapBounds, trial: &Trial) -> EnergyBracket {
     let unknown = || EnergyBracket { lower: f64::NEG_INFINITY, width: f64::INFINITY, shares: Vec::new() };
@@ -162,7 +161,7 @@ pub fn energy_bracket(overlap: &dyn OverlapBounds, trial: &Trial) -> EnergyBrack
 fn of_field(overlap: &dyn OverlapBounds, field: &Field, halves: Halves) -> EnergyBracket {
     let residual = Residual { field, overlap, halves };
     let [lower, open] = lower(&residual);
-    let norms = residual.admissible().map(|set| residual.norms(&set, false));
+    let norms = residual.admissible().map(|set| residual.norms(&set));
     match norms {
         Some(norms) if norms.energy().is_finite() => {
             EnergyBracket { lower, width: 0.5 * norms.energy() + open, shares: shares(&norms) }

@@ -141,13 +141,13 @@ impl<'a> Cell<'a> {
     }
 
     /// Integrals over a quarter of w = max(r, chi r), r = f - u; chi is bilinear with the values `fade` at the centre of the cell, the
-    /// middle of the side along x, that along y, and the corner. Where `free`, of w = chi r.
-    pub fn integrals(&self, quarter: usize, fade: [f64; 4], free: bool) -> Integrals {
+    /// middle of the side along x, that along y, and the corner.
+    pub fn integrals(&self, quarter: usize, fade: [f64; 4]) -> Integrals {
         let pieces = self.pieces(quarter);
         let turned = Turned::new(self, quarter, pieces.get(0));
         let full = fade == [1.0; 4];
         let mut kinds = [if full { Sign::Positive } else { Sign::Negative }; 4];
-        if !(full || free) {
+        if !full {
             let corners = turned.corners();
             for (square, kind) in kinds.iter_mut().enumerate().filter(|(square, _)| pieces.get(*square).bound) {
                 *kind = turned.sign(square, pieces.get(square), &corners);

@@ -1,13 +1,14 @@
 //! The overlap of a gap, f = depth - g, enclosed by what the gap knows of itself.
 
 use super::overlap::{Interval, Jet, OverlapBounds};
-use crate::gap::{AnyGap, Gap};
+use crate::gap::{AnyGap, Gap, Reach};
 use crate::geometry::Rect;
 use crate::numeric;
 use crate::overlap::Scaled;
 
-/// f = depth - g in units in which lengths of the contact are near 1.
-pub(crate) struct GapOverlap<'a> {
+/// f = depth - g of any gap.
+#[derive(Debug, Clone)]
+pub struct GapOverlap<'a> {
     gap: &'a AnyGap,
     depth: f64,
     reach: Option<Rect>,
@@ -23,7 +24,17 @@ const HALVINGS: u32 = 4;
 const UNKNOWN: Interval = [f64::NEG_INFINITY, f64::INFINITY];
 
 impl<'a> GapOverlap<'a> {
-    pub fn of(scaled: &'a Scaled) -> Self {
+    /// At a depth, in the units of the gap (E* = 1).
+    #[must_use]
+    pub fn new(gap: &'a AnyGap, depth: f64) -> Self {
+        let reach = match gap.reach(depth) {
+            Reach::Within(rect) => Some(rect),
+            Reach::Nowhere | Reach::Unbounded { .. } | Reach::Unknown => None,
+        };
+        Self { gap, depth, reach }
+    }
+
+    pub(crate) fn of(scaled: &'a Scaled) -> Self {
         // Units move the sides by rounding.
         let reach = scaled.certain.then(|| scaled.reach.scaled(1.0 + 1e-12));
         Self { gap: &scaled.gap, depth: scaled.depth, reach }

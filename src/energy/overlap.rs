@@ -145,15 +145,16 @@ impl Taylor {
     }
 }
 
-/// The plane c + a x + b y, without end: what bounds of forces and moments compare the displacement with.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Plane {
+/// The plane c + a x + b y, without end.
+#[cfg(test)]
+pub(super) struct Plane {
     /// c, its value at the origin.
     pub level: f64,
     /// (a, b).
     pub slope: [f64; 2],
 }
 
+#[cfg(test)]
 impl Plane {
     fn around(&self, [x, y]: [f64; 2]) -> Interval {
         let terms = [self.level, self.slope[0] * x, self.slope[1] * y];
@@ -162,6 +163,7 @@ impl Plane {
     }
 }
 
+#[cfg(test)]
 impl OverlapBounds for Plane {
     fn bounds(&self, rect: &Rect, slope: [f64; 2]) -> Interval {
         let ([low, high], [w, h]) = (self.around(rect.centre()), rect.size());

@@ -134,8 +134,8 @@ impl Residual<'_> {
         clear
     }
 
-    /// The integrals for an extension: of w = max(r, chi r), or where `free` of w = chi r.
-    pub fn norms(&self, set: &Extension, free: bool) -> Norms {
+    /// The integrals for an extension: of w = max(r, chi r).
+    pub fn norms(&self, set: &Extension) -> Norms {
         let field = self.field;
         let shape = field.grid.shape;
         let first = self.first();
@@ -151,7 +151,7 @@ impl Residual<'_> {
                     continue;
                 }
                 let lanes = LANES.min((end[0] - i) as usize);
-                let found = self.lanes(set, free, i, j, lanes, &mut room);
+                let found = self.lanes(set, i, j, lanes, &mut room);
                 for (k, found) in found.iter().enumerate().take(lanes) {
                     let images = self.images(i + k as isize, j);
                     let at = |n: isize, m: usize| n.clamp(0, shape[m] as isize - 1) as usize;
@@ -173,15 +173,7 @@ impl Residual<'_> {
     }
 
     /// The integrals of |grad w|^2 and w^2 over cells side by side.
-    fn lanes(
-        &self,
-        set: &Extension,
-        free: bool,
-        i: isize,
-        j: isize,
-        lanes: usize,
-        room: &mut Room,
-    ) -> [[f64; 2]; LANES] {
+    fn lanes(&self, set: &Extension, i: isize, j: isize, lanes: usize, room: &mut Room) -> [[f64; 2]; LANES] {
         let field = self.field;
         let expansions = Expansions::new(field, i, j, room);
         let mut found = [[0.0; 2]; LANES];
@@ -223,7 +215,7 @@ impl Residual<'_> {
                 .with_overlap();
             for quarter in 0..4 {
                 if set.holds(i, j, quarter) {
-                    let part = cell.integrals(quarter, set.fade(i, j, quarter), free);
+                    let part = cell.integrals(quarter, set.fade(i, j, quarter));
                     (0..2).for_each(|m| found[k][m] += part[m]);
                 }
             }
