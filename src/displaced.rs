@@ -56,9 +56,15 @@ impl DisplacedGap {
             return Self { gap, within, coefficients: Vec::new() };
         }
         let angle = |k: usize| PI * (k as f64 + 0.5) / POINTS as f64;
+        // In sides of the rectangle squares stay within the range of numbers.
+        let (centre, size) = (within.centre(), within.size());
+        let per = 1.0 / size[0].max(size[1]);
+        let near: Vec<[f64; 3]> =
+            loads.iter().map(|([a, b], q)| [(a - centre[0]) * per, (b - centre[1]) * per, q * per / PI]).collect();
         let displacement = |i: usize, j: usize| {
-            let [x, y] = at(&within, [angle(i).cos(), angle(j).cos()]);
-            loads.iter().map(|([a, b], q)| q / (x - a).hypot(y - b)).sum::<f64>() / PI
+            let p = at(&within, [angle(i).cos(), angle(j).cos()]);
+            let [x, y] = [0, 1].map(|m| (p[m] - centre[m]) * per);
+            near.iter().map(|[a, b, q]| q / ((x - a) * (x - a) + (y - b) * (y - b)).sqrt()).sum::<f64>()
         };
         let mut values = [[0.0; POINTS]; POINTS];
         for (i, row) in values.iter_mut().enumerate() {

@@ -19,7 +19,7 @@ use crate::settings::{Method, Settings};
 use crate::solution::{Origin, Patch, PressureSummary, Solution};
 
 /// More contacts than that share one grid.
-const MOST: usize = 64;
+const MOST: usize = 256;
 
 /// The box of all contacts is so many times as long as the largest one, or one grid serves them all.
 const FAR: f64 = 4.0;
