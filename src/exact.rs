@@ -39,6 +39,9 @@ const BESIDE_STEPS: f64 = 1.5;
 /// than three grids tell, measured on 300 grids of minima like these and of flat punches).
 const AT_EDGES_AS_GIVEN: f64 = 2.0;
 
+/// Cells along the longer side from which on an estimate stands where no bounds were had: coarser grids may agree by chance.
+const FINE_ENOUGH: usize = 80;
+
 /// Cells along the longer side up to which grids are refined for narrower bounds, once the estimate is good enough.
 const FINEST_PROVED: usize = 512;
 
@@ -286,6 +289,10 @@ impl Ascent<'_> {
                 continue;
             }
             let proved = self.proved(&found.state);
+            if proved.is_none() && self.provable().is_some() && cells < FINE_ENOUGH {
+                best = Some(found);
+                continue;
+            }
             let found = proved.map_or_else(|| found.clone(), |bounds| found.clone().within(bounds));
             // Bounds narrow as the square of the cell at least: no further than where they will be narrow enough.
             let finer = (found.error / (tolerance * found.force)).sqrt();
@@ -337,16 +344,21 @@ impl Ascent<'_> {
         limit.unwrap_or(Estimate { value: force, error: force })
     }
 
+    /// The degree of a gap whose force has a proof that is asked for.
+    fn provable(&self) -> Option<Degree> {
+        let wanted = |degree: &Degree| *degree != Degree::Flat && self.settings.evidence == ErrorBar::Proof;
+        self.law.map(|(degree, _)| degree).filter(wanted)
+    }
+
     /// Proved bounds of the force from the energy of a grid, P (d - g0) = (2 + 1/k) U for a homogeneous gap; `None` where they are not
     /// asked for, or none can be had.
     fn proved(&self, state: &GridState) -> Option<[f64; 2]> {
-        let wanted = |law: &(Degree, Ends)| law.0 != Degree::Flat && self.settings.evidence == ErrorBar::Proof;
-        let (degree, _) = self.law.filter(wanted)?;
+        let degree = self.provable()?;
         let GridState { problem, solution, .. } = state;
         // Displacements of the quadratic programme come from a dense matrix.
         let displacement = (self.method == Method::Fft).then_some(solution.displacement.as_slice());
         let trial = Trial { grid: &problem.grid, pressure: &solution.pressure, displacement };
-        force_bounds(self.scaled, degree, &trial)
+        force_bounds(self.scaled, degree, &trial, self.settings.tolerance)
     }
 
     /// How far off the other kernel makes the force on the same grid. Values at centres err by up to 1.45 times that

@@ -210,6 +210,9 @@ impl State<'_> {
     }
 }
 
+/// The error that bounds are worked out again for: less than any that is claimed costs.
+const CLOSER: f64 = 1e-6;
+
 /// Bounds of the force that the energy of a pressure field proves, where the gap is homogeneous.
 fn energy_bounds(gap: &AnyGap, scene: &Scene, depth: f64, field: &Pressure) -> Option<[f64; 2]> {
     let degree = gap.known().law?.degree;
@@ -221,7 +224,8 @@ fn energy_bounds(gap: &AnyGap, scene: &Scene, depth: f64, field: &Pressure) -> O
         shape: field.grid.shape,
     };
     let pressure: Vec<f64> = field.values.iter().map(|p| p / (e_star * units.height / units.length)).collect();
-    let bounds = force_bounds(&scaled, degree, &Trial { grid: &grid, pressure: &pressure, displacement: None })?;
+    let bounds =
+        force_bounds(&scaled, degree, &Trial { grid: &grid, pressure: &pressure, displacement: None }, CLOSER)?;
     Some(bounds.map(|force| force * e_star * units.height * units.length))
 }
 

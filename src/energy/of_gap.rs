@@ -12,9 +12,11 @@ pub struct GapOverlap<'a> {
     gap: &'a AnyGap,
     depth: f64,
     reach: Option<Rect>,
+    /// Share of the depth to which means of the gap are found.
+    open: f64,
 }
 
-/// Share of the depth to which means of the gap are found.
+/// Share of the depth to which means of the gap are found unless said.
 const OPEN: f64 = 1e-6;
 
 /// Times that a cell is quartered for that.
@@ -31,20 +33,21 @@ impl<'a> GapOverlap<'a> {
             Reach::Within(rect) => Some(rect),
             Reach::Nowhere | Reach::Unbounded { .. } | Reach::Unknown => None,
         };
-        Self { gap, depth, reach }
+        Self { gap, depth, reach, open: OPEN }
     }
 
-    pub(crate) fn of(scaled: &'a Scaled) -> Self {
+    /// With means to this share of the depth.
+    pub(crate) fn of(scaled: &'a Scaled, open: f64) -> Self {
         // Units move the sides by rounding.
         let reach = scaled.certain.then(|| scaled.reach.scaled(1.0 + 1e-12));
-        Self { gap: &scaled.gap, depth: scaled.depth, reach }
+        Self { gap: &scaled.gap, depth: scaled.depth, reach, open }
     }
 
     /// Bounds of the mean of the gap; of that of its quarters where they are too far apart.
     fn mean_of_gap(&self, rect: &Rect, deeper: u32) -> [f64; 2] {
         let [low, high] = self.gap.mean_bounds(rect).unwrap_or(UNKNOWN);
         let open = high - low;
-        if deeper == 0 || open <= OPEN * self.depth.abs() || low == f64::INFINITY {
+        if deeper == 0 || open <= self.open * self.depth.abs() || low == f64::INFINITY {
             return [low, high];
         }
         let c = rect.centre();
