@@ -167,15 +167,21 @@ impl Ascent<'_> {
             }
             other => other?,
         };
-        let force = state.force();
-        if force <= 0.0 {
+        if state.force() <= 0.0 {
             return Ok(None);
         }
-        let Estimate { value, mut error } = self.limit(&state);
+        let estimate = self.limit(&state);
+        let error = self.alone(&state, estimate)?;
+        Ok(Some(Refined::of(state, error)))
+    }
+
+    /// The error of the force of a grid itself, by what it and those before it estimate.
+    fn alone(&self, state: &GridState, Estimate { value, mut error }: Estimate) -> Result<f64, Unsolved> {
+        let force = state.force();
         if self.law.is_none() {
-            error = error.max(self.doubt(&state)?);
+            error = error.max(self.doubt(state)?);
         }
-        let edge = edges::met(self.scaled, &state);
+        let edge = edges::met(self.scaled, state);
         if self.law.is_none() && edge.is_some() {
             error *= AT_EDGES_AS_GIVEN;
         }
@@ -183,10 +189,10 @@ impl Ascent<'_> {
             // P grows with the size of a patch: half as much as the area, and as much again for the edges themselves.
             let pressed = state.solution.pressure.iter().filter(|&&p| p > 0.0).count();
             let area = pressed as f64 * state.problem.grid.cell_area();
-            error = error.max(force * (Border::of(self.scaled, &state).left_out / area).abs());
+            error = error.max(force * (Border::of(self.scaled, state).left_out / area).abs());
         }
         // Who prescribes the grid wants the force of that grid.
-        Ok(Some(Refined::of(state, error + (force - value).abs())))
+        Ok(error + (force - value).abs())
     }
 
     fn free(mut self) -> Result<Option<Refined>, Unsolved> {
@@ -246,8 +252,10 @@ impl Ascent<'_> {
             let good = close && (aligned || !ends);
             if !good && ends {
                 return match self.at_sharp_edges(aligned) {
-                    Err(e) if e.verdict == Verdict::TimeLimit => {
-                        Ok(Some(Refined { state, force: value, error, grids: 1, stopped: Some(e), ladder: None }))
+                    // Without a line this grid stands alone.
+                    Err(e) if matches!(e.verdict, Verdict::TooLarge | Verdict::TimeLimit) => {
+                        let error = self.alone(&state, Estimate { value, error })?;
+                        Ok(Some(Refined { stopped: Some(e), ..Refined::of(state, error) }))
                     }
                     found => found.map(Some),
                 };

@@ -126,7 +126,7 @@ fn judge(number: u64, run: Run, maps: &Path, tally: &Mutex<Tally>) {
         match best(answers.swap_remove(step)) {
             Ok(other) => {
                 *tally.lock().unwrap().compared.entry(law).or_default() += 1;
-                if let Some(found) = unequal(&state, &other, factor) {
+                if let Some(found) = unequal(&state, &other, factor, law == "force given back its depth") {
                     broken(law, found, &scene);
                 }
             }
@@ -142,19 +142,17 @@ fn judge(number: u64, run: Run, maps: &Path, tally: &Mutex<Tally>) {
 }
 
 /// What is unequal in two states of one contact.
-fn unequal(first: &Solution, second: &Solution, factor: f64) -> Option<String> {
+fn unequal(first: &Solution, second: &Solution, factor: f64, given_back: bool) -> Option<String> {
     let [e1, e2] = [first, second].map(|s| s.force_error.unwrap_or(f64::INFINITY));
     let force = second.force / factor;
     // A depth that answers the same force is compared by the force that it stands for.
-    let deeper = if factor == 1.0 && second.tilt == first.tilt { second.depth - first.depth } else { 0.0 };
-    let same_force = second.force == first.force && deeper != 0.0;
-    let off = if same_force { deeper * first.stiffness } else { force - first.force };
+    let off = if given_back { (second.depth - first.depth) * first.stiffness } else { force - first.force };
     let allowed = e1 * first.force + e2 * force + ROUNDING * first.force;
     (!(off.abs() <= allowed)).then(|| {
         format!(
             "{:e} (stated {e1:.2e}) against {force:e} (stated {e2:.2e}){}: off by {:.2e}, {:.2} times what is stated",
             first.force,
-            if same_force { format!(", depths {:e} and {:e}", first.depth, second.depth) } else { String::new() },
+            if given_back { format!(", depths {:e} and {:e}", first.depth, second.depth) } else { String::new() },
             off / first.force,
             off.abs() / allowed
         )
