@@ -183,7 +183,7 @@ impl Ascent<'_> {
         }
         let edge = edges::met(self.scaled, state);
         if self.law.is_none() && edge.is_some() {
-            error *= AT_EDGES_AS_GIVEN;
+            error = (AT_EDGES_AS_GIVEN * error).max(extrapolate::left_by_first_order(&self.forces));
         }
         if edge == Some(Edge::End) {
             // P grows with the size of a patch: half as much as the area, and as much again for the edges themselves.
@@ -243,6 +243,9 @@ impl Ascent<'_> {
             }
             // Three grids may agree on a limit that is not the punch's while its edges lie between two rows of cells.
             let edge = if three && !smooth { edges::met(self.scaled, &state) } else { None };
+            if edge.is_some() && self.law.is_none() {
+                error = error.max(extrapolate::left_by_first_order(&self.forces));
+            }
             if edge == Some(Edge::Step) {
                 error *= BESIDE_STEPS;
             }

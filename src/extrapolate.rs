@@ -89,6 +89,14 @@ pub fn of_forces(coarse_to_fine: &[f64]) -> Option<Estimate> {
     }
 }
 
+/// What is left of forces that are known to converge with the first power of the cells, as at sharp edges: as much as the last
+/// step, or half the one before. A step that is smaller than that is so by where the edges fall between the cells.
+#[must_use]
+pub fn left_by_first_order(coarse_to_fine: &[f64]) -> f64 {
+    let steps = coarse_to_fine.windows(2).rev().map(|pair| (pair[1] - pair[0]).abs());
+    steps.take(2).zip([1.0, 0.5]).map(|(step, share)| share * step).fold(0.0, f64::max)
+}
+
 /// v0 + c h + l A through values on many grids of spacing h that leave out an area A of what they should cover, at h = A = 0:
 /// for errors of first order that jump with where the edges of a punch fall between cells.
 #[derive(Debug, Clone, PartialEq)]

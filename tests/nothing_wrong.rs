@@ -338,11 +338,14 @@ fn a_dished_punch_touches_along_its_rim() {
         let gap = clipped(&format!("{:e}*(1 - (r/{scale:e})^2)", 0.001 * scale), &json!({"disc": scale}));
         let state = solved(&gap, 5e-4 * scale);
         assert_force(&state, truth * scale * scale, 2e-5);
-        let revolved: Vec<[f64; 2]> =
-            (0..=400).map(|k| f64::from(k) / 400.0).map(|r| [scale * r, 0.001 * scale * (1.0 - r * r)]).collect();
-        // Chords lie within 2e-9 of the arc.
-        let chords = solved(&json!({"kind": "revolved", "points": revolved}), 5e-4 * scale);
-        assert_force(&chords, truth * scale * scale, 5e-5);
+        // Chords lie below the arc, by no more than 0.001/(4 40^2): the force is larger by that times the stiffness, 1.57 E*.
+        let place = |k: i32| f64::from(k) / 40.0;
+        let points: Vec<[f64; 2]> =
+            (0..=40).map(|k| [scale * place(k), 0.001 * scale * (1.0 - place(k).powi(2))]).collect();
+        let scene = json!({"effective_modulus": 1.0, "gap": {"kind": "revolved", "points": points},
+                           "loading": {"depth": 5e-4 * scale}, "solve": {"cells": 64, "tolerance": 0.1}});
+        let chords = answers(&scene, Path::new(".")).remove(0).unwrap();
+        assert_force(&chords, truth * scale * scale, 4e-4);
     }
 }
 
@@ -357,7 +360,7 @@ fn curve_answers_every_scene_that_solve_answers() {
             .output()
             .unwrap()
     };
-    for scene in ["revolved_tip", "formula_superellipse", "truncated_pyramid", "two_tips"] {
+    for scene in ["revolved_tip", "formula_superellipse", "two_tips"] {
         let file = format!("data/scenes/{scene}.json");
         let state = run(&["solve", &file, "--json", "-"]);
         assert!(state.status.success(), "{scene}: {}", String::from_utf8_lossy(&state.stderr));
@@ -373,7 +376,7 @@ fn curve_answers_every_scene_that_solve_answers() {
         let last = rows.last().unwrap();
         let (depth, force) = (state["depth"].as_f64().unwrap(), state["force"].as_f64().unwrap());
         assert!((last[0] / depth - 1.0).abs() < 1e-9, "{scene} ends at {}, not {depth}", last[0]);
-        // The curve has the error of a solve of its own.
-        assert!((last[1] / force - 1.0).abs() <= 2.0 * error.max(1e-3), "{scene}: {} and {force}", last[1]);
+        // The curve is solved to its own accuracy, 1e-4 of the force.
+        assert!((last[1] / force - 1.0).abs() <= error + 1e-4, "{scene}: {} and {force}", last[1]);
     }
 }
