@@ -14,9 +14,8 @@ use crate::settings::{Method, Settings};
 /// Cells along the longer side that no grid has more of.
 const FINEST: usize = 2560;
 
-/// Cells under pressure without which an energy tells nothing of the next, and on the first of two grids that shall tell the
-/// limit alone.
-const FEWEST: [usize; 2] = [19, 24];
+/// Cells under pressure without which an energy tells nothing of the next.
+const FEWEST: usize = 19;
 
 /// Times that the grids begin anew in a larger box.
 const MOST_RESTARTS: usize = 6;
@@ -201,14 +200,14 @@ impl Ascent<'_> {
         self.window = squared(self.scaled, &self.window, coarsest);
         let (tolerance, finest) = (self.settings.tolerance, self.finest);
         let mut best: Option<Refined> = None;
-        let (mut laid, mut full, mut restarts, mut next) = (self.window, false, 0, 0);
+        let (mut laid, mut restarts, mut next) = (self.window, 0, 0);
         while coarsest << next <= finest {
             let (level, cells) = (next, coarsest << next);
             next += 1;
             // Whole cells become quarters: the grids are of one family, and each starts where the last one ended.
             let nested = |window: &Rect| shape(window, coarsest).map(|n| n << level);
-            // Two grids before it, or one that was fine enough: then it may be the last.
-            let last = !smooth || coarsest << next > finest || self.energies.len() >= if full { 1 } else { 2 };
+            // With two grids before it, it may be the last.
+            let last = !smooth || coarsest << next > finest || self.energies.len() >= 2;
             let gap_error = if last { (1e-4 * tolerance).clamp(PRECISE[1], PRECISE[0]) } else { PASSING };
             let state = match self.grid(nested, gap_error, best.as_ref().map(|b| &b.state)) {
                 // The grid before was the finest that this method can hold, or that there was time for.
@@ -226,16 +225,14 @@ impl Ascent<'_> {
                 // Grids of another box are of another family.
                 self.energies.clear();
                 self.window = squared(self.scaled, &self.window, coarsest);
-                (laid, full, restarts, next, best) = (self.window, false, restarts + 1, 0, None);
+                (laid, restarts, next, best) = (self.window, restarts + 1, 0, None);
                 continue;
             }
             laid = self.window;
-            full |= level == 0 && loaded >= FEWEST[1];
-            let few = smooth && loaded < FEWEST[0];
+            let few = smooth && loaded < FEWEST;
             let Estimate { value, mut error } =
                 if few { Estimate { value: state.force(), error: state.force() } } else { self.limit(&state) };
             let three = if smooth { self.energies.len() >= 3 } else { self.forces.len() >= 3 };
-            let two = smooth && full && self.energies.len() == 2;
             // Forces may seem to converge while an edge falls between two cells: a grid is believed when means over cells and
             // values at their centres agree on it.
             if self.law.is_none() && three && error <= tolerance * value {
@@ -249,7 +246,8 @@ impl Ascent<'_> {
             if edge == Some(Edge::Step) {
                 error *= BESIDE_STEPS;
             }
-            let close = error <= tolerance * value && (two || three);
+            // One step alone may be small by luck.
+            let close = error <= tolerance * value && three;
             let ends = edge == Some(Edge::End);
             let aligned = ends && Border::of(self.scaled, &state).aligned;
             let good = close && (aligned || !ends);

@@ -58,7 +58,8 @@ pub fn of_energies(coarse_to_fine: &[f64], ends: Ends) -> Option<Estimate> {
         }
         (Ends::Unknown, None) => (0.22, 0.17),
         (Ends::Unknown, Some(_)) if smooth => (0.17, 0.07),
-        (Ends::Unknown, Some(_)) => (0.21, 0.13),
+        // Until steps fall alike, what they add is in doubt as a whole.
+        (Ends::Unknown, Some(_)) => (0.21, 0.21),
     };
     // A step that is small by luck counts as the one before would have it.
     let size = match ends {
