@@ -15,9 +15,8 @@ use crate::settings::{ErrorBar, Method, Settings};
 /// Cells along the longer side that no grid has more of.
 const FINEST: usize = 2560;
 
-/// Cells under pressure without which an energy tells nothing of the next, and on the first of two grids that shall tell the
-/// limit alone.
-const FEWEST: [usize; 2] = [19, 24];
+/// Cells under pressure without which an energy tells nothing of the next.
+const FEWEST: usize = 19;
 
 /// Times that the grids begin anew in a larger box.
 const MOST_RESTARTS: usize = 6;
@@ -182,33 +181,36 @@ impl Ascent<'_> {
             }
             other => other?,
         };
-        let force = state.force();
-        if force <= 0.0 {
+        if state.force() <= 0.0 {
             return Ok(None);
         }
-        let Estimate { value, mut error } = self.limit(&state);
+        let estimate = self.limit(&state);
+        let estimated = self.alone(&state, estimate)?;
+        // Who prescribes the grid wants the force of that grid, whether or not the bounds hold it.
+        let Some([lower, upper]) = self.proved(&state) else { return Ok(Some(Refined::of(state, estimated))) };
+        let force = state.force();
+        let error = (upper - force).abs().max((force - lower).abs());
+        Ok(Some(Refined { proved: Some([lower, upper]), ..Refined::of(state, error) }))
+    }
+
+    /// The error of the force of a grid itself, by what it and those before it estimate.
+    fn alone(&self, state: &GridState, Estimate { value, mut error }: Estimate) -> Result<f64, Unsolved> {
+        let force = state.force();
         if self.law.is_none() {
-            error = error.max(self.doubt(&state)?);
+            error = error.max(self.doubt(state)?);
         }
-        let edge = edges::met(self.scaled, &state);
+        let edge = edges::met(self.scaled, state);
         if self.law.is_none() && edge.is_some() {
-            error *= AT_EDGES_AS_GIVEN;
+            error = (AT_EDGES_AS_GIVEN * error).max(extrapolate::left_by_first_order(&self.forces));
         }
         if edge == Some(Edge::End) {
             // P grows with the size of a patch: half as much as the area, and as much again for the edges themselves.
             let pressed = state.solution.pressure.iter().filter(|&&p| p > 0.0).count();
             let area = pressed as f64 * state.problem.grid.cell_area();
-            error = error.max(force * (Border::of(self.scaled, &state).left_out / area).abs());
+            error = error.max(force * (Border::of(self.scaled, state).left_out / area).abs());
         }
-        // Who prescribes the grid wants the force of that grid, whether or not the bounds hold it.
-        let estimated = error + (force - value).abs();
-        Ok(Some(match self.proved(&state) {
-            Some([lower, upper]) => {
-                let error = (upper - force).abs().max((force - lower).abs());
-                Refined { proved: Some([lower, upper]), ..Refined::of(state, error) }
-            }
-            None => Refined::of(state, estimated),
-        }))
+        // Who prescribes the grid wants the force of that grid.
+        Ok(error + (force - value).abs())
     }
 
     fn free(mut self) -> Result<Option<Refined>, Unsolved> {
@@ -217,14 +219,14 @@ impl Ascent<'_> {
         self.window = squared(self.scaled, &self.window, coarsest);
         let (tolerance, finest) = (self.settings.tolerance, self.finest);
         let mut best: Option<Refined> = None;
-        let (mut laid, mut full, mut restarts, mut next) = (self.window, false, 0, 0);
+        let (mut laid, mut restarts, mut next) = (self.window, 0, 0);
         while coarsest << next <= finest {
             let (level, cells) = (next, coarsest << next);
             next += 1;
             // Whole cells become quarters: the grids are of one family, and each starts where the last one ended.
             let nested = |window: &Rect| shape(window, coarsest).map(|n| n << level);
-            // Two grids before it, or one that was fine enough: then it may be the last.
-            let last = !smooth || coarsest << next > finest || self.energies.len() >= if full { 1 } else { 2 };
+            // With two grids before it, it may be the last.
+            let last = !smooth || coarsest << next > finest || self.energies.len() >= 2;
             let gap_error = if last { (1e-4 * tolerance).clamp(PRECISE[1], PRECISE[0]) } else { PASSING };
             let state = match self.grid(nested, gap_error, best.as_ref().map(|b| &b.state)) {
                 // The grid before was the finest that this method can hold, or that there was time for.
@@ -242,16 +244,14 @@ impl Ascent<'_> {
                 // Grids of another box are of another family.
                 self.energies.clear();
                 self.window = squared(self.scaled, &self.window, coarsest);
-                (laid, full, restarts, next, best) = (self.window, false, restarts + 1, 0, None);
+                (laid, restarts, next, best) = (self.window, restarts + 1, 0, None);
                 continue;
             }
             laid = self.window;
-            full |= level == 0 && loaded >= FEWEST[1];
-            let few = smooth && loaded < FEWEST[0];
+            let few = smooth && loaded < FEWEST;
             let Estimate { value, mut error } =
                 if few { Estimate { value: state.force(), error: state.force() } } else { self.limit(&state) };
             let three = if smooth { self.energies.len() >= 3 } else { self.forces.len() >= 3 };
-            let two = smooth && full && self.energies.len() == 2;
             // Forces may seem to converge while an edge falls between two cells: a grid is believed when means over cells and
             // values at their centres agree on it.
             if self.law.is_none() && three && error <= tolerance * value {
@@ -259,18 +259,23 @@ impl Ascent<'_> {
             }
             // Three grids may agree on a limit that is not the punch's while its edges lie between two rows of cells.
             let edge = if three && !smooth { edges::met(self.scaled, &state) } else { None };
+            if edge.is_some() && self.law.is_none() {
+                error = error.max(extrapolate::left_by_first_order(&self.forces));
+            }
             if edge == Some(Edge::Step) {
                 error *= BESIDE_STEPS;
             }
-            let close = error <= tolerance * value && (two || three);
+            // One step alone may be small by luck.
+            let close = error <= tolerance * value && three;
             let ends = edge == Some(Edge::End);
             let aligned = ends && Border::of(self.scaled, &state).aligned;
             let good = close && (aligned || !ends);
             if !good && ends {
                 return match self.at_sharp_edges(aligned) {
-                    Err(e) if e.verdict == Verdict::TimeLimit => {
-                        let stopped = Some(e);
-                        Ok(Some(Refined { state, force: value, error, grids: 1, stopped, ladder: None, proved: None }))
+                    // Without a line this grid stands alone.
+                    Err(e) if matches!(e.verdict, Verdict::TooLarge | Verdict::TimeLimit) => {
+                        let error = self.alone(&state, Estimate { value, error })?;
+                        Ok(Some(Refined { stopped: Some(e), ..Refined::of(state, error) }))
                     }
                     found => found.map(Some),
                 };

@@ -58,7 +58,8 @@ pub fn of_energies(coarse_to_fine: &[f64], ends: Ends) -> Option<Estimate> {
         }
         (Ends::Unknown, None) => (0.22, 0.17),
         (Ends::Unknown, Some(_)) if smooth => (0.17, 0.07),
-        (Ends::Unknown, Some(_)) => (0.21, 0.13),
+        // Until steps fall alike, what they add is in doubt as a whole.
+        (Ends::Unknown, Some(_)) => (0.21, 0.21),
     };
     // A step that is small by luck counts as the one before would have it.
     let size = match ends {
@@ -87,6 +88,14 @@ pub fn of_forces(coarse_to_fine: &[f64]) -> Option<Estimate> {
         [a, b] => Some(Estimate { value: b, error: (b - a).abs() }),
         _ => None,
     }
+}
+
+/// What is left of forces that are known to converge with the first power of the cells, as at sharp edges: as much as the last
+/// step, or half the one before. A step that is smaller than that is so by where the edges fall between the cells.
+#[must_use]
+pub fn left_by_first_order(coarse_to_fine: &[f64]) -> f64 {
+    let steps = coarse_to_fine.windows(2).rev().map(|pair| (pair[1] - pair[0]).abs());
+    steps.take(2).zip([1.0, 0.5]).map(|(step, share)| share * step).fold(0.0, f64::max)
 }
 
 /// v0 + c h + l A through values on many grids of spacing h that leave out an area A of what they should cover, at h = A = 0:

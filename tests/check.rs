@@ -104,7 +104,7 @@ fn altered_results_are_refused() {
     let scene = scene(
         pyramid(),
         json!({"depth": 1e-6}),
-        json!({"method": "fft", "cells": 40, "tolerance": 0.2}),
+        json!({"method": "fft", "cells": 40, "tolerance": 0.2, "evidence": "estimate"}),
         json!(["pressure", "bracket"]),
     );
     let honest = solve(&scene, directory.path());

@@ -1,0 +1,392 @@
+//! Contacts that were once answered wrongly, and called solved: each against a truth of its own, or against the same contact written in
+//! another way.
+#![cfg(all(feature = "scene", feature = "qp", feature = "formula"))]
+
+use std::path::Path;
+
+use contact_patch::bracket::Evidence;
+use contact_patch::gap::{Cone, Flat, Formula, Outline, Paraboloid, Polyhedron, Power};
+use contact_patch::{
+    Contact, EffectiveModulus, Gap, Loading, Outputs, Scene, Settings, Solution, Unsolved, Verdict, plan, solve,
+};
+use serde_json::{Value, json};
+
+fn answers(scene: &Value, directory: &Path) -> Vec<Result<Solution, Unsolved>> {
+    let scene = Scene::from_json_within(scene.to_string().as_bytes(), directory).unwrap();
+    solve(&scene.contact, &scene.settings)
+}
+
+fn solved_in(gap: &Value, loading: &Value, directory: &Path) -> Vec<Solution> {
+    let scene = json!({"effective_modulus": 1.0, "gap": gap, "loading": loading});
+    answers(&scene, directory).into_iter().map(|answer| answer.unwrap_or_else(|e| panic!("{e}: {scene}"))).collect()
+}
+
+fn solved(gap: &Value, depth: f64) -> Solution {
+    solved_in(gap, &json!({"depth": depth}), Path::new(".")).remove(0)
+}
+
+fn stated(state: &Solution) -> f64 {
+    state.force_error.expect("a solved state states its error")
+}
+
+/// The force is the truth, within the error that it states and that of the truth.
+fn assert_force(state: &Solution, truth: f64, uncertain: f64) {
+    let off = (state.force / truth - 1.0).abs();
+    assert!(
+        off <= stated(state) + uncertain,
+        "{:e}, not {truth:e}: off by {off:.1e}, stated {:.1e}",
+        state.force,
+        stated(state)
+    );
+}
+
+/// Two answers to one contact, within the errors of both.
+fn assert_same(a: &Solution, b: &Solution) {
+    assert_force(a, b.force, stated(b) + 1e-9);
+}
+
+fn clipped(expression: &str, region: &Value) -> Value {
+    json!({"kind": "formula", "expression": expression, "region": region})
+}
+
+fn rectangle(a: f64, b: f64) -> Value {
+    json!({"polygon": [[-a, -b], [a, -b], [a, b], [-a, b]]})
+}
+
+/// Projected conjugate gradients on anisotropic cells, to 1e-4 of the force: x^2/2 on 1 x 2, E* = 1.
+const ROLLER: [[f64; 2]; 3] = [[1e-4, 4.6653e-5], [1e-3, 5.7529e-4], [1e-2, 7.5299e-3]];
+
+#[test]
+fn a_roller_with_sharp_ends() {
+    let roller = clipped("x^2/2", &rectangle(0.5, 1.0));
+    let depths = ROLLER.map(|[depth, _]| depth);
+    for (state, [_, force]) in solved_in(&roller, &json!({"depths": depths}), Path::new(".")).iter().zip(ROLLER) {
+        assert_force(state, force, 2e-4);
+    }
+    let [depth, force] = ROLLER[1];
+    let curved = json!({"kind": "paraboloid", "radii": [1.0, "flat"]});
+    let ends = json!({"kind": "flat", "outline": rectangle(0.5, 1.0)});
+    for gap in [&roller, &json!({"kind": "sum", "of": [curved, ends]}), &json!({"kind": "sum", "of": [roller]})] {
+        assert_force(&solved(gap, depth), force, 1e-4);
+    }
+    for (method, tolerance) in [("fft", 1e-3), ("qp", 5e-3)] {
+        let scene = json!({"effective_modulus": 1.0, "gap": roller, "loading": {"depth": depth},
+                           "solve": {"method": method, "tolerance": tolerance}});
+        assert_force(&answers(&scene, Path::new(".")).remove(0).unwrap(), force, 1e-4);
+    }
+}
+
+#[test]
+fn homogeneous_gaps_that_a_region_clips_do_not_scale() {
+    let cases = [
+        ("abs(x)", rectangle(0.5, 1.0), 0.01),
+        ("x^4", rectangle(0.5, 1.0), 0.001),
+        ("x^2/2", json!({"disc": 0.7}), 0.01),
+        ("x^2/2 + 0.0005*y^2", rectangle(0.5, 1.0), 0.001),
+        ("r^2", json!({"disc": 0.05}), 0.01),
+    ];
+    for (expression, region, depth) in cases {
+        let gap = clipped(expression, &region);
+        let whole = json!({"kind": "formula", "expression": expression});
+        let sum = json!({"kind": "sum", "of": [whole, {"kind": "flat", "outline": region}]});
+        let single = solved(&gap, depth);
+        assert_same(&single, &solved(&sum, depth));
+        let list = solved_in(&gap, &json!({"depths": [0.2 * depth, depth, 3.0 * depth]}), Path::new("."));
+        assert_same(&single, &list[1]);
+        assert_same(&solved(&gap, 3.0 * depth), &list[2]);
+    }
+}
+
+#[test]
+fn slender_powers_on_few_cells() {
+    // Independent cells graded to the slender contact, to 2e-5.
+    let gap = |expression: &str| json!({"kind": "formula", "expression": expression});
+    assert_force(&solved(&gap("(abs(x)^3.73 + 17.44*abs(y)^3.73)^0.77"), 0.806), 0.64020, 2e-5);
+    for expression in ["(abs(x)^2.44 + 15.681*abs(y)^2.44)^1.27", "x^4 + 16*y^4", "x^6 + 40*y^6", "(x^4 + 9*y^4)^0.9"] {
+        for tolerance in [1e-2, 3e-3, 1e-3, 3e-4, 1e-4] {
+            let scene = |tolerance: f64| {
+                json!({"effective_modulus": 1.0, "gap": gap(expression), "loading": {"depth": 0.158},
+                       "solve": {"tolerance": tolerance}})
+            };
+            let [state, fine] =
+                [tolerance, 1e-5].map(|tolerance| answers(&scene(tolerance), Path::new(".")).remove(0).unwrap());
+            assert_same(&state, &fine);
+        }
+    }
+}
+
+#[test]
+fn a_gap_with_a_ceiling_has_no_end_above_it() {
+    let contact = |depth| {
+        let modulus = EffectiveModulus::from_e_star(1.0).unwrap();
+        Contact::new(modulus, Formula::new("r^2/(1+r^2)").unwrap(), Loading::depth(depth)).unwrap()
+    };
+    let refused = solve(&contact(1.2), &Settings::default()).remove(0).unwrap_err();
+    assert_eq!(refused.verdict, Verdict::Unbounded);
+    assert!(refused.best.is_none() && refused.reason.contains("1.2e0"), "{refused}");
+    // Below it, Sneddon: the contact radius a of d = a int g'/sqrt(a^2 - r^2) dr = a^2/(1 + a^2) + a asinh(a)/(1 + a^2)^1.5.
+    let a = 0.5f64;
+    let depth = a * a / (1.0 + a * a) + a * a.asinh() / (1.0 + a * a).powf(1.5);
+    let state = solve(&contact(depth), &Settings::default()).remove(0).unwrap();
+    let area = std::f64::consts::PI * a * a;
+    assert!((state.patch.area / area - 1.0).abs() < 1e-2, "{:e}, not {area:e}", state.patch.area);
+}
+
+/// Eight tips of various kinds, far apart, of which six touch.
+fn tips() -> Value {
+    json!({"kind": "min", "of": [
+        {"kind": "pyramid", "faces": 3, "inclination": 14.28, "at": [-1.735, -7.166]},
+        {"kind": "pyramid", "faces": 3, "inclination": 26.68, "at": [9.3362, 2.3351]},
+        {"kind": "cone", "inclination": 33.92, "at": [-0.61257, 3.2436]},
+        {"kind": "formula", "expression": "0.0012997+r^2/0.0078014", "at": [5.3964, 6.0471]},
+        {"kind": "formula", "expression": "0.0018685+r^2/0.075925", "at": [0.60952, -0.083643]},
+        {"kind": "cone", "inclination": 12.32, "at": [3.1529, 9.2783]},
+        {"kind": "cone", "inclination": 21.74, "at": [2.1564, 1.3577]},
+        {"kind": "sphere", "radius": 0.0025871, "at": [3.0708, -1.064]}
+    ]})
+}
+
+const TIPS_DEPTH: f64 = 1.7687e-5;
+
+#[test]
+fn tips_are_found_in_every_nesting() {
+    let state = solved(&tips(), TIPS_DEPTH);
+    assert_eq!(state.patch.regions, 6);
+    // They are 1e5 times as far apart as wide: Love's cones, Hertz's sphere and pyramids (0.882412 d^2/tan, to 1e-6) add up.
+    let cone = |angle: f64| 2.0 * TIPS_DEPTH.powi(2) / (std::f64::consts::PI * angle.to_radians().tan());
+    let pyramid = |angle: f64| 0.882_412 * TIPS_DEPTH.powi(2) / angle.to_radians().tan();
+    let sphere = 4.0 / 3.0 * 0.002_587_1f64.sqrt() * TIPS_DEPTH.powf(1.5);
+    let sum = cone(33.92) + cone(12.32) + cone(21.74) + pyramid(14.28) + pyramid(26.68) + sphere;
+    assert_force(&state, sum, 1e-3);
+    for kind in ["sum", "min"] {
+        let one = json!({"kind": kind, "of": [tips()]});
+        let more = json!({"kind": "sum", "of": [{"kind": kind, "of": [one]}], "at": [30.0, -20.0], "rotate": 77.0});
+        for gap in [one, more] {
+            let other = solved(&gap, TIPS_DEPTH);
+            assert_eq!(other.patch.regions, 6, "{gap}");
+            assert_same(&state, &other);
+        }
+    }
+}
+
+#[test]
+fn summits_of_a_map_are_found_in_every_nesting() {
+    // Four summits of 64 nodes each way, the highest first.
+    let summits = [[-21.0, -17.0, 0.0], [19.0, -20.0, 0.02], [-15.0, 18.0, 0.03], [22.0, 16.0, 0.05]];
+    let height = |x: f64, y: f64| {
+        summits.iter().map(|[a, b, low]| low + 0.01 * ((x - a).powi(2) + (y - b).powi(2))).fold(1.0, f64::min)
+    };
+    let line = |j: i32| (-32..32).map(|i| format!("{:.6} ", height(f64::from(i), f64::from(j)))).collect::<String>();
+    let text = (-32..32).map(|j| line(j) + "\n").collect::<String>();
+    let directory = tempfile::tempdir().unwrap();
+    std::fs::write(directory.path().join("summits.txt"), text).unwrap();
+    let map = json!({"kind": "height_map", "file": "summits.txt", "spacing": [1.0, 1.0], "surface": "upper"});
+    let loading = json!({"depth": 0.1});
+    let state = solved_in(&map, &loading, directory.path()).remove(0);
+    assert_eq!(state.patch.regions, 4);
+    let wrap = |kind: &str, gap: &Value| json!({"kind": kind, "of": [gap]});
+    for gap in [wrap("sum", &map), wrap("min", &map), wrap("sum", &wrap("min", &map)), wrap("min", &wrap("sum", &map))]
+    {
+        let other = solved_in(&gap, &loading, directory.path()).remove(0);
+        assert_eq!(other.patch.regions, 4, "{gap}");
+        assert_same(&state, &other);
+    }
+    // Pressed against a curved body: what is left of the gap at each summit is small.
+    let sphere = json!({"kind": "sphere", "radius": 1e4});
+    let sum = json!({"kind": "sum", "of": [sphere, map]});
+    assert_eq!(solved_in(&sum, &loading, directory.path()).remove(0).patch.regions, 4);
+}
+
+#[test]
+fn plan_and_solve_go_one_way() {
+    let cases = [
+        ("abs(x)^1.5 + 2*y^2 + 0.3*x*y", 0.1, Some(Verdict::Unbounded)),
+        ("r^2/(1+r^2)", 1.2, Some(Verdict::Unbounded)),
+        ("r^2", 0.1, None),
+        ("x^2 + 3*y^2", 0.1, None),
+        ("abs(x)^1.5 + 2*y^2", 0.1, None),
+        ("(r - 1)^2", 0.01, None),
+        ("0.001*(1 - r^2)", 0.0005, Some(Verdict::Unbounded)),
+    ];
+    for (expression, depth, refused) in cases {
+        let modulus = EffectiveModulus::from_e_star(1.0).unwrap();
+        let gap = Formula::new(expression).unwrap();
+        let contact = Contact::new(modulus, gap, Loading::depth(depth)).unwrap();
+        let settings = Settings { tolerance: 1e-2, ..Settings::default() };
+        let (planned, answer) = (plan(&contact, &settings), solve(&contact, &settings).remove(0));
+        match (answer, refused) {
+            (Ok(state), None) => assert_eq!(planned.unwrap().method, Some(state.method), "{expression}"),
+            (Err(e), Some(verdict)) => {
+                assert_eq!(e.verdict, verdict, "{expression}: {e}");
+                // It says how deep, and where there is no end.
+                assert!(
+                    e.reason.contains(&format!("{depth:e}")) && e.reason.contains("direction"),
+                    "{expression}: {e}"
+                );
+                let none = planned.map_or(true, |plan| plan.method.is_none());
+                assert!(none, "{expression} is planned, but has no end");
+            }
+            (answer, _) => panic!("{expression}: {answer:?}"),
+        }
+    }
+}
+
+#[test]
+fn what_was_searched_is_not_proved() {
+    let modulus = EffectiveModulus::from_e_star(1.0).unwrap();
+    let outputs = Outputs { bracket: true, ..Outputs::default() };
+    let settings = Settings { outputs, cells: Some(24), tolerance: 0.5, ..Settings::default() };
+    // A second contact, off the first: no sample of a search need meet it.
+    let dip = |x: f64, y: f64| (x * x + y * y).min(0.002 + 40.0 * ((x - 0.7301).powi(2) + (y - 0.4177).powi(2)));
+    let closure = Contact::new(modulus, dip, Loading::depth(0.01)).unwrap();
+    let formula = Formula::new("min(r^2, 0.002 + 40*((x - 0.7301)^2 + (y - 0.4177)^2))").unwrap();
+    let formula = Contact::new(modulus, formula, Loading::depth(0.01)).unwrap();
+    // Hertz's two spheres; the second lowers the first by 2 P2/(pi E* 0.84), a share of 3e-3 of it, and conversely.
+    let hertz = |curvature: f64, depth: f64| 4.0 / 3.0 * (0.5 / curvature).sqrt() * depth.powf(1.5);
+    let both = hertz(1.0, 0.01) + hertz(40.0, 0.008);
+    for (contact, by_values) in [(closure, true), (formula, false)] {
+        let answer = solve(&contact, &settings).remove(0);
+        let state = answer.or_else(Unsolved::accept_best).unwrap();
+        let Some(bracket) = &state.bracket else { continue };
+        if by_values {
+            assert!(bracket.evidence() != Evidence::Proved, "{bracket:?}");
+        } else if bracket.evidence() == Evidence::Proved {
+            assert!(bracket.upper() > 0.97 * both, "{:e} is below two spheres, {both:e}", bracket.upper());
+        }
+    }
+}
+
+/// U = P d/(2 + 1/k) where the gap is homogeneous of degree k (flat: k infinite), to the error stated.
+#[test]
+fn energy_is_that_of_the_force() {
+    let square = [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]];
+    let triangle = [[0.0, 0.0], [1.0, 0.1], [0.2, 0.8]];
+    check_energy(Flat::new(Outline::polygon(&square).unwrap()), 0.01, 0.0);
+    check_energy(Flat::new(Outline::polygon(&triangle).unwrap()), 0.01, 0.0);
+    check_energy(Flat::new(Outline::disc(0.4).unwrap()), 0.01, 0.0);
+    check_energy(Polyhedron::pyramid(3, 45f64.to_radians()).unwrap(), 0.1, 1.0);
+    check_energy(Polyhedron::pyramid(4, 0.3).unwrap(), 0.1, 1.0);
+    check_energy(Polyhedron::new(vec![[1.0, 0.2, 0.0], [-0.3, 0.9, 0.0], [-0.5, -1.1, 0.0]]).unwrap(), 0.1, 1.0);
+    check_energy(Cone::with_slope(0.7).unwrap(), 0.1, 1.0);
+    check_energy(Paraboloid::new([1.0, 5.0]).unwrap(), 0.1, 0.5);
+    check_energy(Power::new(0.7, 3.3).unwrap(), 0.1, 1.0 / 3.3);
+    check_energy(Formula::new("x^4 + 2*y^4").unwrap(), 0.1, 0.25);
+    check_energy(Formula::new("abs(x)^1.5 + 2*abs(y)^1.5").unwrap(), 0.1, 1.0 / 1.5);
+    check_energy(Formula::new("max(abs(x), 2*abs(y) + 0.3*x)").unwrap(), 0.1, 1.0);
+}
+
+fn check_energy(gap: impl Gap + Clone + 'static, depth: f64, inverse_degree: f64) {
+    let modulus = EffectiveModulus::from_e_star(1.0).unwrap();
+    for turn in [0.0, 0.4] {
+        let gap = contact_patch::gap::AnyGap::new(gap.clone()).placed([0.0; 2], turn).unwrap();
+        let contact = Contact::new(modulus, gap, Loading::depth(depth)).unwrap();
+        let settings = Settings { tolerance: 3e-3, ..Settings::default() };
+        let state = solve(&contact, &settings).remove(0).or_else(Unsolved::accept_best).unwrap();
+        let (energy, law) = (state.energy.unwrap(), state.force * depth / (2.0 + inverse_degree));
+        let off = (energy / law - 1.0).abs();
+        assert!(off <= stated(&state) + 1e-9, "degree 1/{inverse_degree}: U = {energy:e}, not {law:e}");
+    }
+}
+
+/// P/(2 E* a d) of a flat annulus, radii 1 and `ratio`.
+///
+/// (4/(pi E*)) int p(s) s/(r + s) K(m) ds = d with m = 4 r s/(r + s)^2. With p = g(t)/sqrt(1 - t^2) on the width, and
+/// K = smooth - K'(r, s) ln((r - s)^2/(r + s)^2)/pi, both parts are integrated at Chebyshev points, the logarithm exactly by its
+/// eigenfunctions: int ln|x - t| T_n(t)/sqrt(1 - t^2) dt = -pi T_n(x)/n, and -pi ln 2 for n = 0.
+fn annulus(ratio: f64, points: usize) -> f64 {
+    use std::f64::consts::{LN_2, PI};
+    let complete = |m1: f64| {
+        let (mut a, mut b) = (1.0, m1.sqrt());
+        while ((a - b) / a).abs() > 1e-15 {
+            (a, b) = (0.5 * (a + b), (a * b).sqrt());
+        }
+        0.5 * PI / a
+    };
+    let (middle, half) = (0.5 * (1.0 + ratio), 0.5 * (1.0 - ratio));
+    let weight = PI / points as f64;
+    let angle = |k: usize| (k as f64 + 0.5) * weight;
+    let r: Vec<f64> = (0..points).map(|k| middle + half * angle(k).cos()).collect();
+    let entry = |i: usize, j: usize| {
+        let terms = (1..points).map(|n| (n as f64 * angle(i)).cos() * (n as f64 * angle(j)).cos() / n as f64);
+        let logarithm = weight * (-LN_2 - 2.0 * terms.sum::<f64>());
+        let m1 = ((r[i] - r[j]) / (r[i] + r[j])).powi(2);
+        let other = complete(1.0 - m1);
+        let smooth = if i == j { 4f64.ln() } else { complete(m1) + other * m1.ln() / PI };
+        // ln m1 = 2 ln|x - t| + 2 ln(half/(r + s)).
+        let logarithm = 2.0 * logarithm + weight * 2.0 * (half / (r[i] + r[j])).ln();
+        4.0 / PI * half * r[j] / (r[i] + r[j]) * (weight * smooth - other * logarithm / PI)
+    };
+    let matrix = nalgebra::DMatrix::from_fn(points, points, entry);
+    let pressure = matrix.lu().solve(&nalgebra::DVector::repeat(points, 1.0)).unwrap();
+    PI * half * weight * pressure.iter().zip(&r).map(|(g, r)| g * r).sum::<f64>()
+}
+
+#[test]
+fn the_solve_of_an_annulus_converges() {
+    for ratio in [0.3, 0.7, 0.9] {
+        assert!((annulus(ratio, 60) / annulus(ratio, 40) - 1.0).abs() < 1e-9);
+    }
+    // Of a small hole: 1 - 4 ratio^3/(3 pi^2) - ... (Collins 1963).
+    let hole = 1.0 - 4.0 * 0.05f64.powi(3) / (3.0 * std::f64::consts::PI.powi(2));
+    assert!((annulus(0.05, 200) - hole).abs() < 1e-7, "{}", annulus(0.05, 200));
+}
+
+#[test]
+fn material_with_a_hole_is_solved_on_a_grid() {
+    let depth = 0.003;
+    for ratio in [0.3, 0.7, 0.9] {
+        let truth = 2.0 * depth * annulus(ratio, 60);
+        let revolved = json!({"kind": "revolved", "points": [[ratio, 0.0], [1.0, 0.0]]});
+        let formula = clipped(&format!("0*sqrt(r - {ratio})"), &json!({"disc": 1.0}));
+        for gap in [revolved, formula] {
+            let scene = json!({"effective_modulus": 1.0, "gap": gap, "loading": {"depth": depth},
+                               "solve": {"tolerance": 5e-3}});
+            let state = answers(&scene, Path::new(".")).remove(0).unwrap_or_else(|e| panic!("{e}: {gap}"));
+            assert_force(&state, truth, 1e-8);
+            assert!(state.moment.is_some_and(|m| m.iter().all(|m| m.abs() < 1e-2 * state.force)));
+        }
+    }
+}
+
+#[test]
+fn a_dished_punch_touches_along_its_rim() {
+    // Concentric rings graded towards both edges of the contact, to 1e-5.
+    let truth = 6.816_95e-4;
+    for scale in [1.0, 1e-3] {
+        let gap = clipped(&format!("{:e}*(1 - (r/{scale:e})^2)", 0.001 * scale), &json!({"disc": scale}));
+        let state = solved(&gap, 5e-4 * scale);
+        assert_force(&state, truth * scale * scale, 2e-5);
+    }
+}
+
+#[cfg(feature = "cli")]
+#[test]
+fn curve_answers_every_scene_that_solve_answers() {
+    use std::process::Command;
+    let run = |arguments: &[&str]| {
+        Command::new(env!("CARGO_BIN_EXE_contact-patch"))
+            .args(arguments)
+            .current_dir(env!("CARGO_MANIFEST_DIR"))
+            .output()
+            .unwrap()
+    };
+    for scene in ["revolved_tip", "formula_superellipse", "two_tips"] {
+        let file = format!("data/scenes/{scene}.json");
+        let state = run(&["solve", &file, "--json", "-"]);
+        assert!(state.status.success(), "{scene}: {}", String::from_utf8_lossy(&state.stderr));
+        let curve = run(&["curve", &file]);
+        assert!(curve.status.success(), "{scene}: {}", String::from_utf8_lossy(&curve.stderr));
+        let state: Value = serde_json::from_slice(&state.stdout).unwrap();
+        let error = state["force_error"].as_f64().unwrap();
+        let text = String::from_utf8_lossy(&curve.stdout).into_owned();
+        let mut lines = text.lines();
+        assert!(lines.next().unwrap().starts_with("depth,force,stiffness"), "{text}");
+        let rows: Vec<Vec<f64>> = lines.map(|l| l.split(',').take(2).map(|n| n.parse().unwrap()).collect()).collect();
+        assert!(rows.windows(2).all(|pair| pair[0][0] < pair[1][0] && pair[0][1] < pair[1][1]), "{text}");
+        let last = rows.last().unwrap();
+        let (depth, force) = (state["depth"].as_f64().unwrap(), state["force"].as_f64().unwrap());
+        assert!((last[0] / depth - 1.0).abs() < 1e-9, "{scene} ends at {}, not {depth}", last[0]);
+        // The curve is solved to its own accuracy, 1e-4 of the force.
+        assert!((last[1] / force - 1.0).abs() <= error + 1e-4, "{scene}: {} and {force}", last[1]);
+    }
+}
