@@ -33,8 +33,9 @@ pub(crate) fn with_bracket(
         return Ok(solution);
     }
     let gap = contact.tilted_gap(solution.tilt);
-    let bracket = match settings.method {
-        Method::Ritz | Method::Fabrikant => bracket::approximate(&gap, contact.modulus(), solution.depth)?,
+    let bracket = match (solution.bracket.take(), settings.method) {
+        (Some(bracket), _) => bracket,
+        (None, Method::Ritz | Method::Fabrikant) => bracket::approximate(&gap, contact.modulus(), solution.depth)?,
         _ => match on_grids(contact, &gap, &mut solution, settings) {
             Ok(Some(bracket)) => bracket,
             Ok(None) => return Ok(solution),

@@ -76,6 +76,8 @@ pub enum Theorem {
     CorrectedFabrikant,
     /// A gap with a closed form that lies below everywhere: it is pressed with more force.
     Comparison,
+    /// Bounds of the stored energy, on cells fitted to the edges of the material.
+    Energy,
     /// The bodies do not touch.
     NoContact,
 }
@@ -91,6 +93,7 @@ impl Theorem {
             Self::Ellipse => "ellipse",
             Self::CorrectedFabrikant => "fabrikant",
             Self::Comparison => "comparison",
+            Self::Energy => "energy",
             Self::NoContact => "no_contact",
         }
     }
@@ -184,6 +187,26 @@ pub struct ForceBracket {
 }
 
 impl ForceBracket {
+    /// Bounds that follow from those of the stored energy.
+    pub(crate) fn by_energy([lower, upper]: [f64; 2]) -> Self {
+        let side = |force| Side {
+            force,
+            theorem: Theorem::Energy,
+            evidence: Evidence::Proved,
+            violation: 0.0,
+            at: [0.0; 2],
+            repair: Repair::default(),
+            pressure: None,
+        };
+        Self { lower: side(lower), upper: side(upper), cost: BracketCost::default() }
+    }
+
+    /// The bracket of a force that is `factor` times as large; `None` where it rests on pressure fields.
+    pub(crate) fn scaled(&self, factor: f64) -> Option<Self> {
+        let by_energy = self.lower.theorem == Theorem::Energy && self.upper.theorem == Theorem::Energy;
+        by_energy.then(|| Self::by_energy([self.lower.force * factor, self.upper.force * factor]))
+    }
+
     /// Lower bound of the force.
     #[must_use]
     pub fn lower(&self) -> f64 {
