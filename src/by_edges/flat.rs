@@ -47,11 +47,11 @@ impl Flat {
         let inward = |p: &[f64; 2]| [0, 1].map(|m| (p[m] - middle[m]) / length);
         let outline = Outline::polygon(&corners.iter().map(inward).collect::<Vec<_>>())?;
         let moved = turned(turn, middle);
-        let mut flat = Self { outline, corners: Vec::new(), origin: [at[0] + moved[0], at[1] + moved[1]], turn, length, value };
-        let small = Limits::default();
-        if !outline_fits(&flat.outline, &small) {
+        if !outline.fits(&Limits::default()) {
             return None;
         }
+        let origin = [at[0] + moved[0], at[1] + moved[1]];
+        let mut flat = Self { outline, corners: Vec::new(), origin, turn, length, value };
         flat.corners = corners.iter().map(|p| flat.outward(inward(p))).collect();
         Some(flat)
     }
@@ -120,11 +120,6 @@ impl Flat {
         }
         [0, 1].map(|m| self.origin[m] + sum[m] / total)
     }
-}
-
-/// Whether the coarsest mesh can be solved on.
-fn outline_fits(outline: &Outline, limits: &Limits) -> bool {
-    outline.coarsest().is_some_and(|mesh| mesh <= limits.cells)
 }
 
 fn turned([cos, sin]: [f64; 2], [x, y]: [f64; 2]) -> [f64; 2] {

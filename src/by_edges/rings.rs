@@ -112,6 +112,9 @@ impl Section {
                         stack.push(([a, middle], depth + 1));
                         continue;
                     }
+                    if !(low > f64::NEG_INFINITY) {
+                        return None;
+                    }
                     match kept.last_mut() {
                         Some(last) if last[1] == a => last[1] = b,
                         _ => kept.push([a, b]),

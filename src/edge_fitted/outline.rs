@@ -1,10 +1,11 @@
 //! Where the material ends, and the meshes that fit it.
 
+use super::Limits;
 use super::kites;
 use super::mesh::{Mesh, Point, dot};
 use super::polygon::{STRAIGHT, cleaned, convex_pieces, double_area, rectilinear_frame, symmetries};
 use super::rectilinear::{graded_both, tensor};
-use super::symmetry::Isometry;
+use super::symmetry::{Isometry, Orbits};
 
 /// The exponent of the grading. Near a sharp edge p ~ s^(-1/2) and the energy of cells of size h(s) errs by the integral
 /// of h^3 s^(-3): n^-3 for nodes (i/n)^beta with beta > 3; 4 is the least whole number.
@@ -61,10 +62,14 @@ impl Outline {
         (double_area(&corners) > 0.0 && displaced < 1e-3).then_some(Self { corners, frame, pieces, displaced })
     }
 
-    /// Cells of the coarsest mesh that a bracket begins with; `None` where there is no mesh.
+    /// Whether the coarsest mesh leaves room for a finer one.
     #[must_use]
-    pub fn coarsest(&self) -> Option<usize> {
-        self.mesh(COARSEST).map(|fitted| fitted.mesh.loaded)
+    pub fn fits(&self, limits: &Limits) -> bool {
+        let half = |fitted: Fitted| {
+            let Fitted { mesh, group, .. } = fitted;
+            2 * mesh.loaded <= limits.cells && 2 * Orbits::new(&mesh, &group).loaded <= limits.unknowns
+        };
+        self.mesh(COARSEST).is_some_and(half)
     }
 
     /// What the rounding of the mesh's corners does to the stiffness at most, relative.

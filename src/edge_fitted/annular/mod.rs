@@ -71,7 +71,7 @@ pub(crate) fn annular(f: &dyn RadialBounds, spans: &[Span], law: Law, limits: &L
         }
         let rings = mesh(spans, &contact, n);
         contact = touching(&rings, f)?;
-        let found = bracket(&rings, f, law)?;
+        let Some(found) = bracket(&rings, f, law) else { return best };
         let join = |a: [f64; 2], b: [f64; 2]| [a[0].max(b[0]), a[1].min(b[1])];
         let found = match &best {
             Some(b) => Annular { force: join(found.force, b.force), energy: join(found.energy, b.energy), ..found },
@@ -242,6 +242,9 @@ fn bracket(rings: &Rings, f: &dyn RadialBounds, law: Law) -> Option<Annular> {
     let mut admissible = of_p.faded;
     admissible.add(1.0, &of_p.added);
     let gamma = 0.5 * admissible.bound();
+    if !(low > 0.0 && gamma > 0.0 && gamma < f64::INFINITY) {
+        return None;
+    }
     let energy = [low, low + gamma];
     let (computed, stiffness) = (dot(p), dot(&m));
     let force = if law == Law::Flat {
@@ -260,6 +263,9 @@ fn bracket(rings: &Rings, f: &dyn RadialBounds, law: Law) -> Option<Annular> {
         let reach: Vec<bool> =
             (0..p.len()).map(|i| contact[i] || (rings.loaded[i] && of_p.highest[i] > -of_p.above)).collect();
         let tau = (of_m.faded.bound() / (2.0 * gamma)).sqrt();
+        if !tau.is_finite() {
+            return None;
+        }
         let kept: Vec<bool> = (0..p.len()).map(|i| contact[i] && m[i] >= 0.0 && m[i] <= tau * p[i]).collect();
         let fixed: Vec<f64> = (0..p.len()).map(|i| if kept[i] { 0.0 } else { m[i].clamp(0.0, tau * p[i]) }).collect();
         let u = s.product(&fixed);
