@@ -3,7 +3,8 @@
 use contact_patch::bracket::Evidence;
 use contact_patch::gap::{AnyGap, Flat, Gap, Outline, Paraboloid, Place, Polyhedron, Revolved};
 use contact_patch::{
-    Contact, EffectiveModulus, Load, Loading, Method, Origin, Outputs, Settings, Solution, Unsolved, Verdict, plan, solve,
+    Contact, EffectiveModulus, Load, Loading, Method, Origin, Outputs, Settings, Solution, Unsolved, Verdict, plan,
+    solve,
 };
 
 fn contact(e_star: f64, gap: impl Gap + 'static, loading: Loading) -> Contact {

@@ -51,7 +51,9 @@ impl Layer {
         let height = |[a, b, c]: &[f64; 3]| -(a * within[0] + b * within[1] + c);
         let least = relative.iter().map(height).fold(f64::INFINITY, f64::min);
         // What cancels in a height.
-        let size = |[a, b, c]: &[f64; 3]| (a * within[0]).abs() + (b * within[1]).abs() + c.abs() + (a * middle[0]).abs() + (b * middle[1]).abs();
+        let size = |[a, b, c]: &[f64; 3]| {
+            (a * within[0]).abs() + (b * within[1]).abs() + c.abs() + (a * middle[0]).abs() + (b * middle[1]).abs()
+        };
         let rounding = 16.0 * f64::EPSILON * relative.iter().map(size).fold(level.abs(), f64::max);
         let growth = depth / (least - rounding);
         if !(growth > 0.0 && 0.25 * growth <= SHARE * tolerance) {

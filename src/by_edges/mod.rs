@@ -128,7 +128,8 @@ pub(crate) fn prescribed(
 ) -> Result<Solution, Unsolved> {
     let upright = if tilt == [0.0; 2] { solution(contact, gap, depth, settings) } else { None };
     upright.unwrap_or_else(|| {
-        let reason = "the gap is not known to be a level polygon, planes with a level one among them, or of revolution, upright";
+        let reason =
+            "the gap is not known to be a level polygon, planes with a level one among them, or of revolution, upright";
         Err(Unsolved::new(Verdict::NotApplicable, reason))
     })
 }

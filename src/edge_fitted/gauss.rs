@@ -245,7 +245,7 @@ mod tests {
             let rule = rule(m, Touch::Low);
             let moment = |k: usize, l: usize| -> f64 {
                 // int t^k ln^l t = (-1)^l l!/(k+1)^(l+1).
-                let sign = if l % 2 == 0 { 1.0 } else { -1.0 };
+                let sign = if l.is_multiple_of(2) { 1.0 } else { -1.0 };
                 let factorial: usize = (1..=l).product();
                 sign * factorial as f64 / ((k + 1) as f64).powi(l as i32 + 1)
             };
@@ -253,7 +253,7 @@ mod tests {
             for b in 0..=3_usize {
                 let a = 3 - b;
                 let binomial = |i: usize| -> f64 {
-                    let sign = if i % 2 == 0 { 1.0 } else { -1.0 };
+                    let sign = if i.is_multiple_of(2) { 1.0 } else { -1.0 };
                     sign * (0..i).map(|k| (a - k) as f64 / (k + 1) as f64).product::<f64>()
                 };
                 let exact: Vec<Vec<f64>> = basis

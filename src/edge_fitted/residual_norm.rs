@@ -46,8 +46,7 @@ pub(crate) fn norms<const K: usize>(
         if panels.is_empty() {
             continue;
         }
-        let context =
-            Context { lines, decay: mesh.cells[cell].map(|n| decay[n]), extent: mesh.extent(), strengths };
+        let context = Context { lines, decay: mesh.cells[cell].map(|n| decay[n]), extent: mesh.extent(), strengths };
         let surroundings = Surroundings::new(mesh, lines, &arounds, cell, (pressures, strengths), &mut work.scratch);
         let mut own: [Sums; K] = std::array::from_fn(|_| Sums::default());
         for panel in panels {

@@ -27,8 +27,8 @@ pub(crate) fn vectorised<K: Kernel>(kernel: K) -> K::Output {
 
 /// Bits of sqrt(1/2), where the mantissa's range begins.
 const SQRT_HALF: u64 = 0x3fe6_a09e_667f_3bcd;
-const LN2_HIGH: f64 = 6.931_471_803_691_238_164_90e-1;
-const LN2_LOW: f64 = 1.908_214_929_270_587_700_02e-10;
+const LN2_HIGH: f64 = 6.931_471_803_691_238e-1;
+const LN2_LOW: f64 = 1.908_214_929_270_587_7e-10;
 
 /// Natural logarithm of a positive normal number, without branches. Error below 1 unit in the last place of the result or
 /// 2e-16, whichever is larger.
@@ -47,12 +47,10 @@ pub(crate) fn ln(x: f64) -> f64 {
     let s = f / (2.0 + f);
     let s2 = s * s;
     let s4 = s2 * s2;
-    let even =
-        s4 * (0.399_999_999_994_094_190_8 + s4 * (0.222_221_984_321_497_839_6 + s4 * 0.153_138_376_992_093_733_2));
+    let even = s4 * (0.399_999_999_994_094_2 + s4 * (0.222_221_984_321_497_84 + s4 * 0.153_138_376_992_093_73));
     let odd = s2
-        * (0.666_666_666_666_673_513_0
-            + s4 * (0.285_714_287_436_623_914_9
-                + s4 * (0.181_835_721_616_180_501_2 + s4 * 0.147_981_986_051_165_859_1)));
+        * (0.666_666_666_666_673_5
+            + s4 * (0.285_714_287_436_623_9 + s4 * (0.181_835_721_616_180_5 + s4 * 0.147_981_986_051_165_86)));
     let half = 0.5 * f * f;
     k * LN2_HIGH - ((half - (s * (half + even + odd) + k * LN2_LOW)) - f)
 }

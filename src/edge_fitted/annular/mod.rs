@@ -9,8 +9,8 @@ mod rings;
 
 pub(crate) use overlap::{RadialBounds, RadialJet};
 
-use super::active_set::{factor, solve, solve_on};
 use super::Limits;
+use super::active_set::{factor, solve, solve_on};
 use super::rectilinear::{graded, graded_both};
 use rings::{RadialNorm, RadialRequest, Rings};
 

@@ -12,11 +12,11 @@
 
 use std::f64::consts::PI;
 
-use super::disc::disc;
-use super::overlap::RadialBounds;
 use super::super::compliance::Compliance;
 use super::super::gauss::{B, kappa, lagrange, legendre};
 use super::super::integrand::Sums;
+use super::disc::disc;
+use super::overlap::RadialBounds;
 
 /// Nodes of a subinterval.
 const NODES: usize = 5;
