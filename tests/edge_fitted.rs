@@ -107,6 +107,27 @@ fn triangles_that_no_symmetry_helps() {
 }
 
 #[test]
+fn any_star_shaped_polygon_lies_between_its_circles() {
+    let mut state = 20_260_112_u64;
+    let mut lot = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    let settings = Settings { tolerance: 1e-2, ..Settings::default() };
+    for count in [3, 4, 5, 6, 7, 8, 9, 11] {
+        let radii: Vec<f64> = (0..count).map(|_| 0.5 + lot()).collect();
+        let corners = ring(count, |k| radii[k]);
+        let area = Outline::polygon(&corners).unwrap().area();
+        let state = fitted(1.0, Flat::new(Outline::polygon(&corners).unwrap()), Load::Depth(1.0), &settings);
+        let most = radii.iter().copied().fold(0.0, f64::max);
+        let error = state.force_error.unwrap();
+        // Of all plan-forms of one area the disc carries least (Polya & Szego 1945).
+        let disc = 2.0 * (area / std::f64::consts::PI).sqrt();
+        assert!(error <= 1e-2 && state.force * (1.0 + error) >= disc && state.force * (1.0 - error) <= 2.0 * most);
+    }
+}
+
+#[test]
 fn a_force_has_its_depth_exactly() {
     let square = || Flat::new(Outline::polygon(&regular(4)).unwrap());
     let pressed = fitted(2.0, square(), Load::Depth(3e-3), &Settings::default());

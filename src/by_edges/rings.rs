@@ -40,6 +40,9 @@ const HALVINGS: u32 = 9;
 /// Rings at most.
 const MOST_RINGS: usize = 800;
 
+/// Parts of a span on which the slopes have to be enclosed.
+const PIECES: usize = 16;
+
 /// Points of a circle of the boundary.
 const CIRCLE: usize = 128;
 
@@ -67,7 +70,21 @@ impl Section {
         section.find_material()?;
         section.find_spans()?;
         section.flat_law();
-        (!section.spans.is_empty()).then_some(section)
+        (!section.spans.is_empty() && section.encloses_slopes()).then_some(section)
+    }
+
+    /// Whether slopes are enclosed everywhere that pressure may act: without that nothing is proved.
+    fn encloses_slopes(&self) -> bool {
+        self.spans.iter().all(|Span { radii: [a, b], .. }| {
+            let at = |k: usize| if k == PIECES { *b } else { a + (b - a) * k as f64 / PIECES as f64 };
+            (0..PIECES).all(|k| self.slopes([at(k), at(k + 1)]).is_some())
+        })
+    }
+
+    /// What the force may change by, relative, with the place of the edges by the inset: to first order the inset over the width.
+    fn rounding(&self) -> f64 {
+        let edged = self.spans.iter().filter(|span| span.edges.contains(&true));
+        edged.map(|Span { radii: [a, b], .. }| 8.0 * INSET * b / (b - a)).fold(0.0, f64::max)
     }
 
     /// From the radii at which the gap may jump; every stretch without material has to be enclosed as such.
@@ -168,7 +185,8 @@ impl Section {
     pub(super) fn solve(&self, contact: &Contact, settings: &Settings, limits: &Limits) -> Option<Found> {
         let limits = Limits { unknowns: MOST_RINGS, ..*limits };
         let found = annular(self, &self.spans, self.law, &limits).filter(|found| found.proved)?;
-        let Annular { force, energy, stiffness, rings, unknowns, .. } = found;
+        let Annular { mut force, energy, stiffness, rings, unknowns, .. } = found;
+        force = [force[0] * (1.0 - self.rounding()), force[1] * (1.0 + self.rounding())];
         if !(force[0] > 0.0 && force[1] < f64::INFINITY) {
             return None;
         }

@@ -4,15 +4,18 @@
 //! (`state`), with all integrals along one radius.
 
 mod disc;
+mod norm;
 mod overlap;
 mod rings;
+mod target;
 
 pub(crate) use overlap::{RadialBounds, RadialJet};
 
 use super::Limits;
 use super::active_set::{factor, solve, solve_on};
 use super::rectilinear::{graded, graded_both};
-use rings::{RadialNorm, RadialRequest, Rings};
+use norm::{RadialNorm, RadialRequest};
+use rings::Rings;
 
 /// Radii between which f may be positive, and at which ends the material ends there.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -99,8 +102,11 @@ pub(crate) fn annular(f: &dyn RadialBounds, spans: &[Span], law: Law, limits: &L
 /// away from it.
 fn mesh(spans: &[Span], contact: &[[f64; 2]], n: usize) -> Rings {
     let (mut rings, mut loaded) = (Vec::new(), Vec::new());
-    for span in spans {
+    for (index, span) in spans.iter().enumerate() {
         let [a, b] = span.radii;
+        // The fades of neighbours do not meet.
+        let before = if index > 0 { 0.5 * (a - spans[index - 1].radii[1]) } else { a };
+        let beyond = spans.get(index + 1).map_or(f64::INFINITY, |next| 0.5 * (next.radii[0] - b));
         let inside: Vec<[f64; 2]> = contact.iter().copied().filter(|c| c[1] > a && c[0] < b).collect();
         let mut nodes = vec![a];
         if span.edges == [true, true] && inside.is_empty() {
@@ -134,7 +140,7 @@ fn mesh(spans: &[Span], contact: &[[f64; 2]], n: usize) -> Rings {
             }
         }
         if span.edges[0] || a > 0.0 {
-            let width = (nodes[1] - nodes[0]).min(a);
+            let width = (nodes[1] - nodes[0]).min(before);
             if width > 0.0 {
                 rings.push([a - width, a]);
                 loaded.push(false);
@@ -145,7 +151,7 @@ fn mesh(spans: &[Span], contact: &[[f64; 2]], n: usize) -> Rings {
             loaded.push(true);
         }
         let last = nodes.len() - 1;
-        rings.push([nodes[last], 2.0 * nodes[last] - nodes[last - 1]]);
+        rings.push([nodes[last], nodes[last] + (nodes[last] - nodes[last - 1]).min(beyond)]);
         loaded.push(false);
     }
     Rings::new(rings, loaded)
