@@ -20,6 +20,9 @@ pub(crate) struct Flat {
     pub value: f64,
 }
 
+/// An outline of more corners is left to the grid: cells at each of them would be too many, and to find them takes the cube.
+pub(super) const MOST_CORNERS: usize = 256;
+
 /// K in the user's units and what comes with it.
 pub(super) struct Punch {
     /// Bounds of K, a length.
@@ -41,6 +44,9 @@ impl Flat {
 
     /// The polygon with these corners in axes about `at`, turned by the angle with this cosine and sine.
     pub fn polygon(corners: &[[f64; 2]], at: [f64; 2], turn: [f64; 2], value: f64) -> Option<Self> {
+        if corners.len() > MOST_CORNERS {
+            return None;
+        }
         let rect = Rect::holding(corners.iter().copied())?;
         let (middle, [w, h]) = (rect.centre(), rect.size());
         let length = 0.5 * w.max(h);

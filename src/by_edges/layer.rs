@@ -12,7 +12,7 @@
 //! On the left the overlap is d on F alone (Barber 1974: more overlap, more force).
 
 use super::Found;
-use super::flat::Flat;
+use super::flat::{Flat, MOST_CORNERS};
 use crate::contact::Contact;
 use crate::edge_fitted::Limits;
 use crate::gap::Gap;
@@ -33,7 +33,7 @@ const SHARE: f64 = 0.8;
 impl Layer {
     /// `None` where the gap has no level plane below all others somewhere, or the growth alone exceeds the tolerance.
     pub fn of(overlap: &Overlap, tolerance: f64) -> Option<Self> {
-        let planes = overlap.gap.planes()?;
+        let planes = overlap.gap.planes().filter(|planes| planes.len() <= MOST_CORNERS)?;
         let level = planes.iter().filter(|p| p[0] == 0.0 && p[1] == 0.0).map(|p| p[2]).reduce(f64::max)?;
         let flanks: Vec<[f64; 3]> = planes.into_iter().filter(|p| p[0] != 0.0 || p[1] != 0.0).collect();
         let depth = overlap.depth - level;

@@ -37,6 +37,9 @@ const FAR: f64 = 4.0;
 /// Halvings of an interval on which the sign of f is not known.
 const HALVINGS: u32 = 9;
 
+/// A profile of more points is left to the grid.
+const MOST_KINKS: usize = 64;
+
 /// Rings at most.
 const MOST_RINGS: usize = 800;
 
@@ -60,6 +63,9 @@ impl Section {
         overlap.gap.ray_kinks(axis.at, [1.0, 0.0], &mut kinks);
         kinks.iter_mut().for_each(|r| *r /= length);
         kinks.retain(|r| *r > 0.0 && *r < FAR);
+        if kinks.len() > MOST_KINKS {
+            return None;
+        }
         kinks.sort_by(f64::total_cmp);
         kinks.dedup_by(|a, b| (*a - *b).abs() <= 4.0 * INSET * *a);
         let depth = overlap.depth / height;
