@@ -128,7 +128,7 @@ impl Solution {
         let mut other = self.clone();
         other.depth = depth;
         other.force *= stronger;
-        other.bracket = self.bracket.as_ref().and_then(|bracket| bracket.scaled(stronger));
+        other.bracket = self.bracket.as_ref().and_then(|bracket| bracket.at_other_depth(stronger));
         other.depth_bracket = None;
         other.stiffness *= longer;
         other.energy = self.energy.map(|u| u * deeper * stronger);

@@ -188,7 +188,7 @@ pub struct ForceBracket {
 
 impl ForceBracket {
     /// Bounds that follow from those of the stored energy.
-    pub(crate) fn by_energy([lower, upper]: [f64; 2]) -> Self {
+    pub(crate) fn of_energy([lower, upper]: [f64; 2]) -> Self {
         let side = |force| Side {
             force,
             theorem: Theorem::Energy,
@@ -202,9 +202,9 @@ impl ForceBracket {
     }
 
     /// The bracket of a force that is `factor` times as large; `None` where it rests on pressure fields.
-    pub(crate) fn scaled(&self, factor: f64) -> Option<Self> {
+    pub(crate) fn at_other_depth(&self, factor: f64) -> Option<Self> {
         let by_energy = self.lower.theorem == Theorem::Energy && self.upper.theorem == Theorem::Energy;
-        by_energy.then(|| Self::by_energy([self.lower.force * factor, self.upper.force * factor]))
+        by_energy.then(|| Self::of_energy([self.lower.force * factor, self.upper.force * factor]))
     }
 
     /// Lower bound of the force.

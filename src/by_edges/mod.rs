@@ -156,7 +156,7 @@ fn in_users_units(found: Found, depth: f64, settings: &Settings) -> Solution {
         tilt: [0.0; 2],
         force,
         force_error: Some((high - low) / (high + low)),
-        bracket: outputs.bracket.then(|| ForceBracket::by_energy(found.force)),
+        bracket: Some(ForceBracket::of_energy(found.force)),
         depth_bracket: None,
         stiffness: found.stiffness,
         stiffness_matrix: None,

@@ -5,6 +5,7 @@ use super::line_potential::{Lines, Points, Scratch};
 use super::mesh::{Bilinear, Mesh, Point, cross, dot, minus, norm};
 use super::pair_integral::{polygons, rectangles};
 use super::symmetry::Orbits;
+use crate::clock::Deadline;
 
 /// <p, S p> of symmetric pressures is sum over a, b of p_a p_b `matrix[a][b]`, E* = 1; each entry is within `error[a][b]`.
 #[derive(Debug, Clone)]
@@ -131,10 +132,11 @@ const FAR: f64 = 3.0;
 const GAUSS_3: f64 = 64.0 * 1296.0 / (7.0 * 720.0 * 720.0);
 
 impl Compliance {
-    pub fn new(mesh: &Mesh, lines: &Lines, orbits: &Orbits) -> Self {
+    /// `None` once the time is used up.
+    pub fn new(mesh: &Mesh, lines: &Lines, orbits: &Orbits, deadline: Deadline) -> Option<Self> {
         let (n, loaded) = (orbits.loaded, mesh.loaded);
         let shapes: Vec<Shape> = (0..loaded).map(|i| Shape::new(mesh.corners(i))).collect();
-        let gauss = gauss_rows(mesh, lines, orbits, &shapes);
+        let gauss = gauss_rows(mesh, lines, orbits, &shapes, deadline)?;
         let carriers = orbits.carriers();
         // inverse[g][i]: the cell that element g takes to cell i.
         let inverse: Vec<Vec<usize>> = orbits
@@ -150,6 +152,9 @@ impl Compliance {
             .collect();
         let (mut matrix, mut error) = (vec![0.0; n * n], vec![0.0; n * n]);
         for a in 0..n {
+            if deadline.has_passed() {
+                return None;
+            }
             let i = orbits.representatives[a];
             let weight = orbits.size[a] as f64 * std::f64::consts::FRAC_1_PI;
             let own = &shapes[i];
@@ -182,7 +187,7 @@ impl Compliance {
                 error[b * n + a] = error[a * n + b];
             }
         }
-        Self { n, matrix, error }
+        Some(Self { n, matrix, error })
     }
 
     /// S p of the orbits, weighted by area and orbit size.
@@ -212,7 +217,7 @@ fn relative_error(carrier: &Shape, distance: f64) -> f64 {
 }
 
 /// Row a: the 3 x 3 Gauss sums over representative a of the potentials int 1/r of all cells.
-fn gauss_rows(mesh: &Mesh, lines: &Lines, orbits: &Orbits, shapes: &[Shape]) -> Vec<f64> {
+fn gauss_rows(mesh: &Mesh, lines: &Lines, orbits: &Orbits, shapes: &[Shape], deadline: Deadline) -> Option<Vec<f64>> {
     const PER_BATCH: usize = 7;
     let (x, w) = legendre(3);
     let loaded = mesh.loaded;
@@ -220,6 +225,9 @@ fn gauss_rows(mesh: &Mesh, lines: &Lines, orbits: &Orbits, shapes: &[Shape]) -> 
     let mut scratch = Scratch::default();
     let reps = &orbits.representatives[..orbits.loaded];
     for (block, cells) in reps.chunks(PER_BATCH).enumerate() {
+        if deadline.has_passed() {
+            return None;
+        }
         let mut points = Points::EMPTY;
         let mut weights = Vec::with_capacity(9 * PER_BATCH);
         for &i in cells {
@@ -244,5 +252,5 @@ fn gauss_rows(mesh: &Mesh, lines: &Lines, orbits: &Orbits, shapes: &[Shape]) -> 
             }
         }
     }
-    rows
+    Some(rows)
 }

@@ -18,7 +18,7 @@ pub(crate) struct FlatStiffness {
 
 /// Bounds of K on meshes of rising n until the half width is within the tolerance. The width falls as n^-3 (see
 /// `Outline`), so the next n follows from the width; at least one more cell each time. `None` where the outline has no mesh
-/// that can be solved on, or where the first one has more unknowns than allowed.
+/// that can be solved on, and where the time ends before the first one is.
 #[must_use]
 pub(crate) fn flat_stiffness(outline: &Outline, limits: &Limits) -> Option<FlatStiffness> {
     let mut n = COARSEST;
@@ -26,15 +26,11 @@ pub(crate) fn flat_stiffness(outline: &Outline, limits: &Limits) -> Option<FlatS
     let mut before = limits.deadline.remaining();
     loop {
         let fitted = outline.mesh(n)?;
-        // Symmetries are not counted: with as many cells the mesh is too much to look for them.
         if fitted.mesh.loaded > limits.cells {
             return best;
         }
-        let d = Discretisation::new(fitted.mesh.clone(), &fitted.group);
+        let Some(d) = Discretisation::new(fitted.mesh.clone(), &fitted.group, limits.deadline) else { return best };
         let unknowns = d.orbits.loaded;
-        if unknowns > limits.unknowns {
-            return best;
-        }
         let Some(Stiffness { bounds, pressure }) = d.stiffness() else { return best };
         let outside = outline.displaced();
         let mut stiffness = [bounds[0] * (1.0 - outside), bounds[1] * (1.0 + outside)];

@@ -21,20 +21,23 @@ use super::mesh::{Bilinear, Mesh, cross, dot, minus, norm};
 use super::subcell::{Fan, Subcell};
 use super::surroundings::{Surroundings, add_block};
 use super::symmetry::Orbits;
+use crate::clock::Deadline;
 
 /// How much of the slope's size in a cell interpolation may leave out.
 const SHARE: f64 = 0.1;
 /// Halvings of a cell's side at most.
 const DEPTH: u32 = 40;
 
-/// The sums of (2) for the `pressures` of the loaded cells, w = 1 - S p there, over one cell of each orbit.
+/// The sums of (2) for the `pressures` of the loaded cells, w = 1 - S p there, over one cell of each orbit; `None` once
+/// the time is used up.
 pub(crate) fn norms<const K: usize>(
     mesh: &Mesh,
     lines: &Lines,
     orbits: &Orbits,
     decay: &[f64],
     pressures: [&[f64]; K],
-) -> [Sums; K] {
+    deadline: Deadline,
+) -> Option<[Sums; K]> {
     let mut norms: [Sums; K] = std::array::from_fn(|_| Sums::default());
     let strengths: Vec<Vec<f64>> = pressures.iter().map(|p| Lines::strengths(mesh, p)).collect();
     let strengths: [&[f64]; K] = std::array::from_fn(|k| strengths[k].as_slice());
@@ -45,6 +48,9 @@ pub(crate) fn norms<const K: usize>(
         let panels = fade.panels(mesh, cell, strengths);
         if panels.is_empty() {
             continue;
+        }
+        if deadline.has_passed() {
+            return None;
         }
         let context = Context { lines, decay: mesh.cells[cell].map(|n| decay[n]), extent: mesh.extent(), strengths };
         let surroundings = Surroundings::new(mesh, lines, &arounds, cell, (pressures, strengths), &mut work.scratch);
@@ -58,7 +64,7 @@ pub(crate) fn norms<const K: usize>(
             norm.add(size, &own);
         }
     }
-    norms
+    Some(norms)
 }
 
 /// A subcell in nine parts, none of which has two opposite sides or two corners of it.
