@@ -328,7 +328,7 @@ fn malformed_maps_are_refused_with_the_place() {
         (text("# nothing\n\n"), "no values"),
         (text("1 2 3\n4 5\n"), "2 values in line 2"),
         (text("1 2\n3 x\n"), "something else in line 2"),
-        (text("1 2\n3 inf\n"), "`inf` in line 2"),
+        (text("1 2\n3 inf\n"), "something else in line 2"),
         (text("1 2 3\n"), "1 rows of 3 values"),
         (text("1,5;2,5\n1;2\n"), "`1,5` in line 1"),
         (xyz(""), "no points"),

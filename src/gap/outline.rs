@@ -154,7 +154,7 @@ impl Outline {
         let rect = rect.scaled(1.0 + 1e-9);
         match &self.0 {
             Shape::Ellipse([a, b]) => {
-                let nearest = [0, 1].map(|m| 0.0_f64.clamp(rect.min[m], rect.max[m]));
+                let nearest = [0, 1].map(|m| 0.0_f64.max(rect.min[m]).min(rect.max[m]));
                 (nearest[0] / a).hypot(nearest[1] / b) > 1.0
             }
             Shape::Polygon(corners) => {
