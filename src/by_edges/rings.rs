@@ -43,6 +43,9 @@ const MOST_KINKS: usize = 64;
 /// Rings at most.
 const MOST_RINGS: usize = 800;
 
+/// Points between two kinks at which it is looked whether there is material: what they show can refuse, and proves nothing.
+const LOOKS: usize = 64;
+
 /// Parts of a span on which the slopes have to be enclosed.
 const PIECES: usize = 16;
 
@@ -99,7 +102,13 @@ impl Section {
         let mut solid_before = false;
         for pair in ends.windows(2) {
             let inside = [pair[0] * (1.0 + INSET), pair[1] * (1.0 - INSET)];
-            let solid = self.gap.gap(0.5 * (inside[0] + inside[1]), 0.0) < f64::INFINITY;
+            let at = |k: usize| inside[0] + (inside[1] - inside[0]) * (k as f64 + 0.5) / LOOKS as f64;
+            let numbers = (0..LOOKS).filter(|&k| self.gap.gap(at(k), 0.0) < f64::INFINITY).count();
+            // Material that ends where no kink is known: nothing is known of it.
+            if numbers != 0 && numbers != LOOKS {
+                return None;
+            }
+            let solid = numbers == LOOKS;
             if !solid && !self.bounds_of_gap(inside).is_some_and(|b| b[0] == f64::INFINITY) {
                 return None;
             }

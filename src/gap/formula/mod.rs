@@ -394,11 +394,7 @@ impl Gap for Formula {
         if self.region.as_ref().is_some_and(|region| !region.covers(rect)) {
             return None;
         }
-        let Jet { value, hessian, .. } = self.jet(rect)?;
-        // Derivatives of what has no number somewhere in the rectangle may still be numbers: 0 sqrt(x).
-        if !value.defined {
-            return None;
-        }
+        let hessian = self.jet(rect)?.hessian;
         let c = rect.centre().map(Interval::point);
         let one =
             |m: usize| Dual { value: c[m], gradient: [0, 1].map(|k| Interval::point(f64::from(u8::from(k == m)))) };
