@@ -33,7 +33,9 @@ pub(crate) fn with_bracket(
         return Ok(solution);
     }
     let gap = contact.tilted_gap(solution.tilt);
-    let narrow = |b: &mut ForceBracket| b.evidence() == Evidence::Proved && b.relative_width() <= settings.tolerance;
+    // Half the width is what the force may err by.
+    let narrow =
+        |b: &mut ForceBracket| b.evidence() == Evidence::Proved && b.relative_width() <= 2.0 * settings.tolerance;
     let bracket = match (solution.bracket.take_if(narrow), settings.method) {
         (Some(narrow), _) => narrow,
         (None, Method::Ritz | Method::Fabrikant) => bracket::approximate(&gap, contact.modulus(), solution.depth)?,

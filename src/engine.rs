@@ -4,7 +4,7 @@ use crate::by_grid::{self, Frame, Held};
 use crate::contact::Contact;
 use crate::equilibrium::Respond;
 use crate::error::{Unsolved, Verdict};
-use crate::respond::respond;
+use crate::respond::{respond, without_grid};
 use crate::settings::{Method, Outputs, Settings};
 use crate::solution::{Cost, Solution};
 
@@ -31,18 +31,20 @@ impl<'a> Engine<'a> {
     }
 
     /// The state by a method without a grid; `None` when it takes a grid.
-    fn without_grid(&self, depth: f64, tilt: [f64; 2]) -> Option<Result<Solution, Unsolved>> {
+    fn without_grid(&self, depth: f64, tilt: [f64; 2], quick: bool) -> Option<Result<Solution, Unsolved>> {
         let settings = self.settings;
         match settings.method {
-            Method::Ritz | Method::Fabrikant | Method::ClosedForm => {
+            Method::Ritz | Method::Fabrikant | Method::ClosedForm | Method::EdgeFitted => {
                 Some(respond(self.contact, depth, tilt, settings, self.with_matrix))
             }
             Method::Auto if settings.cells.is_none() && !settings.outputs.gap => {
-                let formula = Settings { method: Method::ClosedForm, ..*settings };
-                match respond(self.contact, depth, tilt, &formula, self.with_matrix) {
-                    Err(e) if e.verdict == Verdict::NoClosedForm => None,
-                    answered => Some(answered),
-                }
+                let rough =
+                    Settings { outputs: Outputs::default(), tolerance: ROUGH.max(settings.tolerance), ..*settings };
+                let settings = if quick { &rough } else { settings };
+                let gap = self.contact.tilted_gap(tilt);
+                let answer = without_grid(self.contact, &gap, depth, tilt, settings, self.with_matrix)?;
+                // A grid may do better.
+                (!answer.as_ref().is_err_and(|e| e.verdict == Verdict::ToleranceNotReached)).then_some(answer)
             }
             _ => None,
         }
@@ -78,7 +80,7 @@ const ROUGH: f64 = 0.02;
 impl Respond for Engine<'_> {
     fn respond(&mut self, depth: f64, tilt: [f64; 2], quick: bool) -> Result<Solution, Unsolved> {
         self.settings.deadline.check()?;
-        let mut state = match self.without_grid(depth, tilt) {
+        let mut state = match self.without_grid(depth, tilt, quick) {
             Some(answered) => answered?,
             None if !self.with_matrix => self.upright(depth, quick)?,
             None => {

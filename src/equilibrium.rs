@@ -173,6 +173,8 @@ fn off_by(miss: f64, mut state: Solution) -> Solution {
 fn last_step(mut state: Solution, force: f64) -> Solution {
     let more = force - state.force;
     state.depth += more / state.stiffness;
+    // Bounds are those of the depth before the step.
+    state.bracket = state.bracket.filter(|_| more == 0.0);
     if let (Some(energy), true) = (state.energy.as_mut(), more != 0.0) {
         *energy += state.force * (more / state.stiffness);
     }

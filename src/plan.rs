@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use crate::by_edges::{self, Route};
 use crate::by_formula;
 use crate::clock::Deadline;
 use crate::contact::{Contact, Load};
@@ -75,6 +76,15 @@ pub fn plan(contact: &Contact, settings: &Settings) -> Result<Plan, Unsolved> {
         steps.push("the gap is known by its values alone: where it overlaps was searched".to_owned());
     }
     let (law, closed) = (gap.known().law, closed.is_ok());
+    let upright = matches!(loads[0], Load::Depth(_) | Load::Force(_));
+    let asked = match settings.method {
+        Method::Auto => !closed && by_edges::chosen_by(settings),
+        method => method == Method::EdgeFitted,
+    };
+    let route = if upright && asked { Route::of(&overlap, settings) } else { None };
+    if let Some(route) = &route {
+        steps.push(format!("the gap is {}", route.found()));
+    }
     let degree = law.map(|law| law.degree);
     let mut left_out = Vec::new();
     match degree {
@@ -91,9 +101,9 @@ pub fn plan(contact: &Contact, settings: &Settings) -> Result<Plan, Unsolved> {
         Some(Degree::Flat) => steps.push("its contact cannot grow: force ~ depth".to_owned()),
         None => {}
     }
-    let method = chosen(settings, closed, &mut steps);
+    let method = chosen(settings, closed, route.is_some(), &mut steps);
     match method {
-        Method::ClosedForm => left_out.push("the surface grid".to_owned()),
+        Method::ClosedForm | Method::EdgeFitted => left_out.push("the surface grid".to_owned()),
         Method::Ritz | Method::Fabrikant => {
             left_out.push(
                 "the surface grid, the pressure field, moments: this method gives force, stiffness and patch"
@@ -141,7 +151,7 @@ fn probe(contact: &Contact, loads: &[Load], steps: &mut Vec<String>) -> (f64, [f
     }
 }
 
-fn chosen(settings: &Settings, closed: bool, steps: &mut Vec<String>) -> Method {
+fn chosen(settings: &Settings, closed: bool, fitted: bool, steps: &mut Vec<String>) -> Method {
     match settings.method {
         Method::Auto if settings.cells.is_some() => {
             steps.push("fft: the number of cells is prescribed, so a grid is wanted".to_owned());
@@ -154,6 +164,10 @@ fn chosen(settings: &Settings, closed: bool, steps: &mut Vec<String>) -> Method 
         Method::Auto if closed => {
             steps.push("closed form: exact, and the cheapest".to_owned());
             Method::ClosedForm
+        }
+        Method::Auto if fitted => {
+            steps.push("edge_fitted: cells graded to the edges of the material, and the force is proved".to_owned());
+            Method::EdgeFitted
         }
         Method::Auto => {
             steps.push(

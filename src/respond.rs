@@ -5,7 +5,7 @@ use crate::error::{Unsolved, Verdict};
 use crate::gap::AnyGap;
 use crate::settings::{Method, Settings};
 use crate::solution::Solution;
-use crate::{by_approximation, by_formula, by_grid};
+use crate::{by_approximation, by_edges, by_formula, by_grid};
 
 /// The state; `with_matrix`: its stiffness against tilts too.
 ///
@@ -23,14 +23,45 @@ pub(crate) fn respond(
     match settings.method {
         Method::ClosedForm => by_formula::solution(contact, &gap, depth, tilt, settings),
         Method::Qp | Method::Fft => grid(&gap),
+        Method::EdgeFitted => by_edges::prescribed(contact, &gap, depth, tilt, settings),
         // A prescribed grid, or a gap field, is asked for by who wants a grid.
         Method::Auto if settings.cells.is_some() || settings.outputs.gap => grid(&gap),
-        Method::Auto => match by_formula::solution(contact, &gap, depth, tilt, settings) {
-            Err(e) if e.verdict == Verdict::NoClosedForm => grid(&gap),
-            answered => answered,
+        Method::Auto => match without_grid(contact, &gap, depth, tilt, settings, with_matrix) {
+            None => grid(&gap),
+            Some(Err(short)) if short.verdict == Verdict::ToleranceNotReached => better(grid(&gap), short),
+            Some(answered) => answered,
         },
         Method::Ritz | Method::Fabrikant => {
             by_approximation::solution(contact, &gap, depth, tilt, settings, with_matrix)
         }
+    }
+}
+
+/// The state without a grid: by a formula, else, upright, by cells fitted to edges; `None` where it takes a grid.
+pub(crate) fn without_grid(
+    contact: &Contact,
+    gap: &AnyGap,
+    depth: f64,
+    tilt: [f64; 2],
+    settings: &Settings,
+    with_matrix: bool,
+) -> Option<Result<Solution, Unsolved>> {
+    match by_formula::solution(contact, gap, depth, tilt, settings) {
+        Err(e) if e.verdict == Verdict::NoClosedForm => {}
+        answered => return Some(answered),
+    }
+    let upright = tilt == [0.0; 2] && !with_matrix && by_edges::chosen_by(settings);
+    if upright { by_edges::solution(contact, gap, depth, settings) } else { None }
+}
+
+/// The state of the grid, where it is as good as asked for and within the bounds of the one that falls short.
+fn better(grid: Result<Solution, Unsolved>, short: Unsolved) -> Result<Solution, Unsolved> {
+    let within = |state: &Solution| {
+        let bounds = short.best.as_ref().and_then(|best| Some((best.force, best.force * best.force_error?)));
+        bounds.is_none_or(|(force, error)| (state.force - force).abs() <= error)
+    };
+    match grid {
+        Ok(state) if within(&state) => Ok(state),
+        _ => Err(short),
     }
 }

@@ -19,6 +19,8 @@ pub enum Method {
     Qp,
     /// The same programme by conjugate gradients and fast Fourier transforms.
     Fft,
+    /// Cells graded to the edges of the material, solved densely, with proved bounds of the force.
+    EdgeFitted,
 }
 
 impl Method {
@@ -32,6 +34,7 @@ impl Method {
             Self::Fabrikant => "fabrikant",
             Self::Qp => "qp",
             Self::Fft => "fft",
+            Self::EdgeFitted => "edge_fitted",
         }
     }
 }

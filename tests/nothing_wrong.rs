@@ -135,18 +135,18 @@ fn a_gap_with_a_ceiling_has_no_end_above_it() {
 /// Eight tips of various kinds, far apart, of which six touch.
 fn tips() -> Value {
     json!({"kind": "min", "of": [
-        {"kind": "pyramid", "faces": 3, "inclination": 14.28, "at": [-1.735, -7.166]},
-        {"kind": "pyramid", "faces": 3, "inclination": 26.68, "at": [9.3362, 2.3351]},
-        {"kind": "cone", "inclination": 33.92, "at": [-0.61257, 3.2436]},
-        {"kind": "formula", "expression": "0.0012997+r^2/0.0078014", "at": [5.3964, 6.0471]},
-        {"kind": "formula", "expression": "0.0018685+r^2/0.075925", "at": [0.60952, -0.083643]},
-        {"kind": "cone", "inclination": 12.32, "at": [3.1529, 9.2783]},
-        {"kind": "cone", "inclination": 21.74, "at": [2.1564, 1.3577]},
-        {"kind": "sphere", "radius": 0.0025871, "at": [3.0708, -1.064]}
+        {"kind": "pyramid", "faces": 3, "inclination": 17.0, "at": [-1.9, -6.8]},
+        {"kind": "pyramid", "faces": 3, "inclination": 24.0, "at": [8.7, 2.6]},
+        {"kind": "cone", "inclination": 31.0, "at": [-0.7, 3.6]},
+        {"kind": "formula", "expression": "0.0013+r^2/0.0081", "at": [5.1, 6.3]},
+        {"kind": "formula", "expression": "0.0019+r^2/0.072", "at": [0.7, -0.2]},
+        {"kind": "cone", "inclination": 13.5, "at": [3.4, 9.0]},
+        {"kind": "cone", "inclination": 20.5, "at": [2.3, 1.1]},
+        {"kind": "sphere", "radius": 0.0027, "at": [3.2, -1.3]}
     ]})
 }
 
-const TIPS_DEPTH: f64 = 1.7687e-5;
+const TIPS_DEPTH: f64 = 1.8e-5;
 
 #[test]
 fn tips_are_found_in_every_nesting() {
@@ -155,8 +155,8 @@ fn tips_are_found_in_every_nesting() {
     // They are 1e5 times as far apart as wide: Love's cones, Hertz's sphere and pyramids (0.882412 d^2/tan, to 1e-6) add up.
     let cone = |angle: f64| 2.0 * TIPS_DEPTH.powi(2) / (std::f64::consts::PI * angle.to_radians().tan());
     let pyramid = |angle: f64| 0.882_412 * TIPS_DEPTH.powi(2) / angle.to_radians().tan();
-    let sphere = 4.0 / 3.0 * 0.002_587_1f64.sqrt() * TIPS_DEPTH.powf(1.5);
-    let sum = cone(33.92) + cone(12.32) + cone(21.74) + pyramid(14.28) + pyramid(26.68) + sphere;
+    let sphere = 4.0 / 3.0 * 0.002_7f64.sqrt() * TIPS_DEPTH.powf(1.5);
+    let sum = cone(31.0) + cone(13.5) + cone(20.5) + pyramid(17.0) + pyramid(24.0) + sphere;
     assert_force(&state, sum, 1e-3);
     for kind in ["sum", "min"] {
         let one = json!({"kind": kind, "of": [tips()]});
@@ -244,16 +244,19 @@ fn what_was_searched_is_not_proved() {
     // Hertz's two spheres; the second lowers the first by 2 P2/(pi E* 0.84), a share of 3e-3 of it, and conversely.
     let hertz = |curvature: f64, depth: f64| 4.0 / 3.0 * (0.5 / curvature).sqrt() * depth.powf(1.5);
     let both = hertz(1.0, 0.01) + hertz(40.0, 0.008);
+    let mut bracketed = 0;
     for (contact, by_values) in [(closure, true), (formula, false)] {
         let answer = solve(&contact, &settings).remove(0);
         let state = answer.or_else(Unsolved::accept_best).unwrap();
         let Some(bracket) = &state.bracket else { continue };
+        bracketed += 1;
         if by_values {
             assert!(bracket.evidence() != Evidence::Proved, "{bracket:?}");
         } else if bracket.evidence() == Evidence::Proved {
             assert!(bracket.upper() > 0.97 * both, "{:e} is below two spheres, {both:e}", bracket.upper());
         }
     }
+    assert!(bracketed > 0);
 }
 
 /// U = P d/(2 + 1/k) where the gap is homogeneous of degree k (flat: k infinite), to the error stated.

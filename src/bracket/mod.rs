@@ -76,7 +76,8 @@ pub enum Theorem {
     CorrectedFabrikant,
     /// A gap with a closed form that lies below everywhere: it is pressed with more force.
     Comparison,
-    /// Bounds of the energy of a homogeneous gap, P (d - g0) = (2 + 1/k) U ([`crate::energy`]): by the pressure of the solution.
+    /// Bounds of the stored energy, P (d - g0) = (2 + 1/k) U for a homogeneous gap ([`crate::energy`]): by the pressure of the solution,
+    /// or on cells fitted to the edges of the material.
     Energy,
     /// The bodies do not touch.
     NoContact,

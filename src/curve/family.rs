@@ -7,7 +7,7 @@ use crate::error::{Unsolved, Verdict};
 use crate::exact;
 use crate::gap::Law;
 use crate::overlap::Overlap;
-use crate::respond::respond;
+use crate::respond::{respond, without_grid};
 use crate::settings::{Method, Outputs, Settings};
 use crate::solution::Solution;
 
@@ -67,13 +67,11 @@ impl<'a> Family<'a> {
         match settings.method {
             Method::Qp | Method::Fft => self.on_grid(depth),
             Method::Auto if settings.cells.is_some() => self.on_grid(depth),
-            Method::Auto => {
-                let formula = Settings { method: Method::ClosedForm, ..*settings };
-                match respond(self.contact, depth, [0.0; 2], &formula, false) {
-                    Err(e) if e.verdict == Verdict::NoClosedForm => self.on_grid(depth),
-                    answered => answered,
-                }
-            }
+            Method::Auto => match without_grid(self.contact, self.contact.gap(), depth, [0.0; 2], settings, false) {
+                None => self.on_grid(depth),
+                Some(Err(short)) if short.verdict == Verdict::ToleranceNotReached => self.on_grid(depth),
+                Some(answered) => answered,
+            },
             _ => respond(self.contact, depth, [0.0; 2], settings, false),
         }
     }

@@ -245,7 +245,7 @@ mod tests {
     use crate::gap::{Polyhedron, Power};
 
     fn overlap(gap: impl Into<AnyGap>) -> ScaledOverlap {
-        ScaledOverlap::unscaled(&gap.into())
+        ScaledOverlap::unscaled(gap.into())
     }
 
     /// c r^n has G = a^2 - c a^(n+2) m with m = int sin^(n+1).

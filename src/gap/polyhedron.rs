@@ -221,8 +221,8 @@ fn lowest_on_line(planes: &[[f64; 3]]) -> Option<(f64, [f64; 2])> {
         _ if level > f64::NEG_INFINITY => {
             // Somewhere on the level part: between the lines that bound it.
             let below = |p: &[f64; 3]| (level - p[2]) / slope(p);
-            let from = falling.iter().map(|p| below(p)).fold(f64::NEG_INFINITY, f64::max);
-            let to = rising.iter().map(|p| below(p)).fold(f64::INFINITY, f64::min);
+            let from = falling.iter().map(&below).fold(f64::NEG_INFINITY, f64::max);
+            let to = rising.iter().map(below).fold(f64::INFINITY, f64::min);
             let t = match (from.is_finite(), to.is_finite()) {
                 (true, true) => 0.5 * (from + to),
                 (true, false) => from,

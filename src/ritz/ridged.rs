@@ -202,7 +202,7 @@ mod tests {
     use nalgebra::Matrix2;
 
     fn overlap(gap: impl Into<AnyGap>) -> ScaledOverlap {
-        ScaledOverlap::unscaled(&gap.into())
+        ScaledOverlap::unscaled(gap.into())
     }
 
     fn gaps() -> [Polyhedron; 4] {

@@ -271,6 +271,8 @@ pub(crate) enum MethodName {
     Qp,
     /// The same programme by conjugate gradients and fast Fourier transforms.
     Fft,
+    /// Cells graded to the edges of the material: level polygons, flats with flanks, gaps of revolution.
+    EdgeFitted,
 }
 
 impl From<MethodName> for Method {
@@ -282,6 +284,7 @@ impl From<MethodName> for Method {
             MethodName::Fabrikant => Self::Fabrikant,
             MethodName::Qp => Self::Qp,
             MethodName::Fft => Self::Fft,
+            MethodName::EdgeFitted => Self::EdgeFitted,
         }
     }
 }

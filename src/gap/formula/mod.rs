@@ -394,7 +394,11 @@ impl Gap for Formula {
         if self.region.as_ref().is_some_and(|region| !region.covers(rect)) {
             return None;
         }
-        let hessian = self.jet(rect)?.hessian;
+        // Where a part of the rectangle has no value there is no material.
+        let Jet { value, hessian, .. } = self.jet(rect)?;
+        if !value.defined {
+            return None;
+        }
         let c = rect.centre().map(Interval::point);
         let one =
             |m: usize| Dual { value: c[m], gradient: [0, 1].map(|k| Interval::point(f64::from(u8::from(k == m)))) };
@@ -509,6 +513,10 @@ mod tests {
         assert!(matches!(lens.reach(5.0), Reach::Within(r) if r.max[0] >= 1.0 && r.max[0] < 1.0 + 4.0 / 32.0));
         assert!(Formula::new("sqrt(-1 - x^2)").is_err());
         assert!(Formula::new("1/0").is_err());
+        let bore = Formula::new("0*sqrt(r - 0.3)").unwrap();
+        let around = Rect { min: [0.0, -0.1], max: [1.0, 0.1] };
+        assert_eq!(bore.bounds(&around, [0.0; 2]).map(|b| b[1]), Some(f64::INFINITY));
+        assert!(bore.taylor(&around).is_none() && bore.slopes(&around).is_none());
         let hole = Formula::new("max(sqrt(x^2 - 1), 0)").unwrap();
         assert_eq!(hole.gap(0.5, 0.0), f64::INFINITY);
     }

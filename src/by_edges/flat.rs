@@ -1,0 +1,137 @@
+//! A level face in a polygon with no material outside: P = E* K d.
+
+use super::{Found, field_grid};
+use crate::contact::Contact;
+use crate::edge_fitted::{FlatStiffness, Limits, Outline, flat_stiffness, resample};
+use crate::gap::Face;
+use crate::geometry::{Rect, area, centroid};
+use crate::settings::Settings;
+use crate::solution::Patch;
+
+/// A polygon, and the outline that the cells are fitted to: in units of half its longer side, about the middle of its box.
+pub(crate) struct Flat {
+    outline: Outline,
+    corners: Vec<[f64; 2]>,
+    /// From the outline's axes to the user's: its origin, the cosine and sine of its turn, its unit of length.
+    origin: [f64; 2],
+    turn: [f64; 2],
+    length: f64,
+    /// The gap on it.
+    pub value: f64,
+}
+
+/// An outline of more corners is left to the grid: cells at each of them would be too many, and to find them takes the cube.
+pub(super) const MOST_CORNERS: usize = 256;
+
+/// K in the user's units and what comes with it.
+pub(super) struct Punch {
+    /// Bounds of K, a length.
+    pub stiffness: [f64; 2],
+    /// Corners in the user's frame, and pressure over E* d, of the cells.
+    pub cells: Vec<([[f64; 2]; 4], f64)>,
+    pub unknowns: usize,
+}
+
+impl Flat {
+    /// `None` where the face is not level or no polygon, or the cells cannot be fitted to it.
+    pub fn of(face: &Face) -> Option<Self> {
+        if face.slope != [0.0; 2] {
+            return None;
+        }
+        let (sin, cos) = face.turn.sin_cos();
+        Self::polygon(face.outline.corners(), face.at, [cos, sin], face.value)
+    }
+
+    /// The polygon with these corners in axes about `at`, turned by the angle with this cosine and sine.
+    pub fn polygon(corners: &[[f64; 2]], at: [f64; 2], turn: [f64; 2], value: f64) -> Option<Self> {
+        if corners.len() > MOST_CORNERS {
+            return None;
+        }
+        let rect = Rect::holding(corners.iter().copied())?;
+        let (middle, [w, h]) = (rect.centre(), rect.size());
+        let length = 0.5 * w.max(h);
+        let inward = |p: &[f64; 2]| [0, 1].map(|m| (p[m] - middle[m]) / length);
+        let outline = Outline::polygon(&corners.iter().map(inward).collect::<Vec<_>>())?;
+        let moved = turned(turn, middle);
+        if !outline.fits(&Limits::default()) {
+            return None;
+        }
+        let origin = [at[0] + moved[0], at[1] + moved[1]];
+        let mut flat = Self { outline, corners: Vec::new(), origin, turn, length, value };
+        flat.corners = corners.iter().map(|p| flat.outward(inward(p))).collect();
+        Some(flat)
+    }
+
+    fn outward(&self, p: [f64; 2]) -> [f64; 2] {
+        let [x, y] = turned(self.turn, p);
+        [self.origin[0] + self.length * x, self.origin[1] + self.length * y]
+    }
+
+    pub fn found(&self) -> String {
+        format!("a level polygon of {} corners with sharp edges", self.corners.len())
+    }
+
+    /// K to a tolerance.
+    pub(super) fn punch(&self, limits: &Limits) -> Option<Punch> {
+        let FlatStiffness { stiffness, cells, unknowns } = flat_stiffness(&self.outline, limits)?;
+        let cells = cells.into_iter().map(|(c, p)| (c.map(|q| self.outward(q)), p / self.length)).collect();
+        Some(Punch { stiffness: stiffness.map(|k| k * self.length), cells, unknowns })
+    }
+
+    pub(super) fn solve(&self, contact: &Contact, depth: f64, settings: &Settings, limits: &Limits) -> Option<Found> {
+        let punch = self.punch(limits)?;
+        let how = format!("the gap is {}: force ~ depth", self.found());
+        Some(self.state(contact, depth - self.value, settings, punch, how))
+    }
+
+    /// The state of the punch alone, pressed in by `depth`.
+    pub(super) fn state(&self, contact: &Contact, depth: f64, settings: &Settings, punch: Punch, how: String) -> Found {
+        let e_star = contact.modulus().e_star();
+        let force = punch.stiffness.map(|k| e_star * k * depth);
+        let mut cells = punch.cells;
+        cells.iter_mut().for_each(|(_, p)| *p *= e_star * depth);
+        let strongest = cells.iter().max_by(|a, b| a.1.total_cmp(&b.1)).map_or(self.origin, |(c, _)| middle(c));
+        let rect = Rect::holding(self.corners.iter().copied()).unwrap_or(Rect::around(self.origin, [self.length; 2]));
+        let reference = contact.gap().known().reference;
+        let distance = |p: &[f64; 2]| (p[0] - reference[0]).hypot(p[1] - reference[1]);
+        Found {
+            force,
+            energy: force.map(|p| 0.5 * p * depth),
+            stiffness: 0.5 * e_star * (punch.stiffness[0] + punch.stiffness[1]),
+            patch: Patch {
+                area: area(&self.corners),
+                centroid: Some(centroid(&self.corners)),
+                regions: 1,
+                max_radius: self.corners.iter().map(distance).fold(0.0, f64::max),
+                boundary: Some(vec![self.corners.clone()]),
+            },
+            centre: self.centre_of(&cells),
+            max: None,
+            at: strongest,
+            field: settings.outputs.pressure.then(|| resample(&cells, field_grid(&rect))),
+            unknowns: punch.unknowns,
+            how,
+            left_out: "the surface grid: cells follow the edges of the material",
+        }
+    }
+
+    /// The centre of the pressure in cells, from the middle of the outline: nothing cancels far from the user's origin.
+    fn centre_of(&self, cells: &[([[f64; 2]; 4], f64)]) -> [f64; 2] {
+        let (mut total, mut sum) = (0.0, [0.0; 2]);
+        for (corners, p) in cells {
+            let own = corners.map(|c| [c[0] - self.origin[0], c[1] - self.origin[1]]);
+            let (force, at) = (p * area(&own), centroid(&own));
+            total += force;
+            sum = [sum[0] + force * at[0], sum[1] + force * at[1]];
+        }
+        [0, 1].map(|m| self.origin[m] + sum[m] / total)
+    }
+}
+
+fn turned([cos, sin]: [f64; 2], [x, y]: [f64; 2]) -> [f64; 2] {
+    [cos * x - sin * y, sin * x + cos * y]
+}
+
+fn middle(corners: &[[f64; 2]; 4]) -> [f64; 2] {
+    [0, 1].map(|m| 0.25 * corners.iter().map(|c| c[m]).sum::<f64>())
+}

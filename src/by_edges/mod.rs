@@ -1,0 +1,186 @@
+//! A state of contact by cells fitted to the edges of the material ([`crate::edge_fitted`]), in the user's units.
+//!
+//! | known of the gap | what is solved | force |
+//! |---|---|---|
+//! | a level face in a polygon, nothing outside | the flat punch | E* K d, the bracket of K |
+//! | the highest of several planes, one of them level | the flat punch under that one | E* K d to E* K d (1 + s/2): see [`layer`] |
+//! | an axis, bounds along the radius | rings | the bracket of the force |
+
+mod flat;
+mod layer;
+mod rings;
+
+use crate::bracket::ForceBracket;
+use crate::contact::Contact;
+use crate::domain::shape;
+use crate::edge_fitted::Limits;
+use crate::error::{Unsolved, Verdict};
+use crate::gap::AnyGap;
+use crate::geometry::Rect;
+use crate::grid::{Grid, Kernel, Pressure};
+use crate::overlap::Overlap;
+use crate::settings::{Method, Settings};
+use crate::solution::{Cost, Origin, Patch, PressureSummary, Solution};
+
+/// What the cells are fitted to.
+pub(crate) enum Route {
+    Flat(flat::Flat),
+    Layer(layer::Layer),
+    Rings(rings::Section),
+}
+
+/// A state in the user's units.
+struct Found {
+    /// Proved bounds of the force.
+    force: [f64; 2],
+    /// Proved bounds of the stored energy.
+    energy: [f64; 2],
+    stiffness: f64,
+    /// With its boundary.
+    patch: Patch,
+    /// Where the resultant of the computed pressure acts.
+    centre: [f64; 2],
+    /// The largest pressure; `None` where the exact one is infinite.
+    max: Option<f64>,
+    /// Where the largest computed pressure is.
+    at: [f64; 2],
+    field: Option<Pressure>,
+    unknowns: usize,
+    /// How the force was found, in words.
+    how: String,
+    /// What that made unnecessary, in words.
+    left_out: &'static str,
+}
+
+impl Route {
+    /// The way in which this overlap is solved, where there is one that can meet the tolerance.
+    pub fn of(overlap: &Overlap, settings: &Settings) -> Option<Self> {
+        let known = overlap.known();
+        if let Some(face) = &known.face {
+            return flat::Flat::of(face).map(Self::Flat);
+        }
+        if let Some(layer) = layer::Layer::of(overlap, settings.tolerance) {
+            return Some(Self::Layer(layer));
+        }
+        known.axis.and_then(|axis| rings::Section::of(overlap, axis)).map(Self::Rings)
+    }
+
+    /// What was recognised, in words.
+    pub fn found(&self) -> String {
+        match self {
+            Self::Flat(flat) => flat.found(),
+            Self::Layer(layer) => layer.found(),
+            Self::Rings(section) => section.found(),
+        }
+    }
+
+    fn solve(&self, contact: &Contact, depth: f64, settings: &Settings) -> Option<Found> {
+        let limits = Limits { tolerance: settings.tolerance, deadline: settings.deadline, ..Limits::default() };
+        match self {
+            Self::Flat(flat) => flat.solve(contact, depth, settings, &limits),
+            Self::Layer(layer) => layer.solve(contact, depth, settings, &limits),
+            Self::Rings(section) => section.solve(contact, settings, &limits),
+        }
+    }
+}
+
+/// Whether the settings leave the choice of cells to the program and ask for nothing that only a grid gives.
+pub(crate) fn chosen_by(settings: &Settings) -> bool {
+    settings.cells.is_none() && !settings.outputs.gap && settings.kernel == Kernel::Galerkin
+}
+
+/// The state at a depth (`gap` is the contact's own, untilted). `None` where nothing is known that cells can be fitted to.
+///
+/// # Errors
+/// `Unbounded`; `ToleranceNotReached` with the state.
+pub(crate) fn solution(
+    contact: &Contact,
+    gap: &AnyGap,
+    depth: f64,
+    settings: &Settings,
+) -> Option<Result<Solution, Unsolved>> {
+    let overlap = match Overlap::of(gap, depth) {
+        Ok(Some(overlap)) => overlap,
+        Ok(None) => return Some(Ok(Solution::apart(Method::EdgeFitted, depth, [0.0; 2]))),
+        Err(unbounded) => return Some(Err(unbounded)),
+    };
+    let found = Route::of(&overlap, settings)?.solve(contact, depth, settings)?;
+    let state = in_users_units(found, depth, settings);
+    let error = state.force_error.unwrap_or(f64::INFINITY);
+    Some(if error <= settings.tolerance {
+        Ok(state)
+    } else {
+        let why = "more cells than can be solved densely, or more time than is left";
+        Err(Unsolved::short_of(settings.tolerance, error, why).with_best(state))
+    })
+}
+
+/// The state by [`Method::EdgeFitted`] where it is prescribed.
+///
+/// # Errors
+/// As [`solution`]; `NotApplicable` where nothing is known that cells can be fitted to.
+pub(crate) fn prescribed(
+    contact: &Contact,
+    gap: &AnyGap,
+    depth: f64,
+    tilt: [f64; 2],
+    settings: &Settings,
+) -> Result<Solution, Unsolved> {
+    let upright = if tilt == [0.0; 2] { solution(contact, gap, depth, settings) } else { None };
+    upright.unwrap_or_else(|| {
+        let reason =
+            "the gap is not known to be a level polygon, planes with a level one among them, or of revolution, upright";
+        Err(Unsolved::new(Verdict::NotApplicable, reason))
+    })
+}
+
+fn in_users_units(found: Found, depth: f64, settings: &Settings) -> Solution {
+    let outputs = settings.outputs;
+    let [low, high] = found.force;
+    let force = 0.5 * (low + high);
+    let mut left_out = vec![found.left_out.to_owned()];
+    if !outputs.patch {
+        left_out.push("the boundary as a polyline".to_owned());
+    }
+    if !outputs.pressure {
+        left_out.push("the pressure field".to_owned());
+    }
+    let [x, y] = found.centre;
+    let mut patch = found.patch;
+    patch.boundary = patch.boundary.filter(|_| outputs.patch);
+    Solution {
+        method: Method::EdgeFitted,
+        origin: Origin::EdgeFitted,
+        grid: found.field.as_ref().map(|field| field.grid),
+        depth,
+        tilt: [0.0; 2],
+        force,
+        force_error: Some((high - low) / (high + low)),
+        bracket: Some(ForceBracket::of_energy(found.force)),
+        depth_bracket: None,
+        stiffness: found.stiffness,
+        stiffness_matrix: None,
+        moment: Some([force * y, -force * x]),
+        energy: Some(0.5 * (found.energy[0] + found.energy[1])),
+        pressure: PressureSummary {
+            max: found.max,
+            mean: Some(force / patch.area),
+            at: Some(found.at),
+            field: found.field,
+            gap: None,
+        },
+        patch,
+        residuals: None,
+        cost: Cost { unknowns: found.unknowns, ..Cost::default() },
+        left_out,
+        remarks: vec![found.how, format!("the force is proved to lie between {low:e} and {high:e}")],
+    }
+}
+
+/// Cells along the longer side of a field.
+const FIELD_CELLS: usize = 64;
+
+/// The grid of a field over a rectangle.
+fn field_grid(rect: &Rect) -> Grid {
+    Grid::over(rect, shape(rect, FIELD_CELLS))
+}

@@ -1,0 +1,381 @@
+//! Axisymmetric gaps whose contact is no disc: rings, rims, dished punches, toroids, any number of annuli.
+//!
+//! One unknown a ring, graded to the edges of the material; the same theorem and the same brackets as on plane cells
+//! (`state`), with all integrals along one radius.
+
+mod disc;
+mod norm;
+mod overlap;
+mod rings;
+mod target;
+
+pub(crate) use overlap::{RadialBounds, RadialJet};
+
+use super::Limits;
+use super::active_set::{factor, solve, solve_on};
+use super::rectilinear::{graded, graded_both};
+use norm::{RadialNorm, RadialRequest};
+use rings::Rings;
+
+/// Radii between which f may be positive, and at which ends the material ends there.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Span {
+    /// Inner and outer radius.
+    pub radii: [f64; 2],
+    /// The material ends at the inner, the outer radius.
+    pub edges: [bool; 2],
+}
+
+/// What is known of the gap besides its overlap.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Law {
+    /// f is constant where there is material: P d = 2 U with d = f.
+    Flat,
+    /// f = depth - gap with a gap that is nowhere negative: P >= 2 U/depth.
+    Depth(f64),
+    /// Nothing.
+    Any,
+}
+
+/// What is proved of an annular contact, E* = 1.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Annular {
+    /// The force.
+    pub force: [f64; 2],
+    /// The stored energy.
+    pub energy: [f64; 2],
+    /// The stiffness of the computed contact rings as a flat punch: dP/dd there.
+    pub stiffness: f64,
+    /// The computed force.
+    pub computed: f64,
+    /// Inner and outer radius and pressure of each ring in contact.
+    pub rings: Vec<([f64; 2], f64)>,
+    /// Every enclosure held.
+    pub proved: bool,
+    /// Rings of the last mesh.
+    pub unknowns: usize,
+}
+
+/// Rings per half span of the first mesh.
+const FIRST: usize = 6;
+
+/// Solves on rings of rising number until the half width of the force is within the tolerance; `spans` cover f > 0, by rising
+/// radius. None where nothing touches or a bound failed.
+#[must_use]
+pub(crate) fn annular(f: &dyn RadialBounds, spans: &[Span], law: Law, limits: &Limits) -> Option<Annular> {
+    let mut before = limits.deadline.remaining();
+    let mut n = FIRST;
+    let mut best: Option<Annular> = None;
+    let mut contact: Vec<[f64; 2]> = Vec::new();
+    loop {
+        if contact.is_empty() {
+            // Where the contact ends is not known yet: even rings first.
+            contact = touching(&mesh(spans, &[], 4 * n), f)?;
+        }
+        let rings = mesh(spans, &contact, n);
+        contact = touching(&rings, f)?;
+        let Some(found) = bracket(&rings, f, law) else { return best };
+        let join = |a: [f64; 2], b: [f64; 2]| [a[0].max(b[0]), a[1].min(b[1])];
+        let found = match &best {
+            Some(b) => Annular { force: join(found.force, b.force), energy: join(found.energy, b.energy), ..found },
+            None => found,
+        };
+        let width = (found.force[1] - found.force[0]) / (found.force[1] + found.force[0]);
+        let unknowns = found.unknowns;
+        let done = width <= limits.tolerance;
+        best = Some(found);
+        // Third order at edges, second beside free ends: the slower one.
+        let factor = if width.is_finite() { (width / limits.tolerance).sqrt() } else { 2.0 };
+        let next = ((n as f64 * factor).ceil() as usize).clamp(n + 2, 2 * n);
+        let growth = next as f64 / n as f64;
+        if done
+            || unknowns as f64 * growth > limits.unknowns as f64
+            || (before - limits.deadline.remaining()) * growth.powi(2) > limits.deadline.remaining()
+        {
+            return best;
+        }
+        (n, before) = (next, limits.deadline.remaining());
+    }
+}
+
+/// The rings of the spans: graded to the edges of the material; beside a free end of the last contact finer, and coarser
+/// away from it.
+fn mesh(spans: &[Span], contact: &[[f64; 2]], n: usize) -> Rings {
+    let (mut rings, mut loaded) = (Vec::new(), Vec::new());
+    for (index, span) in spans.iter().enumerate() {
+        let [a, b] = span.radii;
+        // The fades of neighbours do not meet.
+        let before = if index > 0 { 0.5 * (a - spans[index - 1].radii[1]) } else { a };
+        let beyond = spans.get(index + 1).map_or(f64::INFINITY, |next| 0.5 * (next.radii[0] - b));
+        let inside: Vec<[f64; 2]> = contact.iter().copied().filter(|c| c[1] > a && c[0] < b).collect();
+        let mut nodes = vec![a];
+        if span.edges == [true, true] && inside.is_empty() {
+            nodes = graded_both(a, b, n, 4.0);
+        } else if inside.is_empty() {
+            nodes.extend((1..=2 * n).map(|i| a + (b - a) * i as f64 / (2 * n) as f64));
+        }
+        for (k, c) in inside.iter().enumerate() {
+            let edge = |high: bool| {
+                let (end, limit) = if high { (c[1], b) } else { (c[0], a) };
+                span.edges[usize::from(high)] && end == limit
+            };
+            let middle = 0.5 * (c[0] + c[1]);
+            let exponent = |high: bool| if edge(high) { 4.0 } else { 2.0 };
+            let mut own = graded(middle, c[0], n, exponent(false));
+            own.reverse();
+            own.extend(graded(middle, c[1], n, exponent(true)).into_iter().skip(1));
+            // From what is there to the contact: rings that grow away from it.
+            let from = *nodes.last().unwrap_or(&a);
+            if own[0] > from {
+                let outer = away(own[0], from, own[1] - own[0]);
+                nodes.extend(outer.into_iter().rev().skip(1));
+                nodes.push(own[0]);
+            }
+            let last = own[own.len() - 1];
+            let step = last - own[own.len() - 2];
+            nodes.extend(own.into_iter().skip(1));
+            let until = inside.get(k + 1).map_or(b, |next| 0.5 * (c[1] + next[0]));
+            if until > last {
+                nodes.extend(away(last, until, step));
+            }
+        }
+        if span.edges[0] || a > 0.0 {
+            let width = (nodes[1] - nodes[0]).min(before);
+            if width > 0.0 {
+                rings.push([a - width, a]);
+                loaded.push(false);
+            }
+        }
+        for pair in nodes.windows(2) {
+            rings.push([pair[0], pair[1]]);
+            loaded.push(true);
+        }
+        let last = nodes.len() - 1;
+        rings.push([nodes[last], nodes[last] + (nodes[last] - nodes[last - 1]).min(beyond)]);
+        loaded.push(false);
+    }
+    Rings::new(rings, loaded)
+}
+
+/// Nodes after `from` up to `to`, steps growing by a half from `step`.
+fn away(from: f64, to: f64, step: f64) -> Vec<f64> {
+    let sign = (to - from).signum();
+    let (mut nodes, mut at, mut step) = (Vec::new(), from, step);
+    while (to - at) * sign > 1.5 * step {
+        at += sign * step;
+        nodes.push(at);
+        step *= 1.5;
+    }
+    nodes.push(to);
+    nodes
+}
+
+/// The integrals of f over the rings; zero beside the spans.
+fn loads(rings: &Rings, f: &dyn RadialBounds) -> Vec<[f64; 2]> {
+    rings
+        .rings
+        .iter()
+        .zip(&rings.loaded)
+        .map(|(r, loaded)| if *loaded { integral(f, *r, 12) } else { [-1.0; 2] })
+        .collect()
+}
+
+/// Bounds of int f 2 pi r dr over [a, b].
+fn integral(f: &dyn RadialBounds, [a, b]: [f64; 2], depth: u32) -> [f64; 2] {
+    let (c, h) = (0.5 * (a + b), 0.5 * (b - a));
+    let area = 2.0 * std::f64::consts::PI * 2.0 * h * c;
+    let sum = if let Some(jet) = f.jet([a, b]) {
+        // With x = r - c: means over 2 pi r dr of 1, x, x^2 are 1, h^2/(3 c), h^2/3.
+        let (m1, m2) = (h * h / (3.0 * c), h * h / 3.0);
+        let low = |v: [f64; 2], k: f64| [v[0] * k, v[1] * k];
+        let parts = [jet.value, low(jet.slope, m1), low(jet.curvature, 0.5 * m2)];
+        [0, 1].map(|k| area * parts.iter().map(|p| p[k]).sum::<f64>())
+    } else if depth == 0 {
+        f.bounds([a, b]).map(|v| area * v)
+    } else {
+        let (p, q) = (integral(f, [a, c], depth - 1), integral(f, [c, b], depth - 1));
+        [p[0] + q[0], p[1] + q[1]]
+    };
+    let rounding = 1e-14 * (sum[0].abs() + sum[1].abs());
+    [sum[0] - rounding, sum[1] + rounding]
+}
+
+/// The intervals in contact.
+fn touching(rings: &Rings, f: &dyn RadialBounds) -> Option<Vec<[f64; 2]>> {
+    let rhs: Vec<f64> = loads(rings, f).iter().map(|l| 0.5 * (l[0] + l[1])).collect();
+    let p = solve(&rings.compliance(), &rhs);
+    let mut list: Vec<[f64; 2]> = Vec::new();
+    for ([a, b], p) in rings.rings.iter().zip(&p) {
+        if *p > 0.0 {
+            match list.last_mut() {
+                Some(last) if last[1] == *a => last[1] = *b,
+                _ => list.push([*a, *b]),
+            }
+        }
+    }
+    (!list.is_empty()).then_some(list)
+}
+
+/// The brackets on one mesh: (1), (4) and (5) of `state`.
+fn bracket(rings: &Rings, f: &dyn RadialBounds, law: Law) -> Option<Annular> {
+    let loads = loads(rings, f);
+    let s = rings.compliance();
+    let rhs: Vec<f64> = loads.iter().map(|l| 0.5 * (l[0] + l[1])).collect();
+    let p = &solve(&s, &rhs);
+    let contact: Vec<bool> = p.iter().map(|v| *v > 0.0).collect();
+    let l = factor(&s, &contact)?;
+    let m = solve_on(&l, &contact, &rings.areas);
+    let request = |pressure, overlap, full, admissible| RadialRequest { pressure, overlap, full, admissible };
+    let of_p = rings.norm(&request(p, Some(f), &contact, true));
+    let product = |q: &[f64], norm: &RadialNorm| -> [f64; 2] {
+        let mut sum = [0.0; 2];
+        for (q, u) in q.iter().zip(&norm.displaced) {
+            sum = [sum[0] + q * u[0] - q.abs() * u[1], sum[1] + q * u[0] + q.abs() * u[1]];
+        }
+        sum
+    };
+    let work = |q: &[f64]| {
+        let mut sum = [0.0; 2];
+        for (q, f) in q.iter().zip(&loads) {
+            let (a, b) = (q * f[0], q * f[1]);
+            sum = [sum[0] + a.min(b), sum[1] + a.max(b)];
+        }
+        sum
+    };
+    let dot = |q: &[f64]| q.iter().zip(&rings.areas).map(|(q, a)| q * a).sum::<f64>();
+    let low = work(p)[0] - 0.5 * product(p, &of_p)[1];
+    let low = low - 1e-12 * low.abs();
+    let mut admissible = of_p.faded;
+    admissible.add(1.0, &of_p.added);
+    let gamma = 0.5 * admissible.bound();
+    if !(low > 0.0 && gamma > 0.0 && gamma < f64::INFINITY) {
+        return None;
+    }
+    let energy = [low, low + gamma];
+    let (computed, stiffness) = (dot(p), dot(&m));
+    let force = if law == Law::Flat {
+        let depth = f.value(rings.rings[contact.iter().position(|c| *c)?][1]);
+        energy.map(|u| 2.0 * u / depth)
+    } else {
+        let residual = |q: &[f64]| {
+            let (w, u) = (work(q), product(q, &of_p));
+            [w[0] - u[1], w[1] - u[0]]
+        };
+        let of_m = rings.norm(&request(&m, None, &contact, false));
+        let mut force = [computed + residual(&m)[0] - (of_p.faded.bound() * of_m.faded.bound()).sqrt(), f64::INFINITY];
+        if let Law::Depth(depth) = law {
+            force[0] = force[0].max(2.0 * low / depth);
+        }
+        let reach: Vec<bool> =
+            (0..p.len()).map(|i| contact[i] || (rings.loaded[i] && of_p.highest[i] > -of_p.above)).collect();
+        let tau = (of_m.faded.bound() / (2.0 * gamma)).sqrt();
+        if !tau.is_finite() {
+            return None;
+        }
+        let kept: Vec<bool> = (0..p.len()).map(|i| contact[i] && m[i] >= 0.0 && m[i] <= tau * p[i]).collect();
+        let fixed: Vec<f64> = (0..p.len()).map(|i| if kept[i] { 0.0 } else { m[i].clamp(0.0, tau * p[i]) }).collect();
+        let u = s.product(&fixed);
+        let rest: Vec<f64> = rings.areas.iter().zip(&u).map(|(a, u)| a - u).collect();
+        let free = if kept.contains(&true) { solve_on(&factor(&s, &kept)?, &kept, &rest) } else { vec![0.0; p.len()] };
+        let limited: Vec<f64> = (0..p.len()).map(|i| (free[i] + fixed[i]).clamp(0.0, tau * p[i])).collect();
+        let a = rings.norm(&request(&limited, None, &reach, false)).faded.bound();
+        let both =
+            if tau <= (a / (2.0 * gamma)).sqrt() { (2.0 * gamma * a).sqrt() } else { tau * gamma + a / (2.0 * tau) };
+        let shift = residual(&limited);
+        force[1] = computed + shift[1] + both;
+        force[0] = force[0].max(computed + shift[0] - (2.0 * gamma * a).sqrt());
+        let rounding = 1e-11 * computed.abs();
+        [force[0] - rounding, force[1] + rounding]
+    };
+    Some(Annular {
+        force,
+        energy,
+        stiffness,
+        computed,
+        rings: rings.rings.iter().zip(p).filter(|(_, p)| **p > 0.0).map(|(r, p)| (*r, *p)).collect(),
+        proved: !of_p.sampled,
+        unknowns: rings.rings.len(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// f = c0 + c1 r + c2 r^2.
+    struct Quadratic([f64; 3]);
+
+    impl RadialBounds for Quadratic {
+        fn value(&self, r: f64) -> f64 {
+            let [a, b, c] = self.0;
+            a + r * (b + r * c)
+        }
+
+        fn bounds(&self, [a, b]: [f64; 2]) -> [f64; 2] {
+            let [_, b1, c] = self.0;
+            let mut values = vec![self.value(a), self.value(b)];
+            let top = -0.5 * b1 / c;
+            if c != 0.0 && top > a && top < b {
+                values.push(self.value(top));
+            }
+            let size = 1e-15 * self.0.iter().map(|v| v.abs()).sum::<f64>();
+            [
+                values.iter().copied().fold(f64::INFINITY, f64::min) - size,
+                values.iter().copied().fold(f64::NEG_INFINITY, f64::max) + size,
+            ]
+        }
+
+        fn jet(&self, [a, b]: [f64; 2]) -> Option<RadialJet> {
+            let r = 0.5 * (a + b);
+            let (v, s, c) = (self.value(r), self.0[1] + 2.0 * self.0[2] * r, 2.0 * self.0[2]);
+            let e = 1e-15 * self.0.iter().map(|v| v.abs()).sum::<f64>();
+            Some(RadialJet { value: [v - e, v + e], slope: [s - e, s + e], curvature: [c, c] })
+        }
+    }
+
+    fn met(a: &Annular) -> bool {
+        a.proved && a.force[1] - a.force[0] <= 1e-3 * (a.force[0] + a.force[1])
+    }
+
+    /// Nystroem method with a split logarithm, twelve digits.
+    #[test]
+    fn flat_annuli() {
+        for (inner, exact) in
+            [(0.1, 0.999_864_355_578), (0.5, 0.981_017_896_923), (0.9, 0.821_029_779_368), (0.99, 0.608_763_092_119)]
+        {
+            let span = Span { radii: [inner, 1.0], edges: [true, true] };
+            let a = annular(&Quadratic([1.0, 0.0, 0.0]), &[span], Law::Flat, &Limits::default()).unwrap();
+            assert!(met(&a) && a.force[0] <= 2.0 * exact && a.force[1] >= 2.0 * exact);
+        }
+    }
+
+    #[test]
+    fn flat_disc_and_sphere() {
+        let span = Span { radii: [0.0, 1.0], edges: [false, true] };
+        let a = annular(&Quadratic([1.0, 0.0, 0.0]), &[span], Law::Flat, &Limits::default()).unwrap();
+        assert!(met(&a) && a.force[0] <= 2.0 && a.force[1] >= 2.0);
+        let span = Span { radii: [0.0, 1.0], edges: [false, false] };
+        let a = annular(&Quadratic([1.0, 0.0, -1.0]), &[span], Law::Depth(1.0), &Limits::default()).unwrap();
+        let exact = 4.0 / 3.0 / 2f64.sqrt();
+        assert!(a.force[0] <= exact && a.force[1] >= exact);
+    }
+
+    /// Dished punch and toroid of the stress scenes: rings refined by an independent program, 1e-5.
+    #[test]
+    fn dished_and_toroid() {
+        // 0.001 (1 - r^2) at depth 5e-4, in units of the depth: f = 1 - 2 (1 - r^2).
+        let span = Span { radii: [0.5f64.sqrt(), 1.0], edges: [false, true] };
+        let a = annular(&Quadratic([-1.0, 0.0, 2.0]), &[span], Law::Depth(1.0), &Limits::default()).unwrap();
+        let exact = 6.81695e-4 / 5e-4;
+        assert!(a.force[0] <= exact * (1.0 + 2e-5) && a.force[1] >= exact * (1.0 - 2e-5));
+        // s191: (r - R)^2/(2 rho), depth d, in units of R and d.
+        let (radius, rho, depth) = (0.0025732_f64, 0.00023975_f64, 1.1789e-5_f64);
+        let c = radius * radius / (2.0 * rho * depth);
+        let half = (2.0 * rho * depth).sqrt() / radius;
+        let span = Span { radii: [1.0 - half, 1.0 + half], edges: [false, false] };
+        let a = annular(&Quadratic([1.0 - c, 2.0 * c, -c]), &[span], Law::Depth(1.0), &Limits::default()).unwrap();
+        let e_star = 1.0 / ((1.0 - 0.25) / (2.0 * 75485000.0) + (1.0 - 0.01) / 1e12);
+        let exact = 7.69139 / (e_star * radius * depth);
+        assert!(a.force[0] <= exact * (1.0 + 2e-5) && a.force[1] >= exact * (1.0 - 2e-5));
+    }
+}

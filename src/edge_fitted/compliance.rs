@@ -1,0 +1,256 @@
+//! The compliance matrix of the orbits of cells: pair integrals with a bound of their error.
+
+use super::gauss::legendre;
+use super::line_potential::{Lines, Points, Scratch};
+use super::mesh::{Bilinear, Mesh, Point, cross, dot, minus, norm};
+use super::pair_integral::{polygons, rectangles};
+use super::symmetry::Orbits;
+use crate::clock::Deadline;
+
+/// <p, S p> of symmetric pressures is sum over a, b of p_a p_b `matrix[a][b]`, E* = 1; each entry is within `error[a][b]`.
+#[derive(Debug, Clone)]
+pub(crate) struct Compliance {
+    /// Orbits of loaded cells.
+    pub n: usize,
+    /// Row by row, n x n, symmetric.
+    pub matrix: Vec<f64>,
+    /// Bounds of the errors, row by row.
+    pub error: Vec<f64>,
+}
+
+/// The rectangle with sides along and across the first direction of a cell, around its corners.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Around {
+    pub centre: Point,
+    pub axis: Point,
+    pub half: Point,
+    /// The axis is the second direction of the cell.
+    pub swapped: bool,
+    /// Sine of the largest angle between a direction of the cell and the axis, or the normal of it.
+    pub turn: f64,
+}
+
+impl Around {
+    pub fn new(map: &Bilinear) -> Self {
+        // The longer of the two directions.
+        let [a, b] = map.along;
+        let swapped = dot(a, a) < dot(b, b);
+        let along = if swapped { b } else { a };
+        let length = norm(along);
+        let axis = along.map(|c| c / length);
+        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+        for p in map.corners() {
+            let v = minus(p, map.centre);
+            for (k, c) in [dot(axis, v), cross(axis, v)].into_iter().enumerate() {
+                low[k] = low[k].min(c);
+                high[k] = high[k].max(c);
+            }
+        }
+        let mid = [0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1])];
+        let centre =
+            [map.centre[0] + mid[0] * axis[0] - mid[1] * axis[1], map.centre[1] + mid[0] * axis[1] + mid[1] * axis[0]];
+        let mut turn: f64 = 0.0;
+        for side in [-1.0, 1.0] {
+            for (v, long) in [(map.ds(side), !swapped), (map.dt(side), swapped)] {
+                let off = if long { cross(axis, v) } else { dot(axis, v) };
+                turn = turn.max(off.abs() / norm(v));
+            }
+        }
+        Self { centre, axis, half: [0, 1].map(|k| 0.5 * (high[k] - low[k])), swapped, turn }
+    }
+
+    /// Along and across.
+    #[inline(always)]
+    pub fn local(&self, p: Point) -> Point {
+        let v = minus(p, self.centre);
+        [dot(self.axis, v), cross(self.axis, v)]
+    }
+
+    /// The distance of a point; zero inside.
+    #[inline(always)]
+    pub fn distance(&self, p: Point) -> f64 {
+        let [u, v] = self.local(p);
+        norm([(u.abs() - self.half[0]).max(0.0), (v.abs() - self.half[1]).max(0.0)])
+    }
+
+    /// A lower bound of the distance of the convex hull of points.
+    #[inline(always)]
+    pub fn distance_to_hull(&self, points: &[Point]) -> f64 {
+        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+        for p in points {
+            let q = self.local(*p);
+            for k in 0..2 {
+                low[k] = low[k].min(q[k]);
+                high[k] = high[k].max(q[k]);
+            }
+        }
+        norm([0, 1].map(|k| (low[k] - self.half[k]).max(-high[k] - self.half[k]).max(0.0)))
+    }
+}
+
+/// What the assembly knows of a cell.
+struct Shape {
+    map: Bilinear,
+    around: Around,
+    corners: [Point; 4],
+    /// Half lengths along s and t, at most.
+    half: [f64; 2],
+    /// Variation of the Jacobian over its mean.
+    skew: f64,
+    radius: f64,
+    /// Opposite corners, for a rectangle along the axes.
+    rectangle: Option<[Point; 2]>,
+}
+
+impl Shape {
+    fn new(corners: [Point; 4]) -> Self {
+        let map = Bilinear::new(corners);
+        let half = [norm(map.ds(-1.0)).max(norm(map.ds(1.0))), norm(map.dt(-1.0)).max(norm(map.dt(1.0)))];
+        let j0 = cross(map.along[0], map.along[1]);
+        let skew = (cross(map.along[0], map.twist).abs() + cross(map.twist, map.along[1]).abs()) / j0;
+        let [a, b, c, d] = corners;
+        let straight = a[1] == b[1] && c[1] == d[1] && a[0] == d[0] && b[0] == c[0];
+        let radius = corners.iter().map(|p| norm(minus(*p, map.centre))).fold(0.0, f64::max);
+        Self { map, around: Around::new(&map), corners, half, skew, radius, rectangle: straight.then_some([a, c]) }
+    }
+
+    fn size(&self) -> f64 {
+        2.0 * self.half[0].max(self.half[1])
+    }
+
+    fn distance(&self, other: &Self) -> f64 {
+        let circles = norm(minus(self.map.centre, other.map.centre)) - self.radius - other.radius;
+        circles.max(self.around.distance_to_hull(&other.corners)).max(other.around.distance_to_hull(&self.corners))
+    }
+}
+
+/// Far pairs lie further apart than this many sizes of the smaller cell.
+const FAR: f64 = 3.0;
+
+/// The factor of the remainder of the Gauss rule with 3 nodes: 2^7 (3!)^4/(7 (6!)^3) sup f^(6) against the mean 2 f, with
+/// |d^6/ds^6 1/r| <= 6!/r^7.
+const GAUSS_3: f64 = 64.0 * 1296.0 / (7.0 * 720.0 * 720.0);
+
+impl Compliance {
+    /// `None` once the time is used up.
+    pub fn new(mesh: &Mesh, lines: &Lines, orbits: &Orbits, deadline: Deadline) -> Option<Self> {
+        let (n, loaded) = (orbits.loaded, mesh.loaded);
+        let shapes: Vec<Shape> = (0..loaded).map(|i| Shape::new(mesh.corners(i))).collect();
+        let gauss = gauss_rows(mesh, lines, orbits, &shapes, deadline)?;
+        let carriers = orbits.carriers();
+        // inverse[g][i]: the cell that element g takes to cell i.
+        let inverse: Vec<Vec<usize>> = orbits
+            .images
+            .iter()
+            .map(|image| {
+                let mut inverse = vec![0; image.len()];
+                for (i, &j) in image.iter().enumerate() {
+                    inverse[j] = i;
+                }
+                inverse
+            })
+            .collect();
+        let (mut matrix, mut error) = (vec![0.0; n * n], vec![0.0; n * n]);
+        for a in 0..n {
+            if deadline.has_passed() {
+                return None;
+            }
+            let i = orbits.representatives[a];
+            let weight = orbits.size[a] as f64 * std::f64::consts::FRAC_1_PI;
+            let own = &shapes[i];
+            for (j, other) in shapes.iter().enumerate() {
+                let b = orbits.orbit[j];
+                if b > a {
+                    continue;
+                }
+                let distance = own.distance(other);
+                let (value, bound) = if distance > FAR * own.size().min(other.size()) {
+                    let own_smaller = own.size() <= other.size();
+                    let value =
+                        if own_smaller { gauss[a * loaded + j] } else { gauss[b * loaded + inverse[carriers[j]][i]] };
+                    let carrier = if own_smaller { own } else { other };
+                    (value, value * relative_error(carrier, distance))
+                } else {
+                    let integral = match (own.rectangle, other.rectangle) {
+                        (Some(p), Some(q)) => rectangles(p, q),
+                        _ => polygons(&own.corners, &other.corners),
+                    };
+                    (integral.value, integral.error)
+                };
+                matrix[a * n + b] += weight * value;
+                error[a * n + b] += weight * bound;
+            }
+        }
+        for a in 0..n {
+            for b in 0..a {
+                matrix[b * n + a] = matrix[a * n + b];
+                error[b * n + a] = error[a * n + b];
+            }
+        }
+        Some(Self { n, matrix, error })
+    }
+
+    /// S p of the orbits, weighted by area and orbit size.
+    pub fn product(&self, p: &[f64]) -> Vec<f64> {
+        self.matrix.chunks_exact(self.n).map(|row| row.iter().zip(p).map(|(a, b)| a * b).sum()).collect()
+    }
+
+    /// sum over a, b of |p_a q_b| error: what <p, S q> may be off.
+    pub fn uncertainty(&self, p: &[f64], q: &[f64]) -> f64 {
+        self.error
+            .chunks_exact(self.n)
+            .zip(p)
+            .map(|(row, v)| v.abs() * row.iter().zip(q).map(|(e, w)| e * w.abs()).sum::<f64>())
+            .sum()
+    }
+}
+
+/// Relative remainder of the 3 x 3 Gauss rule on a cell, for the potential of another one at least `distance` away: with
+/// V = int 1/r, |d^k V| <= k! V/distance^k, and V varies over the cell by at most 1 + size/distance.
+fn relative_error(carrier: &Shape, distance: f64) -> f64 {
+    let variation = (1.0 + 2.0 * carrier.radius / distance) * (1.0 + carrier.skew);
+    let direction = |h: f64| {
+        let q = h / distance;
+        q.powi(6) + carrier.skew * q.powi(5)
+    };
+    GAUSS_3 * variation * (direction(carrier.half[0]) + direction(carrier.half[1])) + 1e-13
+}
+
+/// Row a: the 3 x 3 Gauss sums over representative a of the potentials int 1/r of all cells.
+fn gauss_rows(mesh: &Mesh, lines: &Lines, orbits: &Orbits, shapes: &[Shape], deadline: Deadline) -> Option<Vec<f64>> {
+    const PER_BATCH: usize = 7;
+    let (x, w) = legendre(3);
+    let loaded = mesh.loaded;
+    let mut rows = vec![0.0; orbits.loaded * loaded];
+    let mut scratch = Scratch::default();
+    let reps = &orbits.representatives[..orbits.loaded];
+    for (block, cells) in reps.chunks(PER_BATCH).enumerate() {
+        if deadline.has_passed() {
+            return None;
+        }
+        let mut points = Points::EMPTY;
+        let mut weights = Vec::with_capacity(9 * PER_BATCH);
+        for &i in cells {
+            let map = &shapes[i].map;
+            for (s, ws) in x.iter().zip(w) {
+                for (t, wt) in x.iter().zip(w) {
+                    points.push(map.at(*s, *t));
+                    weights.push(ws * wt * map.jacobian(*s, *t));
+                }
+            }
+        }
+        lines.moments(&points, &mut scratch);
+        for (j, sides) in mesh.cell_edges.iter().enumerate() {
+            for (c, _) in cells.iter().enumerate() {
+                let mut sum = 0.0;
+                for (edge, sign) in sides.iter().flatten() {
+                    let products = &scratch.products[*edge];
+                    let part: f64 = (9 * c..9 * c + 9).map(|k| weights[k] * products[k]).sum();
+                    sum += sign * part;
+                }
+                rows[(block * PER_BATCH + c) * loaded + j] = sum;
+            }
+        }
+    }
+    Some(rows)
+}

@@ -1,0 +1,65 @@
+//! A mesh with its compliance: the flat punch that its cells cover, and the bracket of its stiffness.
+
+use super::active_set::{factor, solve_on};
+use super::compliance::Compliance;
+use super::line_potential::Lines;
+use super::mesh::{Bilinear, Mesh};
+use super::residual_norm::{decay_lengths, norms};
+use super::symmetry::{Isometry, Orbits};
+use crate::clock::Deadline;
+
+/// A mesh ready to be solved on.
+pub(crate) struct Discretisation {
+    pub mesh: Mesh,
+    pub orbits: Orbits,
+    lines: Lines,
+    compliance: Compliance,
+    /// Area of each orbit of loaded cells.
+    areas: Vec<f64>,
+    deadline: Deadline,
+}
+
+/// What one mesh says of a flat punch, E* = 1.
+pub(crate) struct Stiffness {
+    /// Bounds of K = P/d.
+    pub bounds: [f64; 2],
+    /// Pressure of the loaded cells at depth 1.
+    pub pressure: Vec<f64>,
+}
+
+impl Discretisation {
+    /// `group`: symmetries of the outline; those of the mesh among them are used. `None` once the time is used up.
+    pub fn new(mesh: Mesh, group: &[Isometry], deadline: Deadline) -> Option<Self> {
+        let lines = Lines::new(&mesh);
+        let orbits = Orbits::new(&mesh, group);
+        let compliance = Compliance::new(&mesh, &lines, &orbits, deadline)?;
+        let areas = (0..orbits.loaded)
+            .map(|a| orbits.size[a] as f64 * Bilinear::new(mesh.corners(orbits.representatives[a])).area())
+            .collect();
+        Some(Self { mesh, orbits, lines, compliance, areas, deadline })
+    }
+
+    /// U_low <= U <= U_low + a(w, w)/2 with U_low = <1, p> - <p, S p>/2 for the p >= 0 with S p = 1 in the mean over every
+    /// cell, w = 1 - S p on the material and anything beyond it; K = 2 U at depth 1. `None` where the matrix has no factor, and once the
+    /// time is used up.
+    pub fn stiffness(&self) -> Option<Stiffness> {
+        let all = vec![true; self.orbits.loaded];
+        let factor = factor(&self.compliance, &all)?;
+        let p: Vec<f64> = solve_on(&factor, &all, &self.areas).iter().map(|p| p.max(0.0)).collect();
+        let low = 2.0 * self.energy_below(&p);
+        let pressure = self.orbits.expand(&p, self.mesh.loaded);
+        let decay = decay_lengths(&self.mesh);
+        let [norm] = norms(&self.mesh, &self.lines, &self.orbits, &decay, [&pressure], self.deadline)?;
+        let bounds = [low, (low + norm.bound()) * (1.0 + 1e-11)];
+        let finite = bounds.iter().all(|k| k.is_finite()) && low > 0.0;
+        finite.then_some(Stiffness { bounds, pressure })
+    }
+
+    /// <1, p> - <p, S p>/2, from below.
+    fn energy_below(&self, p: &[f64]) -> f64 {
+        let work: f64 = p.iter().zip(&self.areas).map(|(p, a)| p * a).sum();
+        let product: f64 = p.iter().zip(self.compliance.product(p)).map(|(p, u)| p * u).sum();
+        let rounding = 1e-12 * (work.abs() + product.abs());
+        work - 0.5 * (product + self.compliance.uncertainty(p, p)) - rounding
+    }
+}

@@ -1,0 +1,127 @@
+//! Flat punches: K = P/d from the bracket of the energy, P d = 2 U.
+
+use super::Limits;
+use super::discrete::{Discretisation, Stiffness};
+use super::mesh::Point;
+use super::outline::{COARSEST, Fitted, Outline};
+
+/// The stiffness of a flat punch, E* = 1, and what it took.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct FlatStiffness {
+    /// Bounds of K = P/d: the intersection over all meshes.
+    pub stiffness: [f64; 2],
+    /// Corners, counter-clockwise, in the outline's axes, and pressure at depth 1 of the cells of the last mesh.
+    pub cells: Vec<([Point; 4], f64)>,
+    /// Unknowns of the last mesh.
+    pub unknowns: usize,
+}
+
+/// Bounds of K on meshes of rising n until the half width is within the tolerance. The width falls as n^-3 (see
+/// `Outline`), so the next n follows from the width; at least one more cell each time. `None` where the outline has no mesh
+/// that can be solved on, and where the time ends before the first one is.
+#[must_use]
+pub(crate) fn flat_stiffness(outline: &Outline, limits: &Limits) -> Option<FlatStiffness> {
+    let mut n = COARSEST;
+    let mut best: Option<FlatStiffness> = None;
+    let mut before = limits.deadline.remaining();
+    loop {
+        let fitted = outline.mesh(n)?;
+        if fitted.mesh.loaded > limits.cells {
+            return best;
+        }
+        let Some(d) = Discretisation::new(fitted.mesh.clone(), &fitted.group, limits.deadline) else { return best };
+        let unknowns = d.orbits.loaded;
+        let Some(Stiffness { bounds, pressure }) = d.stiffness() else { return best };
+        let outside = outline.displaced();
+        let mut stiffness = [bounds[0] * (1.0 - outside), bounds[1] * (1.0 + outside)];
+        if let Some(b) = &best {
+            stiffness = [stiffness[0].max(b.stiffness[0]), stiffness[1].min(b.stiffness[1])];
+        }
+        let width = (stiffness[1] - stiffness[0]) / (stiffness[0] + stiffness[1]);
+        let met = width <= limits.tolerance;
+        best = Some(FlatStiffness { stiffness, cells: cells(&fitted, &pressure), unknowns });
+        let factor = (width / limits.tolerance).cbrt();
+        let next = ((n as f64 * factor).ceil() as usize).max(n + 1).min(2 * n);
+        // Unknowns grow as n^2, time at least so.
+        let growth = (next * next) as f64 / (n * n) as f64;
+        let left = limits.deadline.remaining();
+        if met || unknowns as f64 * growth > limits.unknowns as f64 || (before - left) * growth > left {
+            return best;
+        }
+        (n, before) = (next, left);
+    }
+}
+
+/// The cells of a mesh in the axes of the outline.
+fn cells(fitted: &Fitted, pressure: &[f64]) -> Vec<([Point; 4], f64)> {
+    let corners = |cell| fitted.mesh.corners(cell).map(|p| fitted.to_outline(p));
+    pressure.iter().enumerate().map(|(cell, p)| (corners(cell), *p)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn regular(sides: usize) -> Vec<[f64; 2]> {
+        let radius = 0.5 / (std::f64::consts::PI / sides as f64).sin();
+        (0..sides)
+            .map(|k| {
+                let (s, c) = (std::f64::consts::TAU * k as f64 / sides as f64 + 0.3).sin_cos();
+                [radius * c, radius * s]
+            })
+            .collect()
+    }
+
+    fn rectangle(a: f64, b: f64) -> Vec<[f64; 2]> {
+        vec![[0.0, 0.0], [a, 0.0], [a, b], [0.0, b]]
+    }
+
+    /// Values of graded Galerkin on other meshes with Richardson extrapolation, good to about 2e-6 of themselves (1e-5 for
+    /// the shapes with re-entrant corners).
+    #[test]
+    fn known_stiffnesses() {
+        let star: Vec<[f64; 2]> = (0..10)
+            .map(|k| {
+                let (s, c) = (std::f64::consts::TAU * k as f64 / 10.0).sin_cos();
+                let r = if k % 2 == 0 { 1.0 } else { 0.381_966_011_25 };
+                [r * c, r * s]
+            })
+            .collect();
+        let ell = vec![[-1.0, -1.0], [1.0, -1.0], [1.0, 0.0], [0.0, 0.0], [0.0, 1.0], [-1.0, 1.0]];
+        let t = 1.0 / 6.0;
+        let plus = vec![
+            [-t, -0.5],
+            [t, -0.5],
+            [t, -t],
+            [0.5, -t],
+            [0.5, t],
+            [t, t],
+            [t, 0.5],
+            [-t, 0.5],
+            [-t, t],
+            [-0.5, t],
+            [-0.5, -t],
+            [-t, -t],
+        ];
+        let cases = [
+            (regular(3), 0.788_116, 3e-6),
+            (regular(4), 1.152_298, 1e-6),
+            (regular(5), 1.495_049, 3e-6),
+            (regular(6), 1.829_117, 3e-6),
+            (regular(8), 2.485_263, 3e-6),
+            (rectangle(2.0, 1.0), 1.671_071, 3e-6),
+            (rectangle(5.0, 1.0), 2.937_718, 3e-6),
+            (rectangle(10.0, 1.0), 4.720_007, 3e-6),
+            (vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], 0.866_42, 3e-5),
+            (ell, 2.071_13, 3e-5),
+            (plus, 0.905_159, 1e-5),
+            (star, 1.386_23, 1e-5),
+        ];
+        for (corners, exact, known) in cases {
+            let outline = Outline::polygon(&corners).unwrap();
+            let k = flat_stiffness(&outline, &Limits::default()).unwrap();
+            assert!(k.stiffness[1] - k.stiffness[0] <= 1e-3 * (k.stiffness[0] + k.stiffness[1]));
+            assert!(k.stiffness[0] < exact * (1.0 + known) && k.stiffness[1] > exact * (1.0 - known));
+        }
+    }
+}

@@ -1,0 +1,296 @@
+//! Gauss-Legendre rules, interpolation between their nodes, and rules for integrands with ln t and ln^2 t.
+
+use std::sync::OnceLock;
+
+/// The most nodes of a rule.
+pub(crate) const MOST: usize = 12;
+
+/// Nodes on [-1, 1] and weights of the Gauss-Legendre rule with `n` nodes (1 <= n <= 12), by Newton's method on P_n.
+pub(crate) fn legendre(n: usize) -> &'static (Vec<f64>, Vec<f64>) {
+    static RULES: OnceLock<Vec<(Vec<f64>, Vec<f64>)>> = OnceLock::new();
+    &RULES.get_or_init(|| (0..=MOST).map(make_legendre).collect())[n.min(MOST)]
+}
+
+fn make_legendre(n: usize) -> (Vec<f64>, Vec<f64>) {
+    let (mut nodes, mut weights) = (vec![0.0; n], vec![0.0; n]);
+    let size = n as f64;
+    for i in 0..n {
+        let mut x = -(std::f64::consts::PI * (i as f64 + 0.75) / (size + 0.5)).cos();
+        let mut slope = 1.0;
+        for _ in 0..60 {
+            let (mut p, mut q) = (1.0, 0.0);
+            for k in 1..=n {
+                let k = k as f64;
+                (p, q) = (((2.0 * k - 1.0) * x * p - (k - 1.0) * q) / k, p);
+            }
+            slope = size * (x * p - q) / (x * x - 1.0);
+            let step = p / slope;
+            x -= step;
+            if step.abs() < 1e-16 {
+                break;
+            }
+        }
+        if 2 * i + 1 == n {
+            x = 0.0;
+        }
+        nodes[i] = x;
+        weights[i] = 2.0 / ((1.0 - x * x) * slope * slope);
+    }
+    (nodes, weights)
+}
+
+/// The values at `x` of the Lagrange polynomials of `nodes`.
+pub(crate) fn lagrange(nodes: &[f64], x: f64) -> Vec<f64> {
+    (0..nodes.len())
+        .map(|i| (0..nodes.len()).filter(|&j| j != i).map(|j| (x - nodes[j]) / (nodes[i] - nodes[j])).product())
+        .collect()
+}
+
+/// kappa_m: the root mean square over [-1, 1] of the monic Legendre polynomial of degree m. |g - I g|, in the same mean
+/// and for interpolation at the m Gauss nodes, is at most kappa_m sup |g^(m)|/m!.
+pub(crate) fn kappa(m: usize) -> f64 {
+    let mut lead = 1.0;
+    // 2^m (m!)^2/(2m)! = prod 2k/(m + k).
+    for k in 1..=m {
+        lead *= 2.0 * k as f64 / (m + k) as f64;
+    }
+    lead / ((2 * m + 1) as f64).sqrt()
+}
+
+/// A bound of the root mean square over [0, 1] of t ln t less its interpolant at `m` Gauss nodes, 2 <= m <= 5: computed to
+/// six digits (a test repeats it), rounded up.
+pub(crate) fn logarithm_error(m: usize) -> f64 {
+    [0.099_2, 0.025_9, 0.010_75, 0.005_54][m - 2]
+}
+
+/// B_m = int_0^inf (1 + x^2)^(-(m+1)/2) dx for m = 1 .. 9: B_(m+2) = B_m m/(m + 1).
+pub(crate) const B: [f64; 10] = [
+    f64::INFINITY,
+    std::f64::consts::FRAC_PI_2,
+    1.0,
+    std::f64::consts::FRAC_PI_4,
+    2.0 / 3.0,
+    3.0 * std::f64::consts::PI / 16.0,
+    8.0 / 15.0,
+    15.0 * std::f64::consts::PI / 96.0,
+    16.0 / 35.0,
+    105.0 * std::f64::consts::PI / 768.0,
+];
+
+/// The quadrature of one direction of a subcell: fields are known at `m` Gauss nodes; squares of their interpolants, with
+/// polynomial weights and with a logarithm added where the subcell touches an edge, are summed at other points.
+#[derive(Debug)]
+pub(crate) struct Rule {
+    /// Points on [-1, 1].
+    pub points: Vec<f64>,
+    /// Their weights.
+    pub weights: Vec<f64>,
+    /// ln t at the points, t = (1 + x)/2 or (1 - x)/2 from the end that touches; zero where none does.
+    pub logarithm: Vec<f64>,
+    /// An end touches.
+    pub logarithmic: bool,
+    /// Row q: the Lagrange polynomials of the m nodes at point q.
+    pub lagrange: Vec<f64>,
+}
+
+/// Which end of a direction lies on an edge.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Touch {
+    /// Neither.
+    None,
+    /// The end at -1.
+    Low,
+    /// The end at +1.
+    High,
+}
+
+/// The fewest and the most interpolation nodes of a direction.
+pub(crate) const NODES: [usize; 2] = [2, 5];
+
+/// What the sums of a logarithmic rule may be short of the integral of the square of (polynomial + c ln t) times a
+/// non-negative polynomial weight: a test compares the two quadratic forms by closed moments.
+pub(crate) const LOGARITHMIC_SLACK: f64 = 1e-3;
+
+/// The rule for `m` nodes; exact for the squares of the interpolants times weights of degree 3 (times one more factor of
+/// degree 1 squared), within [`LOGARITHMIC_SLACK`] where an end touches.
+pub(crate) fn rule(m: usize, touch: Touch) -> &'static Rule {
+    static RULES: OnceLock<Vec<Rule>> = OnceLock::new();
+    let all = RULES.get_or_init(|| {
+        let mut all = Vec::new();
+        for m in NODES[0]..=NODES[1] {
+            for touch in [Touch::None, Touch::Low, Touch::High] {
+                all.push(make_rule(m, touch));
+            }
+        }
+        all
+    });
+    let side = match touch {
+        Touch::None => 0,
+        Touch::Low => 1,
+        Touch::High => 2,
+    };
+    &all[3 * (m - NODES[0]) + side]
+}
+
+fn make_rule(m: usize, touch: Touch) -> Rule {
+    let nodes = &legendre(m).0;
+    let mut parts = Vec::new();
+    if touch == Touch::None {
+        let (x, w) = legendre(m + 3);
+        parts.extend(x.iter().zip(w).map(|(&x, &w)| (0.5 * (1.0 + x), 0.5 * w)));
+    } else {
+        // t in [0, 1/16] as 1/16 tau^4, then [1/16, 1/4] and [1/4, 1].
+        let (x, w) = legendre(8);
+        for (x, w) in x.iter().zip(w) {
+            let tau = 0.5 * (1.0 + x);
+            parts.push((tau.powi(4) / 16.0, 0.5 * w * 4.0 * tau.powi(3) / 16.0));
+        }
+        for (a, b, n) in [(1.0 / 16.0, 0.25, 6), (0.25, 1.0, m + 4)] {
+            let (x, w) = legendre(n);
+            parts.extend(x.iter().zip(w).map(|(&x, &w)| (a + 0.5 * (b - a) * (1.0 + x), 0.5 * (b - a) * w)));
+        }
+    }
+    let sign = if touch == Touch::High { -1.0 } else { 1.0 };
+    let points: Vec<f64> = parts.iter().map(|p| sign * (2.0 * p.0 - 1.0)).collect();
+    Rule {
+        weights: parts.iter().map(|p| 2.0 * p.1).collect(),
+        logarithm: parts.iter().map(|p| if touch == Touch::None { 0.0 } else { p.0.ln() }).collect(),
+        logarithmic: touch != Touch::None,
+        lagrange: points.iter().flat_map(|&x| lagrange(nodes, x)).collect(),
+        points,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn gauss_integrates_polynomials() {
+        for n in 1..=MOST {
+            let (x, w) = legendre(n);
+            for k in 0..2 * n {
+                let sum: f64 = x.iter().zip(w).map(|(x, w)| w * x.powi(k as i32)).sum();
+                let exact = if k % 2 == 0 { 2.0 / (k + 1) as f64 } else { 0.0 };
+                assert!((sum - exact).abs() < 1e-14, "{n} {k}");
+            }
+        }
+    }
+
+    #[test]
+    fn interpolation_error_is_within_kappa() {
+        for m in 1..=6 {
+            let nodes = &legendre(m).0;
+            let (x, w) = legendre(12);
+            // The extremal function x^m: the bound is reached.
+            let mean: f64 = x
+                .iter()
+                .zip(w)
+                .map(|(&x, w)| {
+                    let value: f64 = lagrange(nodes, x).iter().zip(nodes).map(|(l, n)| l * n.powi(m as i32)).sum();
+                    0.5 * w * (x.powi(m as i32) - value).powi(2)
+                })
+                .sum();
+            assert!((mean.sqrt() / kappa(m) - 1.0).abs() < 1e-10, "{m}");
+        }
+    }
+
+    #[test]
+    fn logarithm_errors() {
+        for m in 2..=5 {
+            let nodes = &legendre(m).0;
+            let (x, w) = legendre(12);
+            let (mut mean, mut supremum) = (0.0, 0.0_f64);
+            for k in 0..60 {
+                let (a, b) = (if k == 59 { 0.0 } else { 0.7f64.powi(k + 1) }, 0.7f64.powi(k));
+                for (x, w) in x.iter().zip(w) {
+                    let t = a + 0.5 * (b - a) * (1.0 + x);
+                    let basis = lagrange(nodes, 2.0 * t - 1.0);
+                    let value: f64 =
+                        basis.iter().zip(nodes).map(|(l, n)| l * 0.5 * (1.0 + n) * (0.5 * (1.0 + n)).ln()).sum();
+                    mean += 0.5 * (b - a) * w * (t * t.ln() - value).powi(2);
+                    supremum = supremum.max((t * t.ln() - value).abs());
+                }
+            }
+            // What `residual_norm` takes as the ratio of supremum and mean square.
+            assert!(supremum < 10.0 * logarithm_error(m));
+            let exact = mean.sqrt();
+            assert!(exact <= logarithm_error(m) && logarithm_error(m) < 1.02 * exact, "{m} {exact}");
+        }
+    }
+
+    /// Whether factor * q - e is positive definite, by elimination.
+    fn dominated(e: &[Vec<f64>], q: &[Vec<f64>], factor: f64) -> bool {
+        let n = e.len();
+        let mut a: Vec<Vec<f64>> = (0..n).map(|i| (0..n).map(|j| factor * q[i][j] - e[i][j]).collect()).collect();
+        for k in 0..n {
+            if a[k][k] <= 0.0 {
+                return false;
+            }
+            for i in k + 1..n {
+                let l = a[i][k] / a[k][k];
+                for j in k..n {
+                    let pivot = a[k][j];
+                    a[i][j] -= l * pivot;
+                }
+            }
+        }
+        true
+    }
+
+    #[test]
+    fn logarithmic_rules_dominate_the_integral() {
+        // Basis: 1, t, ..., t^m, ln t, t ln t (a linear factor of the fade is included); weights (1-t)^a t^b, a + b = 3.
+        for m in NODES[0]..=NODES[1] {
+            let rule = rule(m, Touch::Low);
+            let moment = |k: usize, l: usize| -> f64 {
+                // int t^k ln^l t = (-1)^l l!/(k+1)^(l+1).
+                let sign = if l.is_multiple_of(2) { 1.0 } else { -1.0 };
+                let factorial: usize = (1..=l).product();
+                sign * factorial as f64 / ((k + 1) as f64).powi(l as i32 + 1)
+            };
+            let basis: Vec<(usize, usize)> = (0..=m.max(3)).map(|k| (k, 0)).chain([(0, 1), (1, 1)]).collect();
+            for b in 0..=3_usize {
+                let a = 3 - b;
+                let binomial = |i: usize| -> f64 {
+                    let sign = if i.is_multiple_of(2) { 1.0 } else { -1.0 };
+                    sign * (0..i).map(|k| (a - k) as f64 / (k + 1) as f64).product::<f64>()
+                };
+                let exact: Vec<Vec<f64>> = basis
+                    .iter()
+                    .map(|p| {
+                        basis
+                            .iter()
+                            .map(|q| (0..=a).map(|i| binomial(i) * moment(p.0 + q.0 + b + i, p.1 + q.1)).sum())
+                            .collect()
+                    })
+                    .collect();
+                let value = |p: &(usize, usize), k: usize| {
+                    let t: f64 = 0.5 * (1.0 + rule.points[k]);
+                    t.powi(p.0 as i32) * rule.logarithm[k].powi(p.1 as i32)
+                };
+                let sums: Vec<Vec<f64>> = basis
+                    .iter()
+                    .map(|p| {
+                        basis
+                            .iter()
+                            .map(|q| {
+                                (0..rule.points.len())
+                                    .map(|k| {
+                                        let t: f64 = 0.5 * (1.0 + rule.points[k]);
+                                        0.5 * rule.weights[k]
+                                            * (1.0 - t).powi(a as i32)
+                                            * t.powi(b as i32)
+                                            * value(p, k)
+                                            * value(q, k)
+                                    })
+                                    .sum()
+                            })
+                            .collect()
+                    })
+                    .collect();
+                assert!(dominated(&exact, &sums, 1.0 + LOGARITHMIC_SLACK), "m {m} weight {a} {b}");
+            }
+        }
+    }
+}

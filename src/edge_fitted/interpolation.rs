@@ -1,0 +1,376 @@
+//! Bounds of what interpolation of displacement and slope on a subcell leaves out.
+//!
+//! On a line of direction s through the subcell (half length h) and for a kernel 1/r, |d^k/ds^k 1/r| <= k!/r^(k+1): 1/r is
+//! harmonic in space and Legendre polynomials are at most 1. Interpolation at m Gauss nodes errs by at most
+//! kappa_m h^m sup |d^m|/m! in the mean square (`gauss::kappa`); tensor interpolation by the sum over both directions,
+//! since the second acts on a polynomial that the Gauss sum squares exactly. For an edge, L = int ds/r:
+//!
+//! ```text
+//! |d^m L|/m! <= min( length/delta^(m+1), 2 B_m/delta^m ),                      delta = distance of edge and subcell,
+//! |d^m L|/m! <= B_m (1/r1^m + 1/r2^m) + (2/m) (|s . n|/d)^m,                   r1, r2 from its ends, d from its line,
+//! ```
+//!
+//! the second because L = ln(r1 + |a1|) + ln(r2 + |a2|) - 2 ln d between the ends, where ln(r + |a|) is the potential of a
+//! half line that leads away, and has no third term beyond them. On a subcell that touches the edge, ln d = ln t + ln d(1):
+//! ln t is kept aside and only the slope of d(1) along the side remains. u of an edge is d L/pi, with
+//! d^m u = d^(m-1) of (direction . n) L.
+
+use super::compliance::Around;
+use super::gauss::{B, NODES, Touch, logarithm_error};
+use super::mesh::{Point, dot, minus, norm};
+use super::subcell::{Fan, Hull, NearEdge, NodeLogarithm, Subcell, corner_coordinates};
+
+/// Numbers of nodes that are compared.
+pub(crate) const CHOICES: usize = NODES[1] - NODES[0] + 1;
+
+/// Bounds for one pressure, mean squares over the subcell.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Errors {
+    /// Of the slope: direction, number of nodes less two.
+    pub slope: [[f64; CHOICES]; 2],
+    /// Of the displacement.
+    pub value: [[f64; CHOICES]; 2],
+    /// Of slope and displacement, from logarithms at a node, and from rounding.
+    pub fixed: [f64; 2],
+}
+
+impl Errors {
+    pub const ZERO: Self = Self { slope: [[0.0; CHOICES]; 2], value: [[0.0; CHOICES]; 2], fixed: [0.0; 2] };
+}
+
+/// Nodes of a block (a whole cell) along each direction, at least and at most: the field of what is not near is
+/// interpolated from them.
+pub(crate) const BLOCK_NODES: [usize; 2] = [3, 8];
+
+/// sup of the monic Chebyshev polynomial of degree `n` on [-1, 1].
+fn chebyshev_size(n: usize) -> f64 {
+    0.5f64.powi(n as i32 - 1)
+}
+
+/// A bound of the Lebesgue constant of up to 8 Chebyshev nodes: 2/pi ln 8 + 1 (Rivlin 1974).
+const CHEBYSHEV_LEBESGUE: f64 = 2.33;
+
+/// Sums over what is not near a cell: by direction, the coefficients of h^m in the bounds on a subcell.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Far {
+    pub slope: [[f64; CHOICES]; 2],
+    pub value: [[f64; CHOICES]; 2],
+    /// What the interpolation of slope and value over the whole cell leaves out, at most: set by [`Far::choose`].
+    pub block: [f64; 2],
+    /// The same by direction, for 3 to 8 nodes.
+    orders: [[[f64; ORDERS]; 2]; 2],
+    /// Sum of all strengths, for the rounding.
+    pub strength: f64,
+}
+
+impl Far {
+    pub const ZERO: Self = Self {
+        slope: [[0.0; CHOICES]; 2],
+        value: [[0.0; CHOICES]; 2],
+        block: [0.0; 2],
+        orders: [[[0.0; ORDERS]; 2]; 2],
+        strength: 0.0,
+    };
+
+    /// Adds `strength` times a source with these bounds, on a cell of half lengths `half`.
+    pub fn add(&mut self, strength: f64, source: &Source, half: [f64; 2]) {
+        for k in 0..2 {
+            for i in 0..CHOICES {
+                self.slope[k][i] += strength * source.slope[k][i + NODES[0]];
+                self.value[k][i] += strength * source.value[k][i + NODES[0]];
+            }
+        }
+        for k in 0..2 {
+            let mut power = half[k] * half[k];
+            for m in BLOCK_NODES[0]..ORDERS {
+                power *= half[k];
+                let factor = strength * power * chebyshev_size(m);
+                self.orders[0][k][m] += factor * source.slope[k][m];
+                self.orders[1][k][m] += factor * source.value[k][m];
+            }
+        }
+        self.strength += strength;
+    }
+
+    /// The least numbers of nodes along both directions that leave out no more than `allowed` of the slope, the value over
+    /// `decay` added; the most where none do.
+    pub fn choose(&self, allowed: f64, decay: f64) -> [usize; 2] {
+        [0, 1].map(|k| {
+            (BLOCK_NODES[0]..ORDERS)
+                .find(|&m| self.orders[0][k][m] + self.orders[1][k][m] / decay <= allowed)
+                .unwrap_or(BLOCK_NODES[1])
+        })
+    }
+
+    /// Takes the bounds for these numbers of nodes.
+    pub fn set(&mut self, count: [usize; 2]) {
+        self.block = [0, 1].map(|q| self.orders[q][0][count[0]] + CHEBYSHEV_LEBESGUE * self.orders[q][1][count[1]]);
+    }
+}
+
+/// The highest derivative that is bounded.
+const ORDERS: usize = BLOCK_NODES[1] + 1;
+
+/// |d^m|/m! of slope and displacement of a source of strength 1 at the points of a cell, along its two directions.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Source {
+    slope: [[f64; ORDERS]; 2],
+    value: [[f64; ORDERS]; 2],
+}
+
+impl Source {
+    /// A cell of pressure pi within a rectangle `length` x `thickness`, `delta` away.
+    pub fn cell([length, thickness]: [f64; 2], delta: f64) -> Self {
+        let (mut slope, mut value) = ([0.0; ORDERS], [0.0; ORDERS]);
+        let mut power = thickness / delta;
+        for m in 1..ORDERS {
+            power /= delta;
+            // power = thickness/delta^(m+1).
+            value[m] = power * length.min(2.0 * B[m] * delta);
+            slope[m] = (m + 1) as f64 * power / delta * length.min(2.0 * B[m + 1] * delta);
+        }
+        Self { slope: [slope; 2], value: [value; 2] }
+    }
+
+    /// An edge, `delta` away, seen from a cell.
+    pub fn edge<const K: usize>(e: &NearEdge<K>, around: &Around, corners: &[Point; 4], delta: f64) -> Self {
+        let (d, a) = corner_coordinates(corners, e);
+        let line = distance_from_line(&d);
+        let beside = a.iter().all(|x| *x > e.length) || a.iter().all(|x| *x < 0.0);
+        let r = e.ends.map(|p| around.distance(p));
+        let normal = e.normal();
+        let across = [-around.axis[1], around.axis[0]];
+        let mut source = Self { slope: [[0.0; ORDERS]; 2], value: [[0.0; ORDERS]; 2] };
+        for k in 0..2 {
+            let lean =
+                if around.swapped == (k == 0) { dot(normal, across).abs() } else { dot(normal, around.axis).abs() };
+            // The directions of a cell turn by no more than its skewness.
+            let lean = lean + around.turn;
+            let logarithmic = if beside {
+                0.0
+            } else if line > 0.0 {
+                lean / line
+            } else {
+                f64::INFINITY
+            };
+            for m in 1..ORDERS {
+                let n = m as i32;
+                let plain = (e.length / delta).min(2.0 * B[m]) / delta.powi(n);
+                let structured = B[m] * (r[0].powi(-n) + r[1].powi(-n)) + 2.0 / m as f64 * logarithmic.powi(n);
+                source.slope[k][m] = plain.min(structured);
+            }
+            for m in 2..ORDERS {
+                source.value[k][m] = lean.min(1.0) / m as f64 * source.slope[k][m - 1];
+            }
+        }
+        source
+    }
+
+    /// What interpolation at the most nodes leaves out, at most: of slope and value.
+    pub fn block(&self, half: [f64; 2]) -> [f64; 2] {
+        let m = BLOCK_NODES[1];
+        let power = half.map(|h| h.powi(m as i32));
+        let sup = |terms: &[[f64; ORDERS]; 2]| {
+            chebyshev_size(m) * (power[0] * terms[0][m] + CHEBYSHEV_LEBESGUE * power[1] * terms[1][m])
+        };
+        [sup(&self.slope), sup(&self.value)]
+    }
+}
+
+/// The least distance of points from a line, given their signed distances; zero where it passes between them.
+fn distance_from_line(d: &[f64; 4]) -> f64 {
+    let low = d.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = d.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    low.max(-high).max(0.0)
+}
+
+/// What a subcell takes off before it interpolates: by near edge, the logarithm at its node.
+pub(crate) type NodeLogarithms = Vec<(usize, NodeLogarithm)>;
+
+/// Sixteen units of rounding: what a coordinate difference and a logarithm of it lose.
+const ROUNDING: f64 = 16.0 * f64::EPSILON;
+
+/// The bounds of all pressures on a subcell.
+pub(crate) fn errors<const K: usize>(
+    subcell: &Subcell,
+    near: &[NearEdge<K>],
+    far: &[Far; K],
+    extent: f64,
+) -> ([Errors; K], NodeLogarithms) {
+    let hull = Hull::new(&subcell.map);
+    let corners = subcell.map.corners();
+    let half = subcell.half();
+    let map = &subcell.map;
+    let touches = [subcell.touch(0), subcell.touch(1)];
+    let node = subcell.node();
+    let fan = Fan::new(subcell);
+    let mut out = [Errors::ZERO; K];
+    let mut logarithms: NodeLogarithms = Vec::new();
+    let mut spreads: Vec<f64> = Vec::new();
+    for (index, e) in near.iter().enumerate() {
+        let normal = e.normal();
+        let touched = (0..2).find(|&k| touches[k].1 == Some(e.edge));
+        let ending = node.and_then(|n| e.nodes.iter().position(|&m| m == n));
+        let (d, a) = corner_coordinates(&corners, e);
+        let reach = d.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+        let r = [0, 1].map(|k| if ending == Some(k) { f64::INFINITY } else { hull.distance(e.ends[k]) });
+        let line = distance_from_line(&d);
+        let beside = a.iter().all(|x| *x > e.length) || a.iter().all(|x| *x < 0.0);
+        let delta =
+            if touched.is_some() || ending.is_some() { 0.0 } else { hull.distance_to_segment(&e.ends).max(line) };
+        // Slope of the distance along s and t, and the distance of the far corners from a touched edge.
+        let lean = [
+            dot(map.ds(-1.0), normal).abs().max(dot(map.ds(1.0), normal).abs()),
+            dot(map.dt(-1.0), normal).abs().max(dot(map.dt(1.0), normal).abs()),
+        ];
+        for k in 0..2 {
+            // |d^m L| h^m/m! for m = 1 .. 5.
+            let h = half[k];
+            let logarithmic = match touched {
+                Some(across) if across == k => 0.0,
+                Some(across) => {
+                    // Distances of the two far corners, over which ln d(1) varies.
+                    let far_corners = match (across, touches[across].0) {
+                        (0, Touch::Low) => [1, 2],
+                        (0, _) => [0, 3],
+                        (_, Touch::Low) => [3, 2],
+                        _ => [0, 1],
+                    };
+                    let (p, q) = (d[far_corners[0]].abs(), d[far_corners[1]].abs());
+                    0.5 * (p - q).abs() / p.min(q)
+                }
+                None if ending.is_some() || beside => 0.0,
+                None if line > 0.0 => lean[k] / line,
+                None => f64::INFINITY,
+            };
+            let mut terms = [0.0; NODES[1] + 1];
+            let (q1, q2) = (h / r[0], h / r[1]);
+            let (mut p1, mut p2, mut p3) = (1.0, 1.0, 1.0);
+            let q = h / delta;
+            let mut p = q;
+            for (m, term) in terms.iter_mut().enumerate().skip(1) {
+                p1 *= q1;
+                p2 *= q2;
+                p3 *= logarithmic;
+                let structured = B[m] * (p1 + p2) + 2.0 / m as f64 * p3;
+                // length h^m/delta^(m+1), 2 B_m (h/delta)^m.
+                let plain = p * (e.length / delta).min(2.0 * B[m]);
+                p *= q;
+                *term = if delta > 0.0 { structured.min(plain) } else { structured };
+            }
+            for (errors, c) in out.iter_mut().zip(e.strength) {
+                let c = c.abs();
+                for i in 0..CHOICES {
+                    let m = i + NODES[0];
+                    let kappa = KAPPA[m];
+                    errors.slope[k][i] += c * kappa * terms[m];
+                    errors.value[k][i] += c * if touched == Some(k) {
+                        kappa * (reach * terms[m] + lean[k] * terms[m - 1]) + 2.0 * reach * logarithm_error(m)
+                    } else {
+                        if lean[k] > 0.0 { kappa / m as f64 * lean[k] * terms[m - 1] } else { 0.0 }
+                    };
+                }
+            }
+        }
+        if let (Some(end), Some(fan)) = (ending, &fan) {
+            let direction = if end == 0 { e.direction } else { e.direction.map(|c| -c) };
+            let (logarithm, spread) = fan.logarithm(direction, touched.is_some());
+            logarithms.push((index, logarithm));
+            spreads.push(spread);
+        }
+        // Rounding of the coordinates against the distance of the nearest Gauss point: no edge crosses the subcell, and
+        // they lie deeper inside it than 0.04 of its thickness.
+        let closest = delta.max(0.04 * half[0].min(half[1]));
+        for (errors, c) in out.iter_mut().zip(e.strength) {
+            errors.fixed[0] += ROUNDING * c.abs() * (60.0 + extent / closest);
+        }
+    }
+    if let Some(fan) = &fan {
+        let before: [f64; K] = std::array::from_fn(|k| out[k].fixed[0]);
+        pair_logarithms(near, fan, &mut logarithms, &spreads, &mut out);
+        // In u each logarithm is multiplied by the distance from its edge.
+        let reach = corners.iter().map(|c| norm(minus(*c, fan.node()))).fold(0.0, f64::max);
+        for (errors, before) in out.iter_mut().zip(before) {
+            errors.fixed[1] += reach * (errors.fixed[0] - before);
+        }
+    }
+    for (errors, far) in out.iter_mut().zip(far) {
+        errors.fixed[0] += 100.0 * ROUNDING * far.strength + far.block[0];
+        errors.fixed[1] += 100.0 * ROUNDING * extent * far.strength + far.block[1];
+        for (k, h) in half.iter().enumerate() {
+            let mut power = *h;
+            for i in 0..CHOICES {
+                power *= h;
+                errors.slope[k][i] += KAPPA[i + NODES[0]] * power * far.slope[k][i];
+                errors.value[k][i] += KAPPA[i + NODES[0]] * power * far.value[k][i];
+            }
+        }
+    }
+    (out, logarithms)
+}
+
+/// kappa_m for m up to 5 (a test compares).
+const KAPPA: [f64; 6] = [
+    1.0,
+    0.577_350_269_189_625_8,
+    0.298_142_396_999_971_96,
+    0.151_185_789_203_690_95,
+    0.076_190_476_190_476_2,
+    0.038_287_154_867_017_6,
+];
+
+/// The errors of the logarithms at a node. Those of an edge under a side and of the edge that continues it are nearly the
+/// same function: they share a constant, and only the difference of the strengths counts.
+fn pair_logarithms<const K: usize>(
+    near: &[NearEdge<K>],
+    fan: &Fan,
+    logarithms: &mut NodeLogarithms,
+    spreads: &[f64],
+    out: &mut [Errors; K],
+) {
+    let mut done = vec![false; logarithms.len()];
+    for i in 0..logarithms.len() {
+        if !logarithms[i].1.own {
+            continue;
+        }
+        let partner = (0..logarithms.len())
+            .filter(|&j| {
+                !done[j] && !logarithms[j].1.own && dot(logarithms[i].1.direction, logarithms[j].1.direction) < -0.9
+            })
+            .map(|j| (j, fan.difference(logarithms[i].1.direction, logarithms[j].1.direction)))
+            .min_by(|a, b| a.1.total_cmp(&b.1));
+        let Some((j, difference)) = partner else { continue };
+        if !(difference < spreads[i]) {
+            continue;
+        }
+        (done[i], done[j]) = (true, true);
+        // psi_j = -ln(rho - a_j) is close to -psi_i.
+        logarithms[j].1.constant = -logarithms[i].1.constant;
+        let (e, f) = (&near[logarithms[i].0], &near[logarithms[j].0]);
+        for (k, errors) in out.iter_mut().enumerate() {
+            let v = e.normal().map(|n| n * e.strength[k]);
+            let w = f.normal().map(|n| n * f.strength[k]);
+            errors.fixed[0] += norm(minus(v, w)) * spreads[i] + norm(w) * difference;
+        }
+    }
+    for (i, (index, _)) in logarithms.iter().enumerate() {
+        if !done[i] {
+            for (errors, c) in out.iter_mut().zip(near[*index].strength) {
+                errors.fixed[0] += c.abs() * spreads[i];
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::edge_fitted::gauss::kappa;
+
+    #[test]
+    fn kappas() {
+        for m in 1..6 {
+            assert!((KAPPA[m] / kappa(m) - 1.0).abs() < 1e-14, "{m} {}", kappa(m));
+        }
+    }
+}

@@ -1,0 +1,74 @@
+//! Contact with sharp edges: cells graded to the edges of the material, a dense solve, proved bounds of energy and force.
+//!
+//! With S the displacement by a pressure (symbol 2/(E* |q|)) and a(v, v) = <S^-1 v, v>, the stored energy of an overlap f is
+//!
+//! ```text
+//! U = max over p >= 0 of <f, p> - <p, S p>/2 = min of a(v, v)/2 over v >= f where there is material.
+//! ```
+//!
+//! Any p >= 0 on the material gives U_low = <f, p> - <p, S p>/2 <= U. With r = f - S p and any w >= r on {f > 0}, v = S p + w is
+//! admissible in the second principle, and
+//!
+//! ```text
+//! U <= U_low + <p, w - r> + a(w, w)/2.                                                                                (1)
+//! ```
+//!
+//! a(w, w) is bounded from above by the Dirichlet integral of any continuation of w into the half-space (`residual_norm`, (2)).
+//! Where material ends, p ~ s^(-1/2); cells graded as (i/n)^4 towards every edge give bounds that close as n^-3, on a mesh that lies
+//! along the outline, however it is turned. Pair integrals of near cells are exact, those of far cells carry their remainder.
+//!
+//! Lengths are in units of the outline, depth and E* are 1.
+
+// Letters of the formulas index several arrays at once.
+#![allow(clippy::needless_range_loop)]
+
+mod active_set;
+mod annular;
+mod bilinear;
+mod cells;
+mod cholesky;
+mod compliance;
+mod discrete;
+mod fade;
+mod flat;
+mod gauss;
+mod integrand;
+mod interpolation;
+mod kites;
+mod line_potential;
+mod mesh;
+mod outline;
+mod pair_integral;
+mod polygon;
+mod rectilinear;
+mod residual_norm;
+mod simd;
+mod subcell;
+mod surroundings;
+mod symmetry;
+
+pub(crate) use annular::{Annular, Law, RadialBounds, RadialJet, Span, annular};
+pub(crate) use cells::{resample, resample_rings};
+pub(crate) use flat::{FlatStiffness, flat_stiffness};
+pub(crate) use outline::Outline;
+
+use crate::clock::Deadline;
+
+/// What is asked for and what may be spent.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Limits {
+    /// Relative half width of the bracket.
+    pub tolerance: f64,
+    /// Unknowns at most, after symmetry.
+    pub unknowns: usize,
+    /// Cells at most.
+    pub cells: usize,
+    /// The mesh that is being solved is finished; none is begun that would last longer.
+    pub deadline: Deadline,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self { tolerance: 1e-3, unknowns: 3000, cells: 12_000, deadline: Deadline::NEVER }
+    }
+}

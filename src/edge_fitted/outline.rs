@@ -1,0 +1,169 @@
+//! Where the material ends, and the meshes that fit it.
+
+use super::Limits;
+use super::kites;
+use super::mesh::{Mesh, Point, dot};
+use super::polygon::{STRAIGHT, cleaned, convex_pieces, double_area, rectilinear_frame, symmetries};
+use super::rectilinear::{graded_both, tensor};
+use super::symmetry::{Isometry, Orbits};
+
+/// The exponent of the grading. Near a sharp edge p ~ s^(-1/2) and the energy of cells of size h(s) errs by the integral
+/// of h^3 s^(-3): n^-3 for nodes (i/n)^beta with beta > 3; 4 is the least whole number.
+const EXPONENT: f64 = 4.0;
+
+/// The cells per half side of the first mesh.
+pub(crate) const COARSEST: usize = 4;
+
+/// A simple polygon, where the material ends.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Outline {
+    corners: Vec<Point>,
+    /// The direction of its sides, where all lie along two perpendicular lines.
+    frame: Option<Point>,
+    pieces: Vec<Vec<Point>>,
+    /// By how much more or less a punch displaces whose edge lies elsewhere by the rounding of the meshes, relative.
+    displaced: f64,
+}
+
+/// A mesh in the frame of its outline.
+#[derive(Debug, Clone)]
+pub(crate) struct Fitted {
+    /// The cells.
+    pub(crate) mesh: Mesh,
+    /// Cosine and sine of the angle from the outline's axes to the mesh's.
+    pub(crate) frame: Point,
+    /// The mesh's zero, from the outline's origin, in the mesh's axes.
+    pub(crate) origin: Point,
+    /// Symmetries of the outline, in the mesh's axes.
+    pub(crate) group: Vec<Isometry>,
+}
+
+impl Fitted {
+    /// A point of the mesh in the outline's axes.
+    pub(crate) fn to_outline(&self, q: Point) -> Point {
+        let [c, s] = self.frame;
+        let [x, y] = [q[0] + self.origin[0], q[1] + self.origin[1]];
+        [c * x - s * y, s * x + c * y]
+    }
+}
+
+impl Outline {
+    /// The polygon with these corners, in either order. None where it has no area, crosses itself, or cannot be cut into
+    /// convex pieces.
+    #[must_use]
+    pub fn polygon(corners: &[Point]) -> Option<Self> {
+        if corners.len() < 3 || corners.iter().flatten().any(|c| !c.is_finite()) {
+            return None;
+        }
+        let corners = cleaned(corners);
+        let pieces: Vec<Vec<Point>> = convex_pieces(&corners)?.iter().map(|p| cleaned(p)).collect();
+        let frame = rectilinear_frame(&corners);
+        let displaced = displaced(&corners, &pieces)?;
+        (double_area(&corners) > 0.0 && displaced < 1e-3).then_some(Self { corners, frame, pieces, displaced })
+    }
+
+    /// Whether the coarsest mesh leaves room for a finer one.
+    #[must_use]
+    pub fn fits(&self, limits: &Limits) -> bool {
+        let half = |fitted: Fitted| {
+            let Fitted { mesh, group, .. } = fitted;
+            2 * mesh.loaded <= limits.cells && 2 * Orbits::new(&mesh, &group).loaded <= limits.unknowns
+        };
+        self.mesh(COARSEST).is_some_and(half)
+    }
+
+    /// What the rounding of the mesh's corners does to the stiffness at most, relative.
+    pub(crate) fn displaced(&self) -> f64 {
+        self.displaced
+    }
+
+    /// A mesh with `n` cells between an edge and the middle of the part that it bounds.
+    #[must_use]
+    pub fn mesh(&self, n: usize) -> Option<Fitted> {
+        match self.frame {
+            Some(frame) => Some(self.tensor(frame, n)),
+            None => {
+                let mesh = kites::mesh(&self.pieces, n, EXPONENT)?;
+                Some(Fitted { mesh, frame: [1.0, 0.0], origin: [0.0; 2], group: symmetries(&self.corners) })
+            }
+        }
+    }
+
+    /// Lines graded on both sides to every line that holds a side.
+    fn tensor(&self, frame: Point, n: usize) -> Fitted {
+        let turned: Vec<Point> =
+            self.corners.iter().map(|p| [dot(frame, *p), frame[0] * p[1] - frame[1] * p[0]]).collect();
+        let mut lines = [0, 1].map(|k| {
+            let mut v: Vec<f64> = turned.iter().map(|p| p[k]).collect();
+            v.sort_by(f64::total_cmp);
+            let size = v[v.len() - 1] - v[0];
+            v.dedup_by(|a, b| (*a - *b).abs() <= STRAIGHT * size);
+            v
+        });
+        // The frame's origin in the middle: mirrored lines are mirrored exactly.
+        let middle = [0, 1].map(|k| 0.5 * (lines[k][0] + lines[k][lines[k].len() - 1]));
+        for k in 0..2 {
+            for v in &mut lines[k] {
+                *v -= middle[k];
+            }
+            let count = lines[k].len();
+            for i in 0..count / 2 {
+                let (a, b) = (lines[k][i], lines[k][count - 1 - i]);
+                if (a + b).abs() <= STRAIGHT * (b - a) {
+                    lines[k][i] = -b;
+                }
+            }
+        }
+        let snapped: Vec<Point> = turned
+            .iter()
+            .map(|p| {
+                [0, 1].map(|k| {
+                    let at = p[k] - middle[k];
+                    lines[k].iter().copied().min_by(|a, b| (a - at).abs().total_cmp(&(b - at).abs())).unwrap_or(at)
+                })
+            })
+            .collect();
+        let nodes = |v: &[f64]| -> Vec<f64> {
+            let mut all = vec![v[0]];
+            for pair in v.windows(2) {
+                all.extend(graded_both(pair[0], pair[1], n, EXPONENT).into_iter().skip(1));
+            }
+            all
+        };
+        let (x, y) = (nodes(&lines[0]), nodes(&lines[1]));
+        let inside = |i: usize, j: usize| {
+            let p = [0.5 * (x[i] + x[i + 1]), 0.5 * (y[j] + y[j + 1])];
+            contains(&snapped, p)
+        };
+        let mesh = tensor(&x, &y, &inside);
+        Fitted { mesh, frame, origin: middle, group: symmetries(&snapped) }
+    }
+}
+
+/// By how much more a punch displaces than one whose edge lies within eps of its own, relative: K of a set A is its capacity,
+/// which is strongly subadditive (Choquet 1954), so that for A the union of convex pieces A_i with inscribed circles of radius r_i
+///
+/// ```text
+/// K(A grown by eps) - K(A) <= sum of K((1 + eps/r_i) A_i) - K(A_i) = sum of eps/r_i K(A_i) <= K(A) sum of eps/r_i.
+/// ```
+///
+/// `None` where a piece has no inside.
+fn displaced(corners: &[Point], pieces: &[Vec<Point>]) -> Option<f64> {
+    let size = corners.iter().flatten().fold(0.0, |m: f64, c| m.max(c.abs()));
+    // Lines that are joined, corners that are left out and turned coordinates move the edge by no more.
+    let eps = 8.0 * corners.len() as f64 * STRAIGHT * size;
+    pieces.iter().map(|piece| kites::inner_circle(piece).map(|(_, r)| eps / r)).sum()
+}
+
+/// Whether a point lies inside a polygon.
+fn contains(p: &[Point], at: Point) -> bool {
+    let n = p.len();
+    (0..n)
+        .filter(|&i| {
+            let (a, b) = (p[i], p[(i + 1) % n]);
+            (a[1] > at[1]) != (b[1] > at[1]) && a[0] + (at[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0]) > at[0]
+        })
+        .count()
+        % 2
+        == 1
+}

@@ -1,0 +1,173 @@
+//! Polygons: orientation, convexity, symmetries, and the cut into convex pieces.
+
+use super::mesh::{Point, cross, dot, minus, norm};
+use super::symmetry::Isometry;
+
+/// What counts as rounding in the direction of a side and in the place of a corner, over the size of the polygon.
+pub(crate) const STRAIGHT: f64 = 1e-13;
+
+/// Twice the signed area; positive counter-clockwise.
+pub(crate) fn double_area(p: &[Point]) -> f64 {
+    (0..p.len()).map(|i| cross(p[i], p[(i + 1) % p.len()])).sum()
+}
+
+/// Counter-clockwise, without corners that lie on the line of their neighbours or coincide.
+pub(crate) fn cleaned(corners: &[Point]) -> Vec<Point> {
+    let mut p = corners.to_vec();
+    if double_area(&p) < 0.0 {
+        p.reverse();
+    }
+    loop {
+        let n = p.len();
+        let flat = (0..n).find(|&i| {
+            let (a, b, c) = (p[(i + n - 1) % n], p[i], p[(i + 1) % n]);
+            let (u, v) = (minus(b, a), minus(c, b));
+            norm(u) == 0.0 || (cross(u, v).abs() <= STRAIGHT * norm(u) * norm(v) && dot(u, v) > 0.0)
+        });
+        match flat {
+            Some(i) if n > 3 => {
+                p.remove(i);
+            }
+            _ => return p,
+        }
+    }
+}
+
+/// Whether all corners turn left.
+#[cfg(test)]
+fn is_convex(p: &[Point]) -> bool {
+    let n = p.len();
+    (0..n).all(|i| cross(minus(p[(i + 1) % n], p[i]), minus(p[(i + 2) % n], p[(i + 1) % n])) > 0.0)
+}
+
+/// The rotation (cosine, sine of the angle) that lays all sides along the axes, if there is one: by the longest side.
+pub(crate) fn rectilinear_frame(p: &[Point]) -> Option<Point> {
+    let n = p.len();
+    let sides: Vec<Point> = (0..n).map(|i| minus(p[(i + 1) % n], p[i])).collect();
+    let longest = sides.iter().copied().max_by(|a, b| norm(*a).total_cmp(&norm(*b)))?;
+    let e = longest.map(|c| c / norm(longest));
+    let size = norm(longest);
+    sides.iter().all(|s| dot(*s, e).abs().min(cross(*s, e).abs()) <= STRAIGHT * size).then_some(e)
+}
+
+/// The rotations and mirrors about the centroid that map the corners to each other.
+pub(crate) fn symmetries(p: &[Point]) -> Vec<Isometry> {
+    let n = p.len();
+    let area = double_area(p);
+    let mut c = [0.0; 2];
+    for i in 0..n {
+        let (a, b) = (p[i], p[(i + 1) % n]);
+        let w = cross(a, b) / (3.0 * area);
+        c = [c[0] + w * (a[0] + b[0]), c[1] + w * (a[1] + b[1])];
+    }
+    let size = p.iter().map(|q| norm(minus(*q, c))).fold(0.0, f64::max);
+    let close = |a: Point, b: Point| norm(minus(a, b)) <= 1e-12 * size;
+    let mut group = Vec::new();
+    let v: Vec<Point> = p.iter().map(|q| minus(*q, c)).collect();
+    for k in 0..n {
+        // Corner 0 to corner k, in the same or in the reverse order.
+        let scale = dot(v[0], v[0]);
+        if (dot(v[k], v[k]) - scale).abs() > 1e-12 * size * size || scale == 0.0 {
+            continue;
+        }
+        let exact = |x: f64| if (x - x.round()).abs() < 1e-14 { x.round() } else { x };
+        let (cos, sin) = (exact(dot(v[0], v[k]) / scale), exact(cross(v[0], v[k]) / scale));
+        let turn = Isometry { centre: c, matrix: [[cos, -sin], [sin, cos]] };
+        if (0..n).all(|i| close(turn.apply(p[i]), p[(i + k) % n])) {
+            group.push(turn);
+        }
+        // The mirror that takes v0 to vk: conjugate of v0, turned.
+        let (x, y) = (
+            exact((v[0][0] * v[k][0] - v[0][1] * v[k][1]) / scale),
+            exact((v[0][0] * v[k][1] + v[0][1] * v[k][0]) / scale),
+        );
+        let mirror = Isometry { centre: c, matrix: [[x, y], [y, -x]] };
+        if (0..n).all(|i| close(mirror.apply(p[i]), p[(n + k - i) % n])) {
+            group.push(mirror);
+        }
+    }
+    group
+}
+
+/// Whether the open segment between corners i and j runs inside a simple polygon.
+fn diagonal(p: &[Point], i: usize, j: usize) -> bool {
+    let n = p.len();
+    let (a, b) = (p[i], p[j]);
+    let inside = |at: usize, to: Point| {
+        let (before, here, after) = (p[(at + n - 1) % n], p[at], p[(at + 1) % n]);
+        let left = |u: Point, v: Point| cross(u, v) > 0.0;
+        let (u, v, w) = (minus(after, here), minus(to, here), minus(before, here));
+        if left(u, w) {
+            left(u, v) && left(v, w)
+        } else {
+            !(left(w, v) && left(v, u)) && cross(u, v) != 0.0 && cross(v, w) != 0.0
+        }
+    };
+    if !inside(i, b) || !inside(j, a) {
+        return false;
+    }
+    (0..n).all(|k| {
+        let l = (k + 1) % n;
+        if k == i || k == j || l == i || l == j {
+            return true;
+        }
+        let (c, d) = (p[k], p[l]);
+        let side = |u: Point, v: Point, w: Point| cross(minus(v, u), minus(w, u));
+        !(side(a, b, c) * side(a, b, d) <= 0.0 && side(c, d, a) * side(c, d, b) <= 0.0)
+    })
+}
+
+/// Cuts a simple polygon into convex pieces by diagonals, each piece a list of corners counter-clockwise: at the first
+/// re-entrant corner by the diagonal that leaves the fattest parts, and again.
+pub(crate) fn convex_pieces(p: &[Point]) -> Option<Vec<Vec<Point>>> {
+    let n = p.len();
+    let turn = |a: Point, b: Point, c: Point| cross(minus(b, a), minus(c, b));
+    let Some(i) = (0..n).find(|&i| turn(p[(i + n - 1) % n], p[i], p[(i + 1) % n]) <= 0.0) else {
+        return Some(vec![p.to_vec()]);
+    };
+    let before = minus(p[i], p[(i + n - 1) % n]);
+    let after = minus(p[(i + 1) % n], p[i]);
+    // The diagonal that meets the corner's bisector best and is short: both parts should be convex at the corner.
+    let best =
+        (0..n).filter(|&j| j != i && (j + 1) % n != i && (i + 1) % n != j && diagonal(p, i, j)).max_by(|&a, &b| {
+            let score = |j: usize| {
+                let v = minus(p[j], p[i]);
+                let open = (cross(before, v) / (norm(before) * norm(v))).min(cross(v, after) / (norm(v) * norm(after)));
+                // Convex at the corner on both sides, then the shorter one.
+                (if open >= -1e-12 { 1.0 } else { open }) / norm(v).powf(if open >= -1e-12 { 1.0 } else { 0.0 })
+            };
+            score(a).total_cmp(&score(b))
+        })?;
+    let (low, high) = (i.min(best), i.max(best));
+    let first: Vec<Point> = p[low..=high].to_vec();
+    let second: Vec<Point> = p[high..].iter().chain(&p[..=low]).copied().collect();
+    let mut pieces = convex_pieces(&first)?;
+    pieces.extend(convex_pieces(&second)?);
+    Some(pieces)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pieces_cover_the_polygon() {
+        let star: Vec<Point> = (0..10)
+            .map(|k| {
+                let (s, c) = (std::f64::consts::TAU * k as f64 / 10.0).sin_cos();
+                let r = if k % 2 == 0 { 1.0 } else { 0.382 };
+                [r * c, r * s]
+            })
+            .collect();
+        let ell = vec![[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]];
+        for p in [&star, &ell] {
+            let pieces = convex_pieces(p).unwrap();
+            let area: f64 = pieces.iter().map(|q| double_area(q)).sum();
+            assert!((area - double_area(p)).abs() < 1e-12);
+            assert!(pieces.iter().all(|q| is_convex(&cleaned(q))));
+        }
+        assert_eq!(symmetries(&star).len(), 10);
+        assert_eq!(symmetries(&ell).len(), 2);
+        assert!(rectilinear_frame(&ell).is_some() && rectilinear_frame(&star).is_none());
+    }
+}

@@ -1,0 +1,282 @@
+//! Cells fitted to the edges of the material: flat polygons, flats with flanks, rings, against independent values and laws.
+
+use contact_patch::bracket::Evidence;
+use contact_patch::gap::{AnyGap, Flat, Gap, Outline, Paraboloid, Place, Polyhedron, Revolved};
+use contact_patch::{
+    Contact, EffectiveModulus, Load, Loading, Method, Origin, Outputs, Settings, Solution, Unsolved, Verdict, plan,
+    solve,
+};
+
+fn contact(e_star: f64, gap: impl Gap + 'static, loading: Loading) -> Contact {
+    Contact::new(EffectiveModulus::from_e_star(e_star).unwrap(), gap, loading).unwrap()
+}
+
+/// The one state, by the route that the plan says.
+fn planned(contact: &Contact, settings: &Settings) -> Result<Solution, Unsolved> {
+    let state = solve(contact, settings).remove(0);
+    let said = plan(contact, settings).unwrap().method;
+    if let Ok(state) = &state {
+        assert_eq!(said, Some(state.method));
+    }
+    state
+}
+
+fn fitted(e_star: f64, gap: impl Gap + 'static, load: Load, settings: &Settings) -> Solution {
+    let state = planned(&contact(e_star, gap, Loading::Single(load)), settings).unwrap();
+    assert_eq!((state.method, state.origin), (Method::EdgeFitted, Origin::EdgeFitted));
+    state
+}
+
+fn within(state: &Solution, exact: f64, known: f64) {
+    let (off, said) = ((state.force / exact - 1.0).abs(), state.force_error.unwrap());
+    assert!(off <= said + known && said <= 1e-3, "off {off:e}, said {said:e}");
+}
+
+/// Side 1.
+fn regular(sides: usize) -> Vec<[f64; 2]> {
+    let radius = 0.5 / (std::f64::consts::PI / sides as f64).sin();
+    ring(sides, |_| radius)
+}
+
+fn ring(count: usize, radius: impl Fn(usize) -> f64) -> Vec<[f64; 2]> {
+    let point = |k: usize| {
+        let (sin, cos) = (std::f64::consts::TAU * k as f64 / count as f64).sin_cos();
+        [radius(k) * cos, radius(k) * sin]
+    };
+    (0..count).map(point).collect()
+}
+
+fn rectangle(a: f64, b: f64) -> Vec<[f64; 2]> {
+    vec![[0.0, 0.0], [a, 0.0], [a, b], [0.0, b]]
+}
+
+const L: [[f64; 2]; 6] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 0.0], [0.0, 0.0], [0.0, 1.0], [-1.0, 1.0]];
+
+/// P/(E* d) by another program (graded Galerkin cells, extrapolated), and how well it is known.
+fn known() -> Vec<(Vec<[f64; 2]>, f64, f64)> {
+    let star = ring(10, |k| if k % 2 == 0 { 1.0 } else { 0.381_966_011_25 });
+    vec![
+        (regular(3), 0.788_116, 3e-6),
+        (regular(4), 1.152_298, 1e-6),
+        (regular(5), 1.495_049, 3e-6),
+        (rectangle(2.0, 1.0), 1.671_071, 3e-6),
+        (rectangle(10.0, 1.0), 4.720_007, 3e-6),
+        (L.to_vec(), 2.071_13, 3e-5),
+        (star, 1.386_23, 1e-5),
+    ]
+}
+
+#[test]
+fn flat_polygons_anywhere_in_any_units() {
+    let (e_star, depth) = (7.3e10, 2.1e-7);
+    for (k, (corners, stiffness, known)) in known().into_iter().enumerate() {
+        let length = [1e-3, 25.0][k % 2];
+        let scaled: Vec<_> = corners.iter().map(|c| c.map(|v| v * length)).collect();
+        let outline = Outline::polygon(&scaled).unwrap();
+        let (area, centroid) = (outline.area(), outline.centroid());
+        let (turn, at) = (30f64.to_radians(), [3.0 * length, -7.0 * length]);
+        let placed = Flat::new(outline).placed(at, turn).unwrap();
+        let settings = Settings { outputs: Outputs { patch: true, ..Outputs::default() }, ..Settings::default() };
+        let state = fitted(e_star, placed, Load::Depth(depth), &settings);
+        within(&state, e_star * depth * length * stiffness, known);
+        let close = |a: f64, b: f64| (a - b).abs() <= 1e-12 * b.abs();
+        assert!(close(state.energy.unwrap(), 0.5 * state.force * depth) && close(state.stiffness * depth, state.force));
+        assert!(close(state.patch.area, area) && state.patch.regions == 1 && state.pressure.max.is_none());
+        let [x, y] = centroid;
+        let (sin, cos) = turn.sin_cos();
+        let moved = [at[0] + cos * x - sin * y, at[1] + sin * x + cos * y];
+        let found = state.patch.centroid.unwrap();
+        assert!((0..2).all(|m| (found[m] - moved[m]).abs() <= 1e-12 * 10.0 * length), "{found:?} {moved:?}");
+        assert_eq!(state.patch.boundary.unwrap()[0].len(), corners.len());
+        // All but the L are pressed at their centroid.
+        let [mx, my] = state.moment.unwrap();
+        let off = [-my / state.force - moved[0], mx / state.force - moved[1]];
+        let mirrored = corners != L;
+        assert_eq!(off[0].hypot(off[1]) < 1e-6 * length, mirrored, "{off:?}");
+    }
+}
+
+#[test]
+fn triangles_that_no_symmetry_helps() {
+    // A right triangle, and one that is not level: the latter is left to the grid.
+    let outline = Outline::polygon(&[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]).unwrap();
+    let state = fitted(1.0, Flat::new(outline.clone()), Load::Depth(1.0), &Settings::default());
+    within(&state, 0.866_42, 3e-5);
+    let tilted = contact(1.0, Flat::new(outline).tilted([0.1, 0.0]), Loading::depth(1.0));
+    assert_eq!(plan(&tilted, &Settings::default()).unwrap().method, Some(Method::Fft));
+}
+
+#[test]
+fn any_star_shaped_polygon_lies_between_its_circles() {
+    let mut state = 20_260_112_u64;
+    let mut lot = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    let settings = Settings { tolerance: 1e-2, ..Settings::default() };
+    for count in [3, 4, 5, 6, 7, 8, 9, 11] {
+        let radii: Vec<f64> = (0..count).map(|_| 0.5 + lot()).collect();
+        let corners = ring(count, |k| radii[k]);
+        let area = Outline::polygon(&corners).unwrap().area();
+        let state = fitted(1.0, Flat::new(Outline::polygon(&corners).unwrap()), Load::Depth(1.0), &settings);
+        let most = radii.iter().copied().fold(0.0, f64::max);
+        let error = state.force_error.unwrap();
+        // Of all plan-forms of one area the disc carries least (Polya & Szego 1945).
+        let disc = 2.0 * (area / std::f64::consts::PI).sqrt();
+        assert!(error <= 1e-2 && state.force * (1.0 + error) >= disc && state.force * (1.0 - error) <= 2.0 * most);
+    }
+}
+
+#[test]
+fn a_force_has_its_depth_exactly() {
+    let square = || Flat::new(Outline::polygon(&regular(4)).unwrap());
+    let pressed = fitted(2.0, square(), Load::Depth(3e-3), &Settings::default());
+    let loaded = fitted(2.0, square(), Load::Force(5.0), &Settings::default());
+    assert_eq!(loaded.force, 5.0);
+    assert!((loaded.depth * pressed.stiffness / 5.0 - 1.0).abs() < 1e-13);
+    assert!((loaded.depth * 2.0 * 1.152_298 / 5.0 - 1.0).abs() <= loaded.force_error.unwrap() + 1e-6);
+}
+
+#[test]
+fn a_list_is_one_solve() {
+    let square = || Flat::new(Outline::polygon(&rectangle(5.0, 1.0)).unwrap());
+    let list: Vec<Load> = [1e-4, 3e-3, 0.2].map(Load::Depth).into_iter().chain([Load::Force(7.0)]).collect();
+    let outputs = Outputs { bracket: true, ..Outputs::default() };
+    let settings = Settings { outputs, ..Settings::default() };
+    let states = solve(&contact(1.0, square(), Loading::Steps(list.clone())), &settings);
+    for (load, state) in list.into_iter().zip(states) {
+        let (state, alone) = (state.unwrap(), fitted(1.0, square(), load, &settings));
+        let close = |a: f64, b: f64| (a - b).abs() <= 1e-12 * b.abs();
+        assert!(close(state.force, alone.force) && close(state.depth, alone.depth));
+        let (own, other) = (state.bracket.unwrap(), alone.bracket.unwrap());
+        assert!(close(own.lower(), other.lower()) && close(own.upper(), other.upper()));
+    }
+}
+
+#[test]
+fn the_bracket_is_proved_and_the_field_has_its_force() {
+    let outputs = Outputs { bracket: true, pressure: true, ..Outputs::default() };
+    let settings = Settings { outputs, tolerance: 3e-4, ..Settings::default() };
+    let flat = Flat::new(Outline::polygon(&L).unwrap()).placed([0.2, 0.1], 0.4).unwrap();
+    let state = fitted(1.0, flat, Load::Depth(1.0), &settings);
+    let bracket = state.bracket.unwrap();
+    assert!(bracket.evidence() == Evidence::Proved && bracket.contains(2.071_13) && bracket.contains(state.force));
+    assert!(bracket.relative_width() <= 6.001e-4, "{}", bracket.relative_width());
+    let field = state.pressure.field.unwrap();
+    let sum = field.values.iter().sum::<f64>() * field.grid.cell_area();
+    assert!((sum / state.force - 1.0).abs() < 1e-3, "{sum}");
+}
+
+#[test]
+fn a_flat_ring_and_the_rim_of_a_table() {
+    // P/(E* d) of annuli of outer radius 1 (Nystroem's method, a logarithm split off).
+    for (inner, exact) in [(0.1, 0.999_864_355_578), (0.5, 0.981_017_896_923), (0.9, 0.821_029_779_368)] {
+        let gap = Revolved::new(vec![[3.0 * inner, 0.0], [3.0, 0.0]]).unwrap().placed([5.0, -1.0], 0.0).unwrap();
+        let outputs = Outputs { patch: true, pressure: true, ..Outputs::default() };
+        let state = fitted(1.0, gap, Load::Depth(0.01), &Settings { outputs, ..Settings::default() });
+        within(&state, 0.06 * exact, 1e-9);
+        let area = std::f64::consts::PI * 9.0 * (1.0 - inner * inner);
+        assert!((state.patch.area / area - 1.0).abs() < 1e-9 && state.patch.boundary.unwrap().len() == 2);
+        assert!((state.patch.centroid.unwrap()[0] - 5.0).abs() < 1e-12 && state.pressure.max.is_none());
+        let field = state.pressure.field.unwrap();
+        let sum = field.values.iter().sum::<f64>() * field.grid.cell_area();
+        assert!((sum / state.force - 1.0).abs() < 1e-3);
+    }
+}
+
+#[test]
+fn two_rims_are_two_regions() {
+    let rims = || Revolved::new(vec![[0.4, 0.0], [0.7, 0.3], [1.0, 0.0]]).unwrap();
+    let state = fitted(1.0, rims(), Load::Depth(0.02), &Settings::default());
+    assert_eq!(state.patch.regions, 2);
+    // Either rim alone is less, both without heed of one another are more.
+    let alone = |points: Vec<[f64; 2]>| {
+        fitted(1.0, Revolved::new(points).unwrap(), Load::Depth(0.02), &Settings::default()).force
+    };
+    let (inner, outer) = (alone(vec![[0.4, 0.0], [0.7, 0.3]]), alone(vec![[0.7, 0.3], [1.0, 0.0]]));
+    let error = 3e-3 * state.force;
+    assert!(state.force > inner.max(outer) - error && state.force < inner + outer + error);
+}
+
+#[cfg(feature = "formula")]
+mod formulas {
+    use super::*;
+    use contact_patch::gap::Formula;
+
+    fn dished() -> AnyGap {
+        AnyGap::new(Formula::within("0.001*(1-r^2)", Outline::disc(1.0).unwrap()).unwrap())
+    }
+
+    /// Rings refined by another program: 1e-5.
+    const DISHED: f64 = 6.816_95e-4;
+
+    #[test]
+    fn a_dished_punch_under_depth_and_force() {
+        let state = fitted(1.0, dished(), Load::Depth(5e-4), &Settings::default());
+        within(&state, DISHED, 1e-5);
+        // Cut off where the dish is deeper than the contact, it is the same punch.
+        assert!(state.patch.max_radius > 1.0 - 1e-9 && state.patch.regions == 1);
+        let loaded = fitted(1.0, dished(), Load::Force(DISHED), &Settings::default());
+        let error = state.stiffness * (loaded.depth - 5e-4).abs() / DISHED;
+        assert!(loaded.force == DISHED && error < 2e-3, "{error:e}");
+    }
+
+    #[test]
+    fn a_toroid() {
+        let gap = Formula::new("(r-0.0025732)^2/(2*0.00023975)").unwrap();
+        let e_star = 1.0 / ((1.0 - 0.25) / (2.0 * 75_485_000.0) + (1.0 - 0.01) / 1e12);
+        let state = fitted(e_star, gap, Load::Depth(1.1789e-5), &Settings::default());
+        within(&state, 7.691_39, 1e-5);
+        assert!(state.pressure.max.is_some_and(|p| p > 0.0));
+    }
+
+    #[test]
+    fn material_that_is_not_known_is_left_alone() {
+        // No number for r < 0.3: no proof rests on it.
+        let gap = Formula::within("0*sqrt(r-0.3)", Outline::disc(1.0).unwrap()).unwrap();
+        let contact = contact(1.0, gap, Loading::depth(1e-3));
+        assert_ne!(plan(&contact, &Settings::default()).unwrap().method, Some(Method::EdgeFitted));
+    }
+}
+
+#[test]
+fn a_truncated_pyramid_is_its_flat_where_that_is_enough() {
+    // Inradius 0.5: a flat square of side 1, flanks of slope 1.
+    let pyramid = || Polyhedron::truncated_pyramid(4, 45f64.to_radians(), 0.5).unwrap();
+    for depth in [1e-7, 5e-5, 1e-3] {
+        let state = fitted(1.0, pyramid(), Load::Depth(depth), &Settings::default());
+        let (flat, growth) = (1.152_298 * depth, depth / 0.5);
+        let error = state.force_error.unwrap() + 1e-6;
+        assert!(state.force * (1.0 + error) >= flat && state.force * (1.0 - error) <= flat * (1.0 + 0.5 * growth));
+    }
+    // Placed and turned, the same force.
+    let placed = pyramid().placed([3.0, 4.0], 0.3).unwrap();
+    within(&fitted(1.0, placed, Load::Depth(5e-5), &Settings::default()), 1.152_298 * 5e-5, 5e-5);
+    // Too deep, or too sharp a question: a grid is solved.
+    for (depth, tolerance) in [(0.05, 1e-3), (5e-5, 2e-5)] {
+        let settings = Settings { tolerance, ..Settings::default() };
+        let deep = contact(1.0, pyramid(), Loading::depth(depth));
+        assert_eq!(plan(&deep, &settings).unwrap().method, Some(Method::Fft));
+    }
+}
+
+#[test]
+fn what_it_cannot_fit_is_said() {
+    let settings = Settings { method: Method::EdgeFitted, ..Settings::default() };
+    let smooth = contact(1.0, Paraboloid::new([1.0, 2.0]).unwrap(), Loading::depth(0.1));
+    assert_eq!(solve(&smooth, &settings).remove(0).unwrap_err().verdict, Verdict::NotApplicable);
+    // Cells are prescribed: a grid is wanted.
+    let square = contact(1.0, Flat::new(Outline::polygon(&regular(4)).unwrap()), Loading::depth(1.0));
+    let cells = Settings { cells: Some(16), ..Settings::default() };
+    assert_eq!(plan(&square, &cells).unwrap().method, Some(Method::Fft));
+    assert_eq!(solve(&square, &cells).remove(0).unwrap_err().best.unwrap().origin, Origin::OneGrid);
+}
+
+#[test]
+fn a_tolerance_out_of_reach_keeps_its_number() {
+    let square = contact(1.0, Flat::new(Outline::polygon(&regular(4)).unwrap()), Loading::depth(1.0));
+    let settings = Settings { method: Method::EdgeFitted, tolerance: 1e-9, seconds: 0.3, ..Settings::default() };
+    let short = solve(&square, &settings).remove(0).unwrap_err();
+    assert_eq!(short.verdict, Verdict::ToleranceNotReached);
+    within(&short.best.unwrap(), 1.152_298, 1e-6);
+}
