@@ -252,14 +252,14 @@ fn bounds_taylor_forms_and_means_hold() {
             let bounds = gap.bounds(&rect, slope).unwrap_or_else(|| panic!("{seed}: no bounds"));
             let mean = gap.mean_bounds(&rect).unwrap_or_else(|| panic!("{seed}: no bounds of the mean"));
             let (n, mut sum) = (12, 0.0);
-            let mut values = vec![0.0; n * n];
+            let mut values = Vec::with_capacity(n * n);
             for k in 0..n * n {
                 let [s, t] = [k % n, k / n].map(|i| (i as f64 + 0.5) / n as f64);
                 let p = [rect.min[0] + s * rect.size()[0], rect.min[1] + t * rect.size()[1]];
                 let (x, y) = (p[0] - c[0], p[1] - c[1]);
                 let value = gap.gap(p[0], p[1]);
                 sum += value / (n * n) as f64;
-                values[k] = value;
+                values.push(value);
                 let less = value - slope[0] * x - slope[1] * y;
                 let room = rounding(value);
                 assert!(bounds[0] <= less + room && less <= bounds[1] + room, "{seed}: {bounds:?} {less} {rect:?}");

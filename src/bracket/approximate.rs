@@ -24,7 +24,7 @@ const DOUBT: f64 = 10.0;
 /// taken off. The upper side alone may be proved ([`Side::evidence`]).
 ///
 /// # Errors
-/// [`Verdict::Unbounded`] when the gap stays below the depth without end.
+/// [`crate::Verdict::Unbounded`] when the gap stays below the depth without end.
 ///
 /// ```
 /// use contact_patch::{EffectiveModulus, bracket, gap::Polyhedron};

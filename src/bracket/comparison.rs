@@ -2,7 +2,7 @@
 //!
 //! P grows with the overlap. A gap h - c with a closed form that is no larger than g wherever g < d is pressed with at least the
 //! force of g; h is given, and c is the supremum of h - g over {g < d}, found by halving rectangles on which g bounds itself
-//! ([`Gap::range`]), or on a lattice where it cannot.
+//! ([`crate::gap::Gap::bounds`]), or on a lattice where it cannot.
 
 use std::collections::BinaryHeap;
 

@@ -264,7 +264,7 @@ impl ForceBracket {
 pub struct BracketSettings {
     /// Lattice points along each side of a cell, at least 1; 4 unless said.
     pub per_cell: usize,
-    /// Whether to bound what lies between lattice points where the gap allows it ([`Gap::range`]); yes unless said.
+    /// Whether to bound what lies between lattice points where the gap allows it ([`crate::gap::Gap::bounds`]); yes unless said.
     pub prove: bool,
     /// Most rounds of [`sharp`] on either side; 4 unless said.
     pub rounds: usize,

@@ -30,12 +30,14 @@ impl State<'_> {
             ("closed_form", "closed_form") => Method::ClosedForm,
             ("approximate", "ritz") => Method::Ritz,
             ("approximate", "fabrikant") => Method::Fabrikant,
+            ("edge_fitted", "edge_fitted") => Method::EdgeFitted,
             (origin, method) => {
                 found.require(false, format!("the origin {origin} is that of the method {method}"));
                 return Ok(());
             }
         };
-        let cells = self.field.as_ref().map(|field| field.grid.shape[0].max(field.grid.shape[1]));
+        let fitted = method == Method::EdgeFitted;
+        let cells = self.field.as_ref().map(|field| field.grid.shape[0].max(field.grid.shape[1])).filter(|_| !fitted);
         let has = |path: &str| self.reader.get(path).map(|value| value.is_some());
         let outputs = Outputs {
             pressure: self.field.is_some(),
@@ -55,8 +57,17 @@ impl State<'_> {
             found.require(false, format!("{} answers this scene", method.name()));
             return Ok(());
         };
-        self.agrees_with(&own, if method == Method::ClosedForm { ROUNDING } else { APPROXIMATE }, found)?;
-        if let Some(field) = &self.field {
+        let share = match method {
+            Method::ClosedForm => ROUNDING,
+            // The same cells for the same tolerance; else both err by what they state.
+            Method::EdgeFitted if close(own.force, self.force, ROUNDING) => ROUNDING,
+            Method::EdgeFitted => self.force_error.unwrap_or(0.0) + own.force_error.unwrap_or(0.0),
+            _ => APPROXIMATE,
+        };
+        self.agrees_with(&own, share, found)?;
+        if fitted {
+            self.holds_bracket_of(&own, found);
+        } else if let Some(field) = &self.field {
             let modulus = scene.contact.modulus();
             let (worst, at) = formula::unexplained(gap, modulus, self.depth, field);
             found.require(
@@ -81,6 +92,19 @@ impl State<'_> {
             found.require(holds, "the force is no more than that of a simpler gap which lies below");
         }
         Ok(())
+    }
+
+    /// The bracket that is claimed holds the one that was found again.
+    fn holds_bracket_of(&self, own: &Solution, found: &mut Verification) {
+        let (Some(claimed), Some(own)) = (&self.bracket, &own.bracket) else { return };
+        let (lower, upper) = (own.lower(), own.upper());
+        found.require(
+            claimed.lower <= lower * (1.0 + ROUNDING) && upper * (1.0 - ROUNDING) <= claimed.upper,
+            format!(
+                "the bracket [{:e}, {:e}] holds the one of the same cells, [{lower:e}, {upper:e}]",
+                claimed.lower, claimed.upper
+            ),
+        );
     }
 
     /// Every number is that of the method, applied again.

@@ -130,6 +130,7 @@ pub(super) fn sound(pressure: &Pressure) -> bool {
         && pressure.values.iter().all(|&p| p >= 0.0 && p.is_finite())
 }
 
+#[cfg(feature = "scene")]
 pub(super) fn loaded(pressure: &Pressure) -> impl Iterator<Item = [f64; 2]> + '_ {
     pressure.grid.loaded(&pressure.values).map(|(at, _)| at)
 }

@@ -208,7 +208,8 @@ impl<'a> Cell<'a> {
     }
 }
 
-/// f in a quarter.
+/// f in a quarter. Made and used in one place, a cell at a time: a box would cost more than the room.
+#[allow(clippy::large_enum_variant)]
 enum Pieces {
     One(Piece),
     Four([Piece; 4]),

@@ -148,14 +148,12 @@ impl Expansions {
             let [even, odd] = if n < 3 { [3 * n, 9 + 2 * n] } else { [15 + 3 * (n - 3), 21 + 2 * (n - 3)] };
             let at = |k: usize| lane(&column, k);
             let [a, b, c] = [1, 2, 3].map(|a| sum(at(NODES + a), at(NODES - a)));
-            for m in 0..3 {
-                let [v, w, x, y] = EVEN[m];
+            for (m, [v, w, x, y]) in EVEN.into_iter().enumerate() {
                 let middle = at(NODES);
                 self.polynomial[even + m] = std::array::from_fn(|k| (v * middle[k] + w * a[k]) + (x * b[k] + y * c[k]));
             }
             let [a, b, c] = [1, 2, 3].map(|a| difference(at(NODES + a), at(NODES - a)));
-            for m in 0..2 {
-                let [w, x, y] = ODD[m];
+            for (m, [w, x, y]) in ODD.into_iter().enumerate() {
                 self.polynomial[odd + m] = std::array::from_fn(|k| w * a[k] + x * b[k] + y * c[k]);
             }
         }

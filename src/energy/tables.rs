@@ -383,10 +383,10 @@ fn norms<const N: usize>(c: &[[f64; N]; N], h: [f64; 2]) -> [f64; 2] {
     let slope = |line: [f64; N]| {
         (0..N).map(|k| (2 * k + 1) as f64 * line.iter().skip(k + 1).step_by(2).sum::<f64>().powi(2)).sum::<f64>()
     };
-    for b in 0..N {
+    for (b, row) in c.iter().enumerate() {
         let size = 1.0 / (2 * b + 1) as f64;
-        value += size * (0..N).map(|a| c[b][a] * c[b][a] / (2 * a + 1) as f64).sum::<f64>();
-        slopes[0] += 4.0 * size * slope(c[b]) / (h[0] * h[0]);
+        value += size * row.iter().enumerate().map(|(a, c)| c * c / (2 * a + 1) as f64).sum::<f64>();
+        slopes[0] += 4.0 * size * slope(*row) / (h[0] * h[0]);
         slopes[1] += 4.0 * size * slope(std::array::from_fn(|k| c[k][b])) / (h[1] * h[1]);
     }
     let area = h[0] * h[1];

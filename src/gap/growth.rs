@@ -6,7 +6,6 @@
 use super::Reach;
 use crate::geometry::Rect;
 use crate::numeric::Interval;
-use crate::numeric::derivatives::Real;
 
 /// Terms that are kept apart; more of them share the largest degree.
 const MOST_TERMS: usize = 6;
@@ -51,6 +50,7 @@ impl Growth {
     }
 
     /// The value, when it is one number.
+    #[cfg(feature = "formula")]
     pub(crate) fn is_number(&self) -> Option<f64> {
         match self.terms() {
             [(0.0, c)] if c.lo == c.hi => Some(c.lo),
@@ -184,6 +184,7 @@ impl Growth {
     }
 
     /// A function of the value that is not a power.
+    #[cfg(feature = "formula")]
     pub(crate) fn map(&self, f: impl Fn(Interval) -> Interval) -> Self {
         Self::power(0.0, f(self.range()), self.from)
     }
@@ -248,7 +249,7 @@ impl Growth {
     #[must_use]
     pub fn atan2(&self, other: &Self) -> Self {
         let k = self.top().max(other.top());
-        let angle = Real::atan2(self.as_power(k), other.as_power(k));
+        let angle = self.as_power(k).atan2(other.as_power(k));
         Self::power(0.0, angle, self.from.max(other.from))
     }
 }

@@ -1,5 +1,6 @@
 //! Numerical tools without physics: intervals, derivatives.
 
+#[cfg(feature = "formula")]
 pub(crate) mod derivatives;
 pub mod interval;
 

@@ -1,6 +1,6 @@
 //! A gap under a load: where the undeformed bodies overlap, found once for a state and handed to every method.
 //!
-//! [`Overlap`] asks the gap first; what follows from its construction is *certain*. Only where the gap cannot tell (a closure) is it
+//! `Overlap` asks the gap first; what follows from its construction is *certain*. Only where the gap cannot tell (a closure) is it
 //! searched, and then marked as sampled: good enough to choose a grid, never enough for a number, an error or a proof.
 
 mod components;
