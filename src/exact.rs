@@ -189,7 +189,10 @@ impl Ascent<'_> {
         // Who prescribes the grid wants the force of that grid, whether or not the bounds hold it.
         let Some([lower, upper]) = self.proved(&state) else { return Ok(Some(Refined::of(state, estimated))) };
         let force = state.force();
-        let error = (upper - force).abs().max((force - lower).abs());
+        let proved = (upper - force).abs().max((force - lower).abs());
+        // Bounds wider than the estimate leave it, but for what they show it to miss.
+        let shown = (lower - force).max(force - upper);
+        let error = proved.min(estimated.max(shown));
         Ok(Some(Refined { proved: Some([lower, upper]), ..Refined::of(state, error) }))
     }
 

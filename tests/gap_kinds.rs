@@ -330,7 +330,7 @@ fn malformed_maps_are_refused_with_the_place() {
         (text("1 2\n3 x\n"), "something else in line 2"),
         (text("1 2\n3 inf\n"), "something else in line 2"),
         (text("1 2 3\n"), "1 rows of 3 values"),
-        (text("1,5;2,5\n1;2\n"), "`1,5` in line 1"),
+        (text("1,5;2,5\n1;2\n"), "something else in line 1"),
         (xyz(""), "no points"),
         (xyz("0 0 1\n1 0\n"), "2 values in line 2"),
         (xyz("0 0 1\n1 0 1\n2 0 1\n"), "one value of y"),

@@ -136,7 +136,9 @@ impl<'a> Cell<'a> {
         Pieces::Four(std::array::from_fn(|k| {
             let place = [k % 2, k / 2];
             let rect = self.part(quarter, place.map(|n| LATTICE[2 * n]), place.map(|n| LATTICE[2 * n + 2]));
-            self.smooth(&rect).unwrap_or_else(|| self.rough(&rect))
+            // Close to a tip second derivatives have no bound, and slopes have.
+            let rough = self.rough(&rect);
+            self.smooth(&rect).filter(|piece| !(piece.taylor.rest[1] > rough.taylor.rest[1])).unwrap_or(rough)
         }))
     }
 

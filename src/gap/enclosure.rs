@@ -249,7 +249,13 @@ pub(super) fn mean(gap: &(impl Gap + ?Sized), rect: &Rect) -> Option<[f64; 2]> {
             + xx * w.powi(2) * Interval::new((1.0f64 / 24.0).next_down(), (1.0f64 / 24.0).next_up())
             + yy * h.powi(2) * Interval::new((1.0f64 / 24.0).next_down(), (1.0f64 / 24.0).next_up())
             + Interval::new(-twist.next_up(), twist.next_up());
-        return Some([mean.lo, mean.hi]);
+        // Close to a tip second derivatives have no bound, and values have.
+        let rise = taylor.gradient[0].magnitude() * rect.size()[0] + taylor.gradient[1].magnitude() * rect.size()[1];
+        if mean.width() <= rise {
+            return Some([mean.lo, mean.hi]);
+        }
+        let [low, high] = gap.bounds(rect, [0.0; 2])?;
+        return Some([mean.lo.max(low), mean.hi.min(high)]);
     }
     let [x, y] = rect.centre();
     let slope = gap.gradient(x, y).filter(|g| g.iter().all(|g| g.is_finite())).unwrap_or([0.0; 2]);

@@ -250,7 +250,8 @@ fn leave(inside: impl Fn(f64) -> bool, guess: f64) -> f64 {
         while inside(beyond) {
             within = beyond;
             beyond *= 2.0;
-            if beyond > 4.0 * LONGEST * guess {
+            // Beyond the range of numbers nothing grows any more.
+            if !(beyond > within && beyond < f64::INFINITY && beyond <= 4.0 * LONGEST * guess) {
                 return f64::INFINITY;
             }
         }
@@ -324,6 +325,15 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn a_ray_ends_at_the_end_of_numbers() {
+        for guess in [1e-320, 1.0, 1e299, 1e308, 0.0] {
+            assert_eq!(leave(|_| true, guess), f64::INFINITY, "{guess}");
+        }
+        let found = leave(|r| r < 1e300, 1e299);
+        assert!((found / 1e300 - 1.0).abs() < 1e-6);
     }
 
     #[test]

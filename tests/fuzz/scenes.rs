@@ -251,9 +251,11 @@ pub fn change(scene: &mut Value, random: &mut Random) {
             }
         }
         8 => {
-            let inner = scene["gap"].take();
-            let kind = if random.next() < 0.5 { "sum" } else { "min" };
-            scene["gap"] = json!({"kind": kind, "of": [inner, gap(random, 0)]});
+            // There may be no gap any more, nor an object to hold one.
+            if let Some(place) = scene.get_mut("gap") {
+                let kind = if random.next() < 0.5 { "sum" } else { "min" };
+                *place = json!({"kind": kind, "of": [place.take(), gap(random, 0)]});
+            }
         }
         _ => {
             let objects: Vec<&String> = all.iter().filter(|p| scene.pointer(p).is_some_and(Value::is_object)).collect();
