@@ -39,10 +39,12 @@ use serde::ser::{Serialize, SerializeMap, SerializeSeq, Serializer};
 
 use super::{Step, centre_of_pressure, numbers, said_once};
 use crate::bracket::{DepthBracket, Evidence, ForceBracket, Side, Theorem};
+use crate::clock::Deadline;
 use crate::contact::Loading;
 use crate::curve::Curve;
 use crate::grid::Grid;
 use crate::scene::Scene;
+use crate::settings::Settings;
 use crate::solution::{Origin, Solution};
 
 /// A scene with its answers, ready to be written.
@@ -84,7 +86,11 @@ fn curve(scene: &Scene, steps: &[Step]) -> Option<serde_json::Value> {
         return None;
     }
     let deepest = steps.iter().filter_map(numbers).filter(|s| s.force > 0.0).map(|s| s.depth).reduce(f64::max)?;
-    let curve = Curve::up_to(&scene.contact, &scene.settings, deepest, scene.settings.tolerance).ok()?;
+    // The whole curve takes no longer than a state may.
+    let Settings { deadline, seconds, threads, tolerance, .. } = scene.settings;
+    let deadline = if deadline == Deadline::NEVER { Deadline::after(seconds, threads) } else { deadline };
+    let settings = Settings { deadline, ..scene.settings };
+    let curve = Curve::up_to(&scene.contact, &settings, deepest, tolerance).ok()?;
     serde_json::from_str(&curve.json()).ok()
 }
 

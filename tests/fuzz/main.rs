@@ -48,7 +48,7 @@ fn drawn(seed: u64, number: u64) -> Vec<u8> {
 
 /// What a scene leads to, in a word; an error is a fault of the library.
 fn outcome(text: &[u8], maps: &Path) -> Result<String, String> {
-    let scene = match Scene::from_json_within(text, maps) {
+    let mut scene = match Scene::from_json_within(text, maps) {
         Ok(scene) => scene,
         Err(e) if e.path.is_empty() || e.given.is_empty() || e.allowed.is_empty() => {
             return Err(format!("an error without its parts: {e:?}"));
@@ -56,7 +56,8 @@ fn outcome(text: &[u8], maps: &Path) -> Result<String, String> {
         Err(_) => return Ok("refused".to_owned()),
     };
     let cells = scene.settings.cells.map(|cells| cells.min(64));
-    let settings = Settings { seconds: SECONDS, cells, ..scene.settings };
+    scene.settings = Settings { seconds: SECONDS, cells, ..scene.settings };
+    let settings = scene.settings;
     let steps = solve(&scene.contact, &settings);
     if steps.len() != scene.contact.loading().loads().len() {
         return Err("states are missing".to_owned());
