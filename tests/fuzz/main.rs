@@ -1,6 +1,6 @@
 //! Scenes drawn by lot and changed, through the library: no panic, no hang, no answer with a part missing or not finite.
 //!
-//! `cargo test --release --test fuzz` runs 1500 of fixed seeds. Longer by hand, on all cores:
+//! `cargo test --release --test fuzz` runs 4000 of fixed seeds. Longer by hand, on all cores:
 //! `FUZZ_SCENES=1000000 FUZZ_SEED=7 cargo test --release --test fuzz -- --ignored --nocapture`.
 #![cfg(all(feature = "scene", feature = "qp", feature = "formula"))]
 
@@ -184,12 +184,12 @@ fn told(tally: &Tally) {
 
 #[test]
 fn changed_scenes_are_answered_or_refused() {
-    let tally = run(1500, 20_260_801, 2);
+    let tally = run(4000, 20_260_801, 2);
     told(&tally);
     assert!(tally.faults.is_empty(), "{} faults: {:?}", tally.faults.len(), tally.faults.first());
-    // Most of it is not refused at the door.
+    // Far from all are refused or out of time.
     let solved = tally.outcomes.get("solved").copied().unwrap_or(0);
-    assert!(solved > 250, "{solved} solved");
+    assert!(solved > 400, "{solved} solved");
 }
 
 #[test]
