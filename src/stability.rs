@@ -150,8 +150,8 @@ impl Case {
             let Some(mut outcome) = solve(&self.scene.contact, &Settings { outputs, ..settings }).pop() else {
                 continue;
             };
-            // The bound of a run on prescribed cells is its own, whatever error it states.
-            if settings.cells.is_some() {
+            // The bound of a run on prescribed cells is its own, whatever error it states; a case may be that there is no answer.
+            if settings.cells.is_some() && self.verdict.is_none() {
                 outcome = outcome.or_else(Unsolved::accept_best);
             }
             let field = outcome.as_mut().ok().and_then(|solution| solution.pressure.field.take());

@@ -156,8 +156,13 @@ fn a_changed_number_is_accepted_only_where_nothing_claimed_is_false() {
                 }
                 // Another error may be stated where the truth lies within it, and no less than is shown.
                 let force = honest["force"].as_f64().unwrap();
-                let holds =
-                    path == "/force_error" && (truth.is_nan() && factor > 1.0 || (force - truth).abs() <= new * force);
+                let holds = match path.as_str() {
+                    "/force_error" => truth.is_nan() && factor > 1.0 || (force - truth).abs() <= new * force,
+                    // A wider bracket holds too.
+                    "/bracket/lower" => new <= old,
+                    "/bracket/upper" => new >= old,
+                    _ => false,
+                };
                 if !holds {
                     wrong.push(format!("{path}: {old:e} times {factor:e}"));
                 }

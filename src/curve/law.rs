@@ -128,7 +128,7 @@ impl Law {
         for _ in 0..SWEEPS {
             for k in 1..given.len() - 1 {
                 let m = given[k][2];
-                law.knots[k][2] = law.smooth(k).clamp(m * (1.0 - doubts[k]), m * (1.0 + doubts[k])).max(1.0);
+                law.knots[k][2] = law.smooth(k).max(m * (1.0 - doubts[k])).min(m * (1.0 + doubts[k])).max(1.0);
             }
         }
         law

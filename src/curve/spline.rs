@@ -49,7 +49,7 @@ impl Spline {
             .map(|k| {
                 let below = secant(&k.checked_sub(1).map_or([0.0; 3], |k| kept[k]), &kept[k]);
                 let above = kept.get(k + 1).map_or(f64::INFINITY, |next| secant(&kept[k], next));
-                kept[k][2].clamp(below.min(above), above)
+                kept[k][2].max(below.min(above)).min(above)
             })
             .collect();
         let knots = (0..n)

@@ -55,7 +55,7 @@ impl Star<'_> {
                     None if ray.along.g_aa >= 0.0 || ray.along.g_a > d => 2.0,
                     None => 0.7,
                 };
-                let next = (ray.a * y.clamp(1.0 / bound, bound)).min(ray.limit);
+                let next = (ray.a * y.max(1.0 / bound).min(bound)).min(ray.limit);
                 let kinked = self.line(&ray).kinks.first().is_some_and(|&kink| kink < next.max(ray.a));
                 if (kinked && d > 0.0) || sweep > PATIENT_SWEEPS {
                     if (ray.along.g_a - d).abs() > 0.1 * residual_allowed * d {
@@ -186,7 +186,7 @@ impl Star<'_> {
             let (s0, s2) = ((m1 - m0) / h0, (m2 - m1) / h2);
             let bend = (s2 - s0) / (h0 + h2);
             let slope = (s0 * h2 + s2 * h0) / (h0 + h2);
-            let shift = if bend > 0.0 { (-0.5 * slope / bend).clamp(-h0, h2) } else { 0.0 };
+            let shift = if bend > 0.0 { (-0.5 * slope / bend).max(-h0).min(h2) } else { 0.0 };
             let drop = 0.25 * slope * slope / bend;
             if bend > 0.0 && drop > 1e-3 * m1.abs() && m1 - 4.0 * drop < best.1 {
                 let angle = self.rays[k].spoke.angle + shift;

@@ -180,7 +180,7 @@ impl Gap for Revolved {
 
     fn mean(&self, cell: &Rect) -> f64 {
         let furthest = cell.corners().iter().map(|c| c[0].hypot(c[1])).fold(0.0, f64::max);
-        let nearest = [0, 1].map(|m| 0.0_f64.clamp(cell.min[m], cell.max[m]));
+        let nearest = [0, 1].map(|m| 0.0_f64.max(cell.min[m]).min(cell.max[m]));
         // As at the edge of a flat punch, rounding must not cost a cell its material.
         let [w, h] = cell.size();
         let rounding = 1e-9 * w.hypot(h);

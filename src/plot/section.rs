@@ -173,7 +173,7 @@ impl Figure for Picture<'_> {
             .set_all_tick_mark_size(px(5))
             .draw()?;
         // The gap that is left, between the surface and the punch above it.
-        let top = |k: usize| (along[k] / length, punch[k].clamp(surface[k].min(high), high) / height);
+        let top = |k: usize| (along[k] / length, punch[k].max(surface[k]).min(high) / height);
         let bottom = |k: usize| (along[k] / length, surface[k] / height);
         let around: Vec<(f64, f64)> = (0..along.len()).map(bottom).chain((0..along.len()).rev().map(top)).collect();
         chart.draw_series([Polygon::new(around, RGBColor(236, 236, 236).filled())])?;

@@ -273,11 +273,11 @@ fn bracket(rings: &Rings, f: &dyn RadialBounds, law: Law) -> Option<Annular> {
             return None;
         }
         let kept: Vec<bool> = (0..p.len()).map(|i| contact[i] && m[i] >= 0.0 && m[i] <= tau * p[i]).collect();
-        let fixed: Vec<f64> = (0..p.len()).map(|i| if kept[i] { 0.0 } else { m[i].clamp(0.0, tau * p[i]) }).collect();
+        let fixed: Vec<f64> = (0..p.len()).map(|i| if kept[i] { 0.0 } else { m[i].min(tau * p[i]).max(0.0) }).collect();
         let u = s.product(&fixed);
         let rest: Vec<f64> = rings.areas.iter().zip(&u).map(|(a, u)| a - u).collect();
         let free = if kept.contains(&true) { solve_on(&factor(&s, &kept)?, &kept, &rest) } else { vec![0.0; p.len()] };
-        let limited: Vec<f64> = (0..p.len()).map(|i| (free[i] + fixed[i]).clamp(0.0, tau * p[i])).collect();
+        let limited: Vec<f64> = (0..p.len()).map(|i| (free[i] + fixed[i]).min(tau * p[i]).max(0.0)).collect();
         let a = rings.norm(&request(&limited, None, &reach, false)).faded.bound();
         let both =
             if tau <= (a / (2.0 * gamma)).sqrt() { (2.0 * gamma * a).sqrt() } else { tau * gamma + a / (2.0 * tau) };
