@@ -12,6 +12,7 @@ mod pressure;
 mod section;
 mod width;
 
+#[cfg(feature = "scene")]
 pub(crate) use axes::is_text;
 pub use curve::{curve, force_depth};
 pub use error_time::error_against_time;

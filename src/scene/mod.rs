@@ -22,7 +22,6 @@ mod gap;
 #[cfg(feature = "cli")]
 mod schema;
 
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
@@ -144,7 +143,9 @@ impl Scene {
 }
 
 /// Everything there is, up to one byte more than a scene may have.
-pub(crate) fn read_all(from: impl Read) -> std::io::Result<Vec<u8>> {
+#[cfg(feature = "cli")]
+pub(crate) fn read_all(from: impl std::io::Read) -> std::io::Result<Vec<u8>> {
+    use std::io::Read;
     let mut text = Vec::new();
     from.take(LONGEST + 1).read_to_end(&mut text)?;
     Ok(text)
