@@ -5,8 +5,11 @@
 //! | every number is finite, and none that must be positive has lost digits to underflow | `incomplete` |
 //! | a force has an area, a centroid, a mean pressure, a stiffness; no force: the bodies do not overlap | `incomplete` |
 //! | what was prescribed comes back as it was given | `incomplete` |
+//! | force, energy and stiffness are those of one contact, within the bounds that were proved ([`crate::consistency`]) | `inconsistent` |
 //! | the error of the force is stated, and not larger than the tolerance | `tolerance_not_reached`, with the state |
 
+use crate::bracket::Evidence;
+use crate::consistency::{Claim, Response, nothing_left_out, within};
 use crate::contact::{Contact, Load};
 use crate::error::{Unsolved, Verdict};
 use crate::gap::Gap;
@@ -37,7 +40,11 @@ pub(crate) fn accepted(
             }
         }
         Err(mut unsolved) => {
-            unsolved.best = unsolved.best.take().filter(|state| complete(contact, load, state).is_ok());
+            match unsolved.best.as_ref().map_or(Ok(()), |state| complete(contact, load, state)) {
+                Err(broken) if broken.verdict == Verdict::Inconsistent => return Err(broken),
+                Err(_) => unsolved.best = None,
+                Ok(()) => {}
+            }
             if unsolved.hint.is_none() {
                 unsolved.hint = match (unsolved.verdict, &unsolved.best) {
                     (Verdict::TimeLimit, _) => Some(LONGER.to_owned()),
@@ -103,7 +110,44 @@ fn complete(contact: &Contact, load: Load, state: &Solution) -> Result<(), Unsol
             format!("the answer, depth {:e} and force {:e}, is not that of the load", state.depth, state.force);
         return Err(Unsolved::new(Verdict::Incomplete, reason));
     }
-    Ok(())
+    consistent(contact, state)
+}
+
+/// # Errors
+/// `Inconsistent`, with the law that is broken.
+fn consistent(contact: &Contact, state: &Solution) -> Result<(), Unsolved> {
+    // Approximate methods answer what they define; without a stated error nothing is claimed of the force.
+    let Some(error) = state.force_error.filter(|error| *error < 1.0 && state.origin != Origin::Approximate) else {
+        return Ok(());
+    };
+    if state.force == 0.0 {
+        return Ok(());
+    }
+    let e_star = contact.modulus().e_star();
+    let force = state.force / e_star;
+    let claim = Claim { force, error: error * force };
+    if let Some(bracket) = state.bracket.as_ref().filter(|bracket| bracket.evidence() == Evidence::Proved) {
+        within([bracket.lower() / e_star, bracket.upper() / e_star], claim, "the proof")?;
+    }
+    let gap = contact.tilted_gap(state.tilt);
+    if let Some(grid) = &state.grid {
+        nothing_left_out(&gap, state.depth, &[grid.extent()], force)?;
+    }
+    let known = gap.known();
+    let depth = state.depth - known.law.map_or_else(|| least(&gap).1, |law| law.lowest);
+    // The lowest point that was found may be none of the material's.
+    if !(depth.is_finite() && depth > 0.0) {
+        return Ok(());
+    }
+    let degree = known.law.map(|law| law.degree);
+    let response = Response {
+        claim,
+        energy: state.energy.map(|u| u / e_star),
+        stiffness: state.stiffness / e_star,
+        depth,
+        degree,
+    };
+    response.of_one_contact()
 }
 
 /// Numbers that are not finite, and positive ones that are too small to hold all their digits.

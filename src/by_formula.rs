@@ -156,21 +156,18 @@ fn end_of_material(gap: &AnyGap, [x, y]: [f64; 2], farthest: f64) -> f64 {
     }
 }
 
-/// The state at a depth and tilt (`gap` is the contact's gap under that tilt), in the user's units.
+/// The state at an overlap under this tilt, in the user's units.
 ///
 /// # Errors
 /// As [`of`].
 pub(crate) fn solution(
     contact: &Contact,
-    gap: &AnyGap,
-    depth: f64,
+    overlap: &Overlap,
     tilt: [f64; 2],
     settings: &Settings,
 ) -> Result<Solution, Unsolved> {
-    let Some(overlap) = Overlap::of(gap, depth)? else {
-        return Ok(Solution::apart(Method::ClosedForm, depth, tilt));
-    };
-    let Formula { contact: form, found, mut left_out } = of(&overlap, contact.modulus(), settings.deadline)?;
+    let depth = overlap.depth;
+    let Formula { contact: form, found, mut left_out } = of(overlap, contact.modulus(), settings.deadline)?;
     let ellipse = form.patch;
     let outputs = settings.outputs;
     let reference = contact.gap().known().reference;

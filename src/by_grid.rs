@@ -2,6 +2,8 @@
 
 use crate::Contact;
 use crate::bracket::ForceBracket;
+use crate::by_edges;
+use crate::consistency::{Claim, within};
 use crate::discrete::Discrete;
 use crate::domain;
 use crate::edges::{self, Edge};
@@ -19,27 +21,33 @@ use crate::separate;
 use crate::settings::{Method, Settings};
 use crate::solution::{Cost, Origin, Patch, PressureSummary, Solution};
 
-/// The state at a depth and tilt (`gap` is the contact's gap under that tilt); `with_matrix`: the stiffness against tilts too.
+/// The method on a grid that the settings ask for.
+pub(crate) fn method(settings: &Settings) -> Method {
+    if settings.method == Method::Qp { Method::Qp } else { Method::Fft }
+}
+
+/// The state at an overlap under this tilt; `with_matrix`: the stiffness against tilts too.
 ///
 /// # Errors
 /// As the solvers: `Unbounded`, `IterationLimit`, `ToleranceNotReached`, `TooLarge`.
 pub(crate) fn solution(
     contact: &Contact,
-    gap: &AnyGap,
-    depth: f64,
+    overlap: &Overlap,
     tilt: [f64; 2],
     settings: &Settings,
     with_matrix: bool,
 ) -> Result<Solution, Unsolved> {
-    let method = if settings.method == Method::Qp { Method::Qp } else { Method::Fft };
-    let Some(overlap) = Overlap::of(gap, depth)? else {
-        return Ok(Solution::apart(method, depth, tilt));
-    };
-    if let Some(rectangles) = separate::rectangles(&overlap, settings) {
+    let (gap, depth, method) = (&overlap.gap, overlap.depth, method(settings));
+    if let Some(rectangles) = separate::rectangles(overlap, settings) {
         return separate::solution(contact, gap, depth, tilt, settings, &rectangles, with_matrix);
     }
     let (law, scaled) = (gap.known().law, overlap.scaled());
     let refined = exact::refined(&scaled, settings, method, law)?;
+    if let Some(bounds) = by_edges::force_bounds(overlap, settings) {
+        let unit = scaled.units.length * scaled.units.height;
+        let claim = Claim { force: refined.force * unit, error: refined.error * unit };
+        within(bounds, claim, "its flat part")?;
+    }
     let mut solution = dimensional(contact, &scaled, &refined, law, depth, tilt, settings)?;
     if with_matrix {
         solution = with_stiffness_matrix(contact, &scaled, &refined, solution)?;
@@ -102,7 +110,7 @@ pub(crate) fn in_frame(
     cells: usize,
     frame: &mut Frame,
 ) -> Result<Solution, Unsolved> {
-    let method = if settings.method == Method::Qp { Method::Qp } else { Method::Fft };
+    let method = method(settings);
     let Some(overlap) = Overlap::of(gap, depth)? else {
         return Ok(Solution::apart(method, depth, tilt));
     };
@@ -158,7 +166,7 @@ impl Held {
     /// # Errors
     /// As [`solution`].
     pub fn at_depth(contact: &Contact, depth: f64, settings: &Settings) -> Result<Option<Self>, Unsolved> {
-        let method = if settings.method == Method::Qp { Method::Qp } else { Method::Fft };
+        let method = method(settings);
         let Some(overlap) = Overlap::of(contact.gap(), depth)? else { return Ok(None) };
         let scaled = overlap.scaled();
         let refined = exact::refined(&scaled, settings, method, None)?;

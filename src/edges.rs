@@ -187,6 +187,13 @@ impl Ladder {
         self.states.len()
     }
 
+    /// Sums of the pressures of the finest and of those with half, a quarter of its cells and so on, coarse to fine.
+    pub fn sums(&self) -> Vec<f64> {
+        let mut sums: Vec<f64> = self.states.iter().rev().step_by(STEPS as usize).map(GridState::force).collect();
+        sums.reverse();
+        sums
+    }
+
     /// Iterations and products with the operator on all of them.
     pub fn spent(&self) -> (usize, usize) {
         self.states.iter().fold((0, 0), |(i, p), s| (i + s.iterations, p + s.operator_products))

@@ -141,6 +141,8 @@ pub enum Verdict {
     TimeLimit,
     /// The answer lacks a part, or a number of it is beyond the range of numbers.
     Incomplete,
+    /// The answer breaks a law that every contact obeys.
+    Inconsistent,
 }
 
 impl Verdict {
@@ -160,6 +162,7 @@ impl Verdict {
             Self::NotApplicable => "not_applicable",
             Self::TimeLimit => "time_limit",
             Self::Incomplete => "incomplete",
+            Self::Inconsistent => "inconsistent",
         }
     }
 }

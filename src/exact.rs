@@ -1,5 +1,6 @@
 //! The exact contact at one depth: grids that become finer until the force is known to the tolerance.
 
+use crate::consistency::{self, Claim};
 use crate::domain::{coarsest, locate, locate_closely, shape, squared};
 use crate::edges::{self, Border, Edge, Ladder};
 use crate::energy::{Trial, force_bounds};
@@ -61,12 +62,15 @@ pub(crate) struct Refined {
     pub ladder: Option<Ladder>,
     /// Proved bounds of the force, from the pressure of `state`.
     pub proved: Option<[f64; 2]>,
+    /// Sums of the pressures of the grids, coarse to fine.
+    pub sums: Vec<f64>,
 }
 
 impl Refined {
     /// One grid whose force is the best there is.
     pub fn of(state: GridState, error: f64) -> Self {
-        Self { force: state.force(), error, grids: 1, state, stopped: None, ladder: None, proved: None }
+        let force = state.force();
+        Self { force, error, grids: 1, state, stopped: None, ladder: None, proved: None, sums: vec![force] }
     }
 
     /// Best values of what is found in a state: of the finest grid, or the limits of all where the contact ends at sharp edges.
@@ -87,6 +91,15 @@ impl Refined {
     fn within(self, [lower, upper]: [f64; 2]) -> Self {
         let force = self.force.clamp(lower, upper);
         Self { force, error: (upper - force).max(force - lower), proved: Some([lower, upper]), ..self }
+    }
+
+    /// # Errors
+    /// `Inconsistent`, when the force breaks a law that every contact obeys.
+    fn is_consistent(&self, scaled: &Scaled) -> Result<(), Unsolved> {
+        let claim = Claim { force: self.force, error: self.error };
+        consistency::limit_of(&self.sums, claim)?;
+        consistency::above_ellipse(scaled, &self.state, claim)?;
+        self.proved.map_or(Ok(()), |bounds| consistency::within(bounds, claim, "the energy"))
     }
 
     fn is_within(&self, tolerance: f64) -> bool {
@@ -145,10 +158,12 @@ pub(crate) fn as_far_as(
         None => ascent.free()?,
     };
     // The scaled opens only when the bodies overlap somewhere, so they do touch.
-    best.filter(|b| b.force > 0.0).ok_or_else(|| {
+    let best = best.filter(|b| b.force > 0.0).ok_or_else(|| {
         let reason = "the bodies overlap, but no cell does as a whole: the grid is too coarse to see the contact";
         Unsolved::new(Verdict::ToleranceNotReached, reason)
-    })
+    })?;
+    best.is_consistent(scaled)?;
+    Ok(best)
 }
 
 /// Grids that become finer, and what they found.
@@ -291,7 +306,8 @@ impl Ascent<'_> {
                 }
             }
             let grids = if few { 1 } else { self.energies.len().max(1) };
-            let found = Refined { state, force: value, error, grids, stopped: None, ladder: None, proved: None };
+            let sums = if few { vec![state.force()] } else { self.forces.clone() };
+            let found = Refined { state, force: value, error, grids, stopped: None, ladder: None, proved: None, sums };
             if !good {
                 best = Some(found);
                 continue;
@@ -387,6 +403,7 @@ impl Ascent<'_> {
         let stopped = stopped.or_else(|| Some(most()));
         let grids = ladder.grids();
         let (force, error) = (limit.value, limit.error);
-        Ok(Refined { state, force, error, grids, stopped, ladder: Some(ladder), proved: None })
+        let sums = ladder.sums();
+        Ok(Refined { state, force, error, grids, stopped, ladder: Some(ladder), proved: None, sums })
     }
 }

@@ -48,6 +48,7 @@ pub mod cli;
 mod clock;
 pub mod closed_form;
 pub mod compare;
+mod consistency;
 mod contact;
 pub mod curve;
 mod discrete;

@@ -3,6 +3,7 @@
 use crate::contact::Contact;
 use crate::error::{Unsolved, Verdict};
 use crate::gap::AnyGap;
+use crate::overlap::Overlap;
 use crate::settings::{Method, Settings};
 use crate::solution::Solution;
 use crate::{by_approximation, by_edges, by_formula, by_grid};
@@ -18,22 +19,31 @@ pub(crate) fn respond(
     settings: &Settings,
     with_matrix: bool,
 ) -> Result<Solution, Unsolved> {
-    let grid = |gap: &AnyGap| by_grid::solution(contact, gap, depth, tilt, settings, with_matrix);
     let gap = contact.tilted_gap(tilt);
+    // A prescribed grid, or a gap field, is asked for by who wants a grid.
+    let asked_for = settings.cells.is_some() || settings.outputs.gap;
+    let apart = match settings.method {
+        Method::Ritz | Method::Fabrikant => {
+            return by_approximation::solution(contact, &gap, depth, tilt, settings, with_matrix);
+        }
+        Method::EdgeFitted if tilt != [0.0; 2] => return Err(by_edges::not_applicable()),
+        Method::Auto if asked_for => Method::Fft,
+        Method::Auto => Method::ClosedForm,
+        prescribed => prescribed,
+    };
+    let Some(overlap) = Overlap::of(&gap, depth)? else { return Ok(Solution::apart(apart, depth, tilt)) };
+    let grid = || by_grid::solution(contact, &overlap, tilt, settings, with_matrix);
     match settings.method {
-        Method::ClosedForm => by_formula::solution(contact, &gap, depth, tilt, settings),
-        Method::Qp | Method::Fft => grid(&gap),
-        Method::EdgeFitted => by_edges::prescribed(contact, &gap, depth, tilt, settings),
-        // A prescribed grid, or a gap field, is asked for by who wants a grid.
-        Method::Auto if settings.cells.is_some() || settings.outputs.gap => grid(&gap),
-        Method::Auto => match without_grid(contact, &gap, depth, tilt, settings, with_matrix) {
-            None => grid(&gap),
-            Some(Err(short)) if short.verdict == Verdict::ToleranceNotReached => better(grid(&gap), short),
+        Method::ClosedForm => by_formula::solution(contact, &overlap, tilt, settings),
+        Method::EdgeFitted => {
+            by_edges::solution(contact, &overlap, settings).unwrap_or_else(|| Err(by_edges::not_applicable()))
+        }
+        Method::Auto if !asked_for => match without_grid_at(contact, &overlap, tilt, settings, with_matrix) {
+            None => grid(),
+            Some(Err(short)) if short.verdict == Verdict::ToleranceNotReached => better(grid(), short),
             Some(answered) => answered,
         },
-        Method::Ritz | Method::Fabrikant => {
-            by_approximation::solution(contact, &gap, depth, tilt, settings, with_matrix)
-        }
+        _ => grid(),
     }
 }
 
@@ -46,12 +56,27 @@ pub(crate) fn without_grid(
     settings: &Settings,
     with_matrix: bool,
 ) -> Option<Result<Solution, Unsolved>> {
-    match by_formula::solution(contact, gap, depth, tilt, settings) {
+    match Overlap::of(gap, depth) {
+        Ok(Some(overlap)) => without_grid_at(contact, &overlap, tilt, settings, with_matrix),
+        Ok(None) => Some(Ok(Solution::apart(Method::ClosedForm, depth, tilt))),
+        Err(unsolved) => Some(Err(unsolved)),
+    }
+}
+
+/// As [`without_grid`], where the overlap is known.
+fn without_grid_at(
+    contact: &Contact,
+    overlap: &Overlap,
+    tilt: [f64; 2],
+    settings: &Settings,
+    with_matrix: bool,
+) -> Option<Result<Solution, Unsolved>> {
+    match by_formula::solution(contact, overlap, tilt, settings) {
         Err(e) if e.verdict == Verdict::NoClosedForm => {}
         answered => return Some(answered),
     }
     let upright = tilt == [0.0; 2] && !with_matrix && by_edges::chosen_by(settings);
-    if upright { by_edges::solution(contact, gap, depth, settings) } else { None }
+    if upright { by_edges::solution(contact, overlap, settings) } else { None }
 }
 
 /// The state of the grid, where it is as good as asked for and within the bounds of the one that falls short.

@@ -7,6 +7,7 @@
 
 use crate::Contact;
 use crate::by_grid;
+use crate::consistency::nothing_left_out;
 use crate::displaced::{self, DisplacedGap};
 use crate::error::{Unsolved, Verdict};
 use crate::exact::{self, Refined};
@@ -159,6 +160,12 @@ pub(crate) fn solution(
     if states.is_empty() {
         return Ok(Solution::apart(Method::Fft, depth, tilt));
     }
+    let extent = |one: &One| {
+        let (refined, scaled) = (one.solved.as_ref()?, one.scaled.as_ref()?);
+        Some(scaled.units.rect_outward(&refined.state.problem.grid.extent()))
+    };
+    let boxes: Vec<Rect> = ones.iter().filter_map(extent).collect();
+    nothing_left_out(gap, depth, &boxes, total(&current))?;
     let short = || ones.iter().filter_map(|one| one.solved.as_ref()).find_map(|refined| refined.shortfall(settings));
     let short = out_of_time.or_else(short);
     let matrix = growth(contact, &ones, gap, rectangles, with_matrix)?;

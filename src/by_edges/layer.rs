@@ -33,6 +33,11 @@ const SHARE: f64 = 0.8;
 impl Layer {
     /// `None` where the gap has no level plane below all others somewhere, or the growth alone exceeds the tolerance.
     pub fn of(overlap: &Overlap, tolerance: f64) -> Option<Self> {
+        Self::up_to(overlap, 4.0 * SHARE * tolerance)
+    }
+
+    /// The same where the contact passes the flat by at most `most` of its size.
+    pub(super) fn up_to(overlap: &Overlap, most: f64) -> Option<Self> {
         let planes = overlap.gap.planes().filter(|planes| planes.len() <= MOST_CORNERS)?;
         let level = planes.iter().filter(|p| p[0] == 0.0 && p[1] == 0.0).map(|p| p[2]).reduce(f64::max)?;
         let flanks: Vec<[f64; 3]> = planes.into_iter().filter(|p| p[0] != 0.0 || p[1] != 0.0).collect();
@@ -56,7 +61,7 @@ impl Layer {
         };
         let rounding = 16.0 * f64::EPSILON * relative.iter().map(size).fold(level.abs(), f64::max);
         let growth = depth / (least - rounding);
-        if !(growth > 0.0 && 0.25 * growth <= SHARE * tolerance) {
+        if !(growth > 0.0 && growth <= most) {
             return None;
         }
         let flat = Flat::polygon(&face, middle, [1.0, 0.0], level)?;
@@ -68,6 +73,12 @@ impl Layer {
             "a flat with flanks, which the contact passes by at most {:.1e} of its size: the force is that of the flat",
             self.growth
         )
+    }
+
+    /// Bounds of P/E*.
+    pub(super) fn force(&self, depth: f64, limits: &Limits) -> Option<[f64; 2]> {
+        let [low, high] = self.flat.punch(limits)?.stiffness.map(|k| k * (depth - self.flat.value));
+        Some([low, high * (1.0 + 0.5 * self.growth * (1.0 + 8.0 * f64::EPSILON))])
     }
 
     pub(super) fn solve(&self, contact: &Contact, depth: f64, settings: &Settings, limits: &Limits) -> Option<Found> {

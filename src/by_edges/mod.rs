@@ -15,7 +15,6 @@ use crate::contact::Contact;
 use crate::domain::shape;
 use crate::edge_fitted::Limits;
 use crate::error::{Unsolved, Verdict};
-use crate::gap::AnyGap;
 use crate::geometry::Rect;
 use crate::grid::{Grid, Kernel, Pressure};
 use crate::overlap::Overlap;
@@ -84,27 +83,39 @@ impl Route {
     }
 }
 
+/// Size of the contact beside its flat, over that of the flat, up to which [`force_bounds`] are worth their cost.
+const THIN: f64 = 0.3;
+
+/// Error of the flat's stiffness in [`force_bounds`].
+const FLAT_ERROR: f64 = 1e-3;
+
+/// Bounds of P/E* by the flat that a gap is known to have, where the contact passes it by little: some hundredths of a second.
+pub(crate) fn force_bounds(overlap: &Overlap, settings: &Settings) -> Option<[f64; 2]> {
+    let limits = Limits { tolerance: FLAT_ERROR, deadline: settings.deadline, ..Limits::default() };
+    if let Some(face) = &overlap.known().face {
+        let flat = flat::Flat::of(face)?;
+        let depth = overlap.depth - flat.value;
+        return Some(flat.punch(&limits)?.stiffness.map(|k| k * depth));
+    }
+    layer::Layer::up_to(overlap, THIN)?.force(overlap.depth, &limits)
+}
+
 /// Whether the settings leave the choice of cells to the program and ask for nothing that only a grid gives.
 pub(crate) fn chosen_by(settings: &Settings) -> bool {
     settings.cells.is_none() && !settings.outputs.gap && settings.kernel == Kernel::Galerkin
 }
 
-/// The state at a depth (`gap` is the contact's own, untilted). `None` where nothing is known that cells can be fitted to.
+/// The state at the overlap of the contact's own, untilted gap. `None` where nothing is known that cells can be fitted to.
 ///
 /// # Errors
-/// `Unbounded`; `ToleranceNotReached` with the state.
+/// `ToleranceNotReached` with the state.
 pub(crate) fn solution(
     contact: &Contact,
-    gap: &AnyGap,
-    depth: f64,
+    overlap: &Overlap,
     settings: &Settings,
 ) -> Option<Result<Solution, Unsolved>> {
-    let overlap = match Overlap::of(gap, depth) {
-        Ok(Some(overlap)) => overlap,
-        Ok(None) => return Some(Ok(Solution::apart(Method::EdgeFitted, depth, [0.0; 2]))),
-        Err(unbounded) => return Some(Err(unbounded)),
-    };
-    let found = Route::of(&overlap, settings)?.solve(contact, depth, settings)?;
+    let depth = overlap.depth;
+    let found = Route::of(overlap, settings)?.solve(contact, depth, settings)?;
     let state = in_users_units(found, depth, settings);
     let error = state.force_error.unwrap_or(f64::INFINITY);
     Some(if error <= settings.tolerance {
@@ -115,23 +126,11 @@ pub(crate) fn solution(
     })
 }
 
-/// The state by [`Method::EdgeFitted`] where it is prescribed.
-///
-/// # Errors
-/// As [`solution`]; `NotApplicable` where nothing is known that cells can be fitted to.
-pub(crate) fn prescribed(
-    contact: &Contact,
-    gap: &AnyGap,
-    depth: f64,
-    tilt: [f64; 2],
-    settings: &Settings,
-) -> Result<Solution, Unsolved> {
-    let upright = if tilt == [0.0; 2] { solution(contact, gap, depth, settings) } else { None };
-    upright.unwrap_or_else(|| {
-        let reason =
-            "the gap is not known to be a level polygon, planes with a level one among them, or of revolution, upright";
-        Err(Unsolved::new(Verdict::NotApplicable, reason))
-    })
+/// The verdict where this method is prescribed and does not apply.
+pub(crate) fn not_applicable() -> Unsolved {
+    let reason =
+        "the gap is not known to be a level polygon, planes with a level one among them, or of revolution, upright";
+    Unsolved::new(Verdict::NotApplicable, reason)
 }
 
 fn in_users_units(found: Found, depth: f64, settings: &Settings) -> Solution {

@@ -43,6 +43,7 @@ mod sweeps;
 pub use choice::{at_force, auto, solve};
 pub use family::Family;
 pub use flat_punch::FlatPunch;
+pub(crate) use flat_punch::agm;
 pub use force::{Force, force};
 pub use polyhedron::RegularPolyhedron;
 pub(crate) use problem::{Problem, first_rung};

@@ -49,7 +49,7 @@ impl Overlap {
     /// `Unbounded` when the overlap has no end, with the direction in which it has none.
     pub fn of(gap: &AnyGap, depth: f64) -> Result<Option<Self>, Unsolved> {
         let certain = gap.reach(depth);
-        let found = if certain == Reach::Unknown { reach_of(gap, depth) } else { certain };
+        let found = known_or_searched(certain, gap, depth);
         let reach = match found {
             Reach::Within(rect) => rect,
             Reach::Nowhere => return Ok(None),
@@ -119,7 +119,11 @@ pub fn extent(gap: impl Into<AnyGap>, depth: f64) -> Reach {
 }
 
 pub(crate) fn reach_of(gap: &AnyGap, depth: f64) -> Reach {
-    match gap.reach(depth) {
+    known_or_searched(gap.reach(depth), gap, depth)
+}
+
+fn known_or_searched(known: Reach, gap: &AnyGap, depth: f64) -> Reach {
+    match known {
         Reach::Unknown => search::search(&|x, y| gap.gap(x, y), depth, gap.known().centre),
         known => known,
     }

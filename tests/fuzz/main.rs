@@ -15,7 +15,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-use contact_patch::{Scene, Settings, report, solve};
+use contact_patch::{Scene, Settings, Verdict, report, solve};
 use random::Random;
 use serde_json::Value;
 
@@ -67,6 +67,7 @@ fn outcome(text: &[u8], maps: &Path) -> Result<String, String> {
     for step in &steps {
         let (verdict, state) = match step {
             Ok(state) => ("solved", Some(state)),
+            Err(e) if e.verdict == Verdict::Inconsistent => return Err(e.to_string()),
             Err(e) if e.reason.is_empty() => return Err(format!("{} without a reason", e.verdict)),
             Err(e) => (e.verdict.word(), e.best.as_deref()),
         };

@@ -15,7 +15,7 @@ use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use contact_patch::{Origin, Scene, Settings, Solution, Unsolved, solve};
+use contact_patch::{Origin, Scene, Settings, Solution, Unsolved, Verdict, solve};
 use laws::{Known, LAWS, Variant, variant};
 use random::Random;
 use scenes::Drawn;
@@ -48,6 +48,9 @@ struct Tally {
 
 impl Tally {
     fn lacking(&mut self, verdict: &str) {
+        if verdict == Verdict::Inconsistent.word() {
+            self.violations.push("an answer broke a law of its own".to_owned());
+        }
         *self.unanswered.entry(verdict.to_owned()).or_default() += 1;
     }
 }
