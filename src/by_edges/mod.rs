@@ -89,9 +89,12 @@ const THIN: f64 = 0.3;
 /// Error of the flat's stiffness in [`force_bounds`].
 const FLAT_ERROR: f64 = 1e-3;
 
+/// Unknowns for it: no more than cost little beside a grid.
+const FEW: usize = 400;
+
 /// Bounds of P/E* by the flat that a gap is known to have, where the contact passes it by little: some hundredths of a second.
 pub(crate) fn force_bounds(overlap: &Overlap, settings: &Settings) -> Option<[f64; 2]> {
-    let limits = Limits { tolerance: FLAT_ERROR, deadline: settings.deadline, ..Limits::default() };
+    let limits = Limits { tolerance: FLAT_ERROR, unknowns: FEW, cells: 4 * FEW, deadline: settings.deadline };
     if let Some(face) = &overlap.known().face {
         let flat = flat::Flat::of(face)?;
         let depth = overlap.depth - flat.value;

@@ -69,6 +69,6 @@ pub(crate) struct Limits {
 
 impl Default for Limits {
     fn default() -> Self {
-        Self { tolerance: 1e-3, unknowns: 3000, cells: 12_000, deadline: Deadline::NEVER }
+        Self { tolerance: 1e-3, unknowns: 1600, cells: 12_000, deadline: Deadline::NEVER }
     }
 }

@@ -1,6 +1,7 @@
 //! Gaps written as formulas.
 
 mod far;
+mod kinks;
 mod parse;
 mod planes;
 mod structure;
@@ -50,6 +51,8 @@ pub struct Formula {
     known: Known,
     /// The reach at a depth of 1 above the lowest point of a formula with a law and without a region.
     unit_reach: OnceLock<Reach>,
+    /// Radii of kinks about the axis, where there is one.
+    rings: OnceLock<Vec<f64>>,
 }
 
 impl Formula {
@@ -75,8 +78,9 @@ impl Formula {
         let tree = Tree::new(&tape);
         let polyhedron = if region.is_none() { planes::polyhedron(&tape) } else { None };
         let known = Known::nothing();
+        let (unit_reach, rings) = (OnceLock::new(), OnceLock::new());
         let mut formula =
-            Self { expression: expression.to_owned(), tape, region, polyhedron, known, unit_reach: OnceLock::new() };
+            Self { expression: expression.to_owned(), tape, region, polyhedron, known, unit_reach, rings };
         formula.known = match &formula.polyhedron {
             Some(polyhedron) => polyhedron.describe(),
             None => formula.read(&tree),
@@ -454,6 +458,15 @@ impl Gap for Formula {
         }
         if let Some(region) = &self.region {
             region.crossings(from, direction, kinks);
+        }
+        if let (Some(axis), None) = (self.known.axis, &self.polyhedron) {
+            let [x, y] = [from[0] - axis.at[0], from[1] - axis.at[1]];
+            // |v + t e| = R.
+            let (along, square) = (x * direction[0] + y * direction[1], x * x + y * y);
+            for radius in self.rings.get_or_init(|| kinks::radii(&self.tape, axis.at)) {
+                let root = (along * along - square + radius * radius).max(0.0).sqrt();
+                kinks.extend([-along - root, -along + root].into_iter().filter(|&t| t > 0.0 && root > 0.0));
+            }
         }
     }
 
