@@ -49,6 +49,8 @@ const FINEST_PROVED: usize = 512;
 pub(crate) struct Refined {
     /// The finest grid.
     pub state: GridState,
+    /// The grid before it, where there is one: by how much a number of the finest still changes.
+    pub coarser: Option<Box<GridState>>,
     /// Best value of the force; that of the finest grid itself when the number of cells was prescribed.
     pub force: f64,
     /// Estimate of its error, absolute.
@@ -63,10 +65,15 @@ pub(crate) struct Refined {
     pub proved: Option<[f64; 2]>,
 }
 
+/// |error|/|value| where that is a number.
+fn relative(error: f64, value: f64) -> Option<f64> {
+    Some((error / value).abs()).filter(|share| share.is_finite())
+}
+
 impl Refined {
     /// One grid whose force is the best there is.
     pub fn of(state: GridState, error: f64) -> Self {
-        Self { force: state.force(), error, grids: 1, state, stopped: None, ladder: None, proved: None }
+        Self { force: state.force(), error, grids: 1, state, coarser: None, stopped: None, ladder: None, proved: None }
     }
 
     /// Best values of what is found in a state: of the finest grid, or the limits of all where the contact ends at sharp edges.
@@ -78,9 +85,42 @@ impl Refined {
         values: impl Fn(&GridState) -> Result<[f64; N], Unsolved>,
     ) -> Result<[f64; N], Unsolved> {
         match &self.ladder {
-            Some(ladder) => ladder.limits(values),
+            Some(ladder) => Ok(ladder.limits(values)?.map(|limit| limit.value)),
             None => values(&self.state),
         }
+    }
+
+    /// The same with an estimate of the relative error of each: what is left of the limits, or what has changed since the grid
+    /// before.
+    ///
+    /// # Errors
+    /// Those of `values`.
+    pub fn estimated<const N: usize>(
+        &self,
+        values: impl Fn(&GridState) -> Result<[f64; N], Unsolved>,
+    ) -> Result<[(f64, Option<f64>); N], Unsolved> {
+        let finest = if self.ladder.is_some() { None } else { Some(values(&self.state)?) };
+        self.estimated_beside(finest, values)
+    }
+
+    /// The same where those of the finest grid are known already.
+    ///
+    /// # Errors
+    /// Those of `values`.
+    pub fn estimated_beside<const N: usize>(
+        &self,
+        finest: Option<[f64; N]>,
+        values: impl Fn(&GridState) -> Result<[f64; N], Unsolved>,
+    ) -> Result<[(f64, Option<f64>); N], Unsolved> {
+        if let Some(ladder) = &self.ladder {
+            return Ok(ladder.limits(values)?.map(|Estimate { value, error }| (value, relative(error, value))));
+        }
+        let found = finest.map_or_else(|| values(&self.state), Ok)?;
+        let before = self.coarser.as_ref().map(|coarser| values(coarser)).transpose()?;
+        Ok(std::array::from_fn(|n| {
+            let error = before.as_ref().and_then(|before| relative(found[n] - before[n], found[n]));
+            (found[n], error)
+        }))
     }
 
     /// With the bounds: their distance is the error, and the force lies between them.
@@ -169,7 +209,7 @@ struct Ascent<'a> {
 impl Ascent<'_> {
     /// A prescribed grid. Two coarser ones go before it, for the estimate of the error; each costs a quarter of the next or less.
     fn prescribed(mut self, cells: usize) -> Result<Option<Refined>, Unsolved> {
-        let mut best = None;
+        let mut best: Option<Refined> = None;
         for coarser in [cells.div_ceil(4), cells.div_ceil(2)].into_iter().filter(|&n| n >= 6 && n != cells) {
             let state = self.grid(|window| shape(window, coarser), PRECISE[1], None)?;
             let error = self.limit(&state).error;
@@ -186,14 +226,17 @@ impl Ascent<'_> {
         }
         let estimate = self.limit(&state);
         let estimated = self.alone(&state, estimate)?;
+        let coarser = best.map(|b| Box::new(b.state));
         // Who prescribes the grid wants the force of that grid, whether or not the bounds hold it.
-        let Some([lower, upper]) = self.proved(&state) else { return Ok(Some(Refined::of(state, estimated))) };
+        let Some([lower, upper]) = self.proved(&state) else {
+            return Ok(Some(Refined { coarser, ..Refined::of(state, estimated) }));
+        };
         let force = state.force();
         let proved = (upper - force).abs().max((force - lower).abs());
         // Bounds wider than the estimate leave it, but for what they show it to miss.
         let shown = (lower - force).max(force - upper);
         let error = proved.min(estimated.max(shown));
-        Ok(Some(Refined { proved: Some([lower, upper]), ..Refined::of(state, error) }))
+        Ok(Some(Refined { proved: Some([lower, upper]), coarser, ..Refined::of(state, error) }))
     }
 
     /// The error of the force of a grid itself, by what it and those before it estimate.
@@ -291,7 +334,8 @@ impl Ascent<'_> {
                 }
             }
             let grids = if few { 1 } else { self.energies.len().max(1) };
-            let found = Refined { state, force: value, error, grids, stopped: None, ladder: None, proved: None };
+            let coarser = best.take().map(|b| Box::new(b.state)).filter(|c| c.problem.grid.shape != state.problem.grid.shape);
+            let found = Refined { state, coarser, force: value, error, grids, stopped: None, ladder: None, proved: None };
             if !good {
                 best = Some(found);
                 continue;
@@ -387,6 +431,6 @@ impl Ascent<'_> {
         let stopped = stopped.or_else(|| Some(most()));
         let grids = ladder.grids();
         let (force, error) = (limit.value, limit.error);
-        Ok(Refined { state, force, error, grids, stopped, ladder: Some(ladder), proved: None })
+        Ok(Refined { state, coarser: None, force, error, grids, stopped, ladder: Some(ladder), proved: None })
     }
 }

@@ -74,6 +74,7 @@ mod one_grid;
 mod outgrown;
 pub mod overlap;
 pub mod patch;
+mod peak;
 mod plan;
 #[cfg(feature = "plot")]
 pub mod plot;
@@ -94,7 +95,9 @@ mod solve;
 #[cfg(all(feature = "scene", feature = "qp", feature = "formula"))]
 pub mod stability;
 pub mod symmetry;
+mod stated;
 mod tilting;
+mod validity;
 
 pub use clock::Deadline;
 pub use contact::{Contact, Load, Loading};
@@ -109,5 +112,7 @@ pub use plan::{Plan, plan};
 #[cfg(feature = "scene")]
 pub use scene::Scene;
 pub use settings::{BoundaryFamily, ErrorBar, Method, Outputs, Settings};
-pub use solution::{Cost, ForceEvidence, Origin, Patch, PressureSummary, Solution};
+pub use solution::{
+    Cost, ForceEvidence, Origin, Patch, Piece, PressureSummary, Singular, Solution, TouchesEdge, Validity,
+};
 pub use solve::solve;
