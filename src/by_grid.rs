@@ -18,6 +18,7 @@ use crate::patch;
 use crate::peak::{self, Ends};
 use crate::separate;
 use crate::settings::{Method, Settings};
+use crate::unresolved;
 use crate::solution::{Cost, Origin, Patch, PressureSummary, Singular, Solution, TouchesEdge, Validity};
 
 /// The state at a depth and tilt (`gap` is the contact's gap under that tilt); `with_matrix`: the stiffness against tilts too.
@@ -175,7 +176,10 @@ impl Errors {
             let patch = patch::of(&state.problem, &state.solution, [0.0; 2]);
             Ok([one_grid::stiffness(state)?, state.energy(), patch.area, highest])
         })?;
-        Ok(Self { stiffness, energy, area, peak })
+        let [stiffness, area] = [stiffness, area].map(|change| change.map(|change| at_least(refined, change)));
+        let (grid, values) = (&refined.state.problem.grid, &refined.state.solution.pressure);
+        let strongest = strongest(values);
+        Ok(Self { stiffness, energy, area, peak: peak.map(|p| p.max(unresolved::peak(grid, values, strongest))) })
     }
 }
 
@@ -262,7 +266,7 @@ impl Held {
         solution.energy_error = solution.energy_error.or(energy);
         solution.area_error = solution.area_error.or(area);
         if solution.pressure.singular.is_none() && solution.touches_edge.is_none() {
-            solution.pressure.max_error = solution.pressure.max_error.or(peak.map(|error| PEAK * error));
+            solution.pressure.max_error = solution.pressure.max_error.or(peak);
         }
         match self.refined.shortfall(settings) {
             None => Ok(solution),
@@ -298,9 +302,16 @@ pub(crate) fn dimensional(
     in_users_units(contact, scaled, refined, stiffness, depth, tilt, settings)
 }
 
+/// An estimate of a relative error that rests on a boundary between cells: one step from grid to grid may be small by luck.
+fn at_least(refined: &Refined, change: f64) -> f64 {
+    let of_cells = || unresolved::boundary(&refined.state.problem.grid, &refined.state.solution.pressure);
+    if refined.ladder.is_some() { change } else { change.max(of_cells()) }
+}
+
 /// dP/dd with an estimate of its relative error.
 fn stiffness_of(refined: &Refined) -> Result<(f64, Option<f64>), Unsolved> {
-    Ok(refined.estimated(|state| Ok([one_grid::stiffness(state)?]))?[0])
+    let [(stiffness, change)] = refined.estimated(|state| Ok([one_grid::stiffness(state)?]))?;
+    Ok((stiffness, change.map(|change| at_least(refined, change))))
 }
 
 fn in_users_units(
@@ -329,6 +340,7 @@ fn in_users_units(
     let coarser = |state: &GridState| Ok(sums(state, &patch::of(&state.problem, &state.solution, reference)));
     let [(energy, energy_error), (x, _), (y, _), (area, area_error), (max_radius, _), (_, peak_error)] =
         refined.estimated_beside(Some(finest), coarser)?;
+    let area_error = area_error.map(|change| at_least(refined, change));
     // U = P (d - g0)/(2 + 1/k), of the best force.
     let (energy, energy_error) = match scaled.gap.known().law {
         Some(law) => (force * scaled.above_lowest() / (2.0 + law.degree.inverse()), Some(error / force)),
@@ -361,7 +373,7 @@ fn in_users_units(
     } else {
         None
     };
-    let strongest = (0..grid.len()).max_by(|&a, &b| values[a].total_cmp(&values[b])).unwrap_or(0);
+    let strongest = strongest(values);
     let outward_grid = Grid {
         origin: scaled.units.outward(grid.origin),
         spacing: grid.spacing.map(|h| h * length),
@@ -369,7 +381,9 @@ fn in_users_units(
     };
     let pressure = PressureSummary {
         max: singular.is_none().then_some(values[strongest] * unit_pressure),
-        max_error: peak_error.filter(|_| singular.is_none() && ends.data.is_none()).map(|error| PEAK * error),
+        max_error: peak_error
+            .filter(|_| singular.is_none() && ends.data.is_none())
+            .map(|change| change.max(unresolved::peak(&grid, values, strongest))),
         singular,
         mean: (patch.area > 0.0).then(|| force * unit_force / patch.area),
         at: Some(outward_grid.centre_of(strongest)),
@@ -450,8 +464,11 @@ fn infinite(
 /// Pieces in which kinks are looked for; the others are taken to be as these.
 const MOST_LOOKED_AT: usize = 64;
 
-/// The error of the largest pressure over what it has changed by since the grid before.
-const PEAK: f64 = 1.0;
+
+/// The cell of the largest pressure.
+fn strongest(pressure: &[f64]) -> usize {
+    (0..pressure.len()).max_by(|&a, &b| pressure[a].total_cmp(&pressure[b])).unwrap_or(0)
+}
 
 /// Where the resultant of the pressure acts, in the user's units.
 fn centre_of_load(state: &GridState, scaled: &Scaled) -> [f64; 2] {

@@ -97,6 +97,7 @@ pub mod stability;
 pub mod symmetry;
 mod stated;
 mod tilting;
+mod unresolved;
 mod validity;
 
 pub use clock::Deadline;
