@@ -146,13 +146,8 @@ fn dimensional(contact: &Contact, depth: f64, tilt: [f64; 2], settings: &Setting
         left_out.push("the boundary as a polyline".to_owned());
     }
     let extent = Rect::holding(polyline.iter().copied()).map(|rect| [rect.min, rect.max]);
-    let piece = |extent| Piece {
-        area: found.area,
-        force: found.force,
-        centroid: found.centroid,
-        extent,
-        max_pressure: None,
-    };
+    let piece =
+        |extent| Piece { area: found.area, force: found.force, centroid: found.centroid, extent, max_pressure: None };
     let pieces = extent.map(piece).into_iter().collect();
     let validity = Validity::of(contact, std::slice::from_ref(&polyline), found.area, found.force);
     Solution {

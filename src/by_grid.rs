@@ -18,8 +18,8 @@ use crate::patch;
 use crate::peak::{self, Ends};
 use crate::separate;
 use crate::settings::{Method, Settings};
-use crate::unresolved;
 use crate::solution::{Cost, Origin, Patch, PressureSummary, Singular, Solution, TouchesEdge, Validity};
+use crate::unresolved;
 
 /// The state at a depth and tilt (`gap` is the contact's gap under that tilt); `with_matrix`: the stiffness against tilts too.
 ///
@@ -433,13 +433,7 @@ fn in_users_units(
 }
 
 /// Why the pressure is infinite in the patch, if it is known to be; such pieces have no largest pressure.
-fn infinite(
-    gap: &AnyGap,
-    state: &GridState,
-    ends: &Ends,
-    patch: &mut Patch,
-    peaks: &[usize],
-) -> Option<Singular> {
+fn infinite(gap: &AnyGap, state: &GridState, ends: &Ends, patch: &mut Patch, peaks: &[usize]) -> Option<Singular> {
     let grid = &state.problem.grid;
     let mut found: Option<Singular> = None;
     for (k, (piece, &peak)) in patch.pieces.iter_mut().zip(peaks).enumerate() {
@@ -463,7 +457,6 @@ fn infinite(
 
 /// Pieces in which kinks are looked for; the others are taken to be as these.
 const MOST_LOOKED_AT: usize = 64;
-
 
 /// The cell of the largest pressure.
 fn strongest(pressure: &[f64]) -> usize {

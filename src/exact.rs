@@ -7,8 +7,8 @@ use crate::error::{Unsolved, Verdict};
 use crate::extrapolate::{self, Ends, Estimate};
 use crate::gap::{Degree, Gap, Law};
 use crate::geometry::Rect;
-use crate::grid::Kernel;
-use crate::one_grid::{GridState, Way, of_shape, other_kernel};
+use crate::grid::{Grid, Kernel};
+use crate::one_grid::{GridState, Way, laid, other_kernel};
 use crate::overlap::Scaled;
 use crate::settings::{ErrorBar, Method, Settings};
 
@@ -191,6 +191,22 @@ pub(crate) fn as_far_as(
     })
 }
 
+/// The cells of a grid that a rectangle touches.
+fn part_of(nodes: &Grid, window: &Rect) -> Grid {
+    let [x, y] = [0, 1].map(|m| {
+        let place = |v: f64| (v - nodes.origin[m]) / nodes.spacing[m];
+        let most = nodes.shape[m] as f64;
+        let first = (place(window.min[m]) + ON_LINE).floor().clamp(0.0, most - 1.0);
+        let end = (place(window.max[m]) - ON_LINE).ceil().clamp(first + 1.0, most);
+        (first, (end - first) as usize)
+    });
+    let origin = [0, 1].map(|m| nodes.origin[m] + [x.0, y.0][m] * nodes.spacing[m]);
+    Grid { origin, spacing: nodes.spacing, shape: [x.1, y.1] }
+}
+
+/// Shares of a cell by which rounding may move a line of the grid.
+const ON_LINE: f64 = 1e-6;
+
 /// Grids that become finer, and what they found.
 struct Ascent<'a> {
     scaled: &'a Scaled,
@@ -210,12 +226,21 @@ impl Ascent<'_> {
     /// A prescribed grid. Two coarser ones go before it, for the estimate of the error; each costs a quarter of the next or less.
     fn prescribed(mut self, cells: usize) -> Result<Option<Refined>, Unsolved> {
         let mut best: Option<Refined> = None;
+        // Of a map the window covers a part.
+        let cells = self.nodes().map_or(cells, |nodes| {
+            let [nx, ny] = part_of(&nodes, &self.window).shape;
+            nx.max(ny)
+        });
         for coarser in [cells.div_ceil(4), cells.div_ceil(2)].into_iter().filter(|&n| n >= 6 && n != cells) {
             let state = self.grid(|window| shape(window, coarser), PRECISE[1], None)?;
             let error = self.limit(&state).error;
             best = Some(Refined::of(state, error));
         }
-        let state = match self.grid(|window| shape(window, cells), PRECISE[1], None) {
+        let finest = match self.nodes() {
+            Some(nodes) => self.on_nodes(&nodes),
+            None => self.grid(|window| shape(window, cells), PRECISE[1], None),
+        };
+        let state = match finest {
             Err(e) if e.verdict == Verdict::TimeLimit && best.is_some() => {
                 return Ok(best.map(|b| Refined { stopped: Some(e), ..b }));
             }
@@ -334,8 +359,10 @@ impl Ascent<'_> {
                 }
             }
             let grids = if few { 1 } else { self.energies.len().max(1) };
-            let coarser = best.take().map(|b| Box::new(b.state)).filter(|c| c.problem.grid.shape != state.problem.grid.shape);
-            let found = Refined { state, coarser, force: value, error, grids, stopped: None, ladder: None, proved: None };
+            let coarser =
+                best.take().map(|b| Box::new(b.state)).filter(|c| c.problem.grid.shape != state.problem.grid.shape);
+            let found =
+                Refined { state, coarser, force: value, error, grids, stopped: None, ladder: None, proved: None };
             if !good {
                 best = Some(found);
                 continue;
@@ -370,7 +397,20 @@ impl Ascent<'_> {
         coarser: Option<&GridState>,
     ) -> Result<GridState, Unsolved> {
         let way = Way { tolerance, coarser, ..Way::precise(self.settings, self.method) };
-        let state = of_shape(self.scaled, &mut self.window, shape, way)?;
+        let state = laid(self.scaled, &mut self.window, |window| Grid::over(window, shape(window)), way)?;
+        Ok(self.with_spent(state))
+    }
+
+    /// The cells around the nodes of the height map, where those are asked for.
+    fn nodes(&self) -> Option<Grid> {
+        let nodes = self.scaled.gap.nodes().filter(|_| self.settings.nodes)?;
+        (self.settings.cells == Some(nodes.shape[0].max(nodes.shape[1]))).then_some(nodes)
+    }
+
+    /// The contact on cells around the nodes of a height map.
+    fn on_nodes(&mut self, nodes: &Grid) -> Result<GridState, Unsolved> {
+        let way = Way { tolerance: PRECISE[1], ..Way::precise(self.settings, self.method) };
+        let state = laid(self.scaled, &mut self.window, |window| part_of(nodes, window), way)?;
         Ok(self.with_spent(state))
     }
 

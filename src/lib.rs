@@ -94,9 +94,10 @@ mod solution;
 mod solve;
 #[cfg(all(feature = "scene", feature = "qp", feature = "formula"))]
 pub mod stability;
-pub mod symmetry;
 mod stated;
+pub mod symmetry;
 mod tilting;
+mod units;
 mod unresolved;
 mod validity;
 
@@ -117,3 +118,4 @@ pub use solution::{
     Cost, ForceEvidence, Origin, Patch, Piece, PressureSummary, Singular, Solution, TouchesEdge, Validity,
 };
 pub use solve::solve;
+pub use units::UnitLabels;

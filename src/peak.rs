@@ -40,12 +40,14 @@ impl Ends {
             let (i, j) = (k as i64 % nx, k as i64 / nx);
             let mut edge = None;
             for (di, dj) in [(1, 0), (-1, 0), (0, 1), (0, -1)].into_iter().filter(|&(di, dj)| void(i + di, j + dj)) {
-                if index(i - di, j - dj).is_some_and(|behind| pressure[k] > pressure[behind]) && rising.last() != Some(&k)
+                if index(i - di, j - dj).is_some_and(|behind| pressure[k] > pressure[behind])
+                    && rising.last() != Some(&k)
                 {
                     rising.push(k);
                 }
                 // Its middle, or the part of it that has no material.
-                let mut looks = [0.0, -0.49, 0.49].map(|s| centre(i + di, j + dj).map(|c| c + s * grid.spacing[0])).to_vec();
+                let mut looks =
+                    [0.0, -0.49, 0.49].map(|s| centre(i + di, j + dj).map(|c| c + s * grid.spacing[0])).to_vec();
                 looks.push([0, 1].map(|m| centre(i, j)[m] + 1.49 * [di, dj][m] as f64 * grid.spacing[m]));
                 edge = edge.or_else(|| looks.iter().find_map(|p| gap.end_of_data(p[0], p[1])));
             }

@@ -240,12 +240,14 @@ fn together(states: Vec<Solution>, settings: &Settings, missed: f64) -> Solution
     };
     let area_error = added(|s| s.area_error, |s| Some(s.patch.area));
     let energy_error = added(|s| s.energy_error, |s| s.energy).map(|error| error + missed / force);
-    let stiffness_error = states.iter().map(|s| s.stiffness_error).try_fold(0.0_f64, |all, error| Some(all.max(error?)));
+    let stiffness_error =
+        states.iter().map(|s| s.stiffness_error).try_fold(0.0_f64, |all, error| Some(all.max(error?)));
     let edges = states.iter().filter_map(|s| s.touches_edge.map(|edge| (s.force, edge)));
     let strongest_edge = edges.clone().max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, edge)| edge);
     let beside: f64 = edges.map(|(force, edge)| force * edge.share.unwrap_or(0.0)).sum();
     let touches_edge = strongest_edge.map(|edge| TouchesEdge { share: Some(beside / force), ..edge });
-    let doubtful = |of: fn(&Validity) -> f64| states.iter().filter_map(|s| s.validity.as_ref().map(of)).reduce(f64::max);
+    let doubtful =
+        |of: fn(&Validity) -> f64| states.iter().filter_map(|s| s.validity.as_ref().map(of)).reduce(f64::max);
     let validity = states[0].validity.map(|first| Validity {
         slope: doubtful(|v| v.slope).unwrap_or(first.slope),
         size_over_radius: None,

@@ -54,13 +54,18 @@ impl Validity {
             (size_over_radius.is_some_and(|s| s > LARGE), "a size over radius of", size_over_radius.unwrap_or(0.0)),
             (pressure_over_modulus > HARD, "a mean pressure over E* of", pressure_over_modulus),
         ];
-        let found: Vec<String> =
-            doubts.into_iter().filter(|(holds, ..)| *holds).map(|(_, what, value)| format!("{what} {value:.1e}")).collect();
+        let found: Vec<String> = doubts
+            .into_iter()
+            .filter(|(holds, ..)| *holds)
+            .map(|(_, what, value)| format!("{what} {value:.1e}"))
+            .collect();
         if found.is_empty() {
             return Vec::new();
         }
         let all = found.join(", ");
-        vec![format!("small-strain half-space theory is doubtful here: {all} in the patch; the answer is that of the theory")]
+        vec![format!(
+            "small-strain half-space theory is doubtful here: {all} in the patch; the answer is that of the theory"
+        )]
     }
 }
 
@@ -120,7 +125,9 @@ mod tests {
             let area = PI * size * size;
             let found = Validity::of(&ball, &circle(size), area, 2e9 * area).unwrap();
             // Slopes are x/2 and y/8.
-            assert!((found.slope / (0.5 * size) - 1.0).abs() < 1e-4 && (found.pressure_over_modulus - 0.01).abs() < 1e-9);
+            assert!(
+                (found.slope / (0.5 * size) - 1.0).abs() < 1e-4 && (found.pressure_over_modulus - 0.01).abs() < 1e-9
+            );
             assert!((found.size_over_radius.unwrap() - size / 4.0).abs() < 1e-9 * size);
             assert_eq!(!found.remarks().is_empty(), doubted);
             assert_eq!(mixed_units(&ball, area).is_some(), doubted);

@@ -101,7 +101,9 @@ impl Flat {
             force,
             energy: force.map(|p| 0.5 * p * depth),
             stiffness: 0.5 * e_star * (punch.stiffness[0] + punch.stiffness[1]),
-            stiffness_error: Some((punch.stiffness[1] - punch.stiffness[0]) / (punch.stiffness[1] + punch.stiffness[0])),
+            stiffness_error: Some(
+                (punch.stiffness[1] - punch.stiffness[0]) / (punch.stiffness[1] + punch.stiffness[0]),
+            ),
             // The corners are given.
             area_error: Some(ROUNDING),
             patch: Patch {

@@ -20,9 +20,7 @@ use crate::geometry::Rect;
 use crate::grid::{Grid, Kernel, Pressure};
 use crate::overlap::Overlap;
 use crate::settings::{Method, Settings};
-use crate::solution::{
-    Cost, Origin, Patch, Piece, PressureSummary, Singular, Solution, TouchesEdge, Validity,
-};
+use crate::solution::{Cost, Origin, Patch, Piece, PressureSummary, Singular, Solution, TouchesEdge, Validity};
 
 /// What the cells are fitted to.
 pub(crate) enum Route {
@@ -157,7 +155,8 @@ fn in_users_units(contact: &Contact, gap: &AnyGap, found: Found, depth: f64, set
     let validity = Validity::of(contact, &boundary, patch.area, force);
     let touches_edge = touches_edge(gap, &boundary);
     let extent = Rect::holding(boundary.iter().flatten().copied()).map(|rect| [rect.min, rect.max]);
-    let piece = |extent| Some(Piece { area: patch.area, force, centroid: patch.centroid?, extent, max_pressure: found.max });
+    let piece =
+        |extent| Some(Piece { area: patch.area, force, centroid: patch.centroid?, extent, max_pressure: found.max });
     if patch.pieces.is_empty() {
         patch.pieces = extent.and_then(piece).into_iter().collect();
     } else {

@@ -29,11 +29,7 @@ pub fn of(problem: &Discrete, solution: &DiscreteSolution, reference: [f64; 2]) 
 }
 
 /// The patch, and the cell of the largest pressure of each of its pieces.
-pub(crate) fn with_peaks(
-    problem: &Discrete,
-    solution: &DiscreteSolution,
-    reference: [f64; 2],
-) -> (Patch, Vec<usize>) {
+pub(crate) fn with_peaks(problem: &Discrete, solution: &DiscreteSolution, reference: [f64; 2]) -> (Patch, Vec<usize>) {
     let (starts, loops): (Vec<usize>, Vec<Vec<[f64; 2]>>) = boundary(problem, solution).into_iter().unzip();
     let areas: Vec<f64> = loops.iter().map(|l| area(l)).collect();
     let total: f64 = areas.iter().sum();
