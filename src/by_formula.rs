@@ -229,7 +229,7 @@ pub(crate) fn solution(
             max_error: max.filter(|p| p.is_finite()).map(|_| PEAK * form.error),
             singular,
             mean: Some(form.mean_pressure()),
-            at: Some(ellipse.centre),
+            at: Some(if singular == Some(Singular::Edge) { highest_at(&form) } else { ellipse.centre }),
             field: None,
             gap: None,
         },
@@ -265,8 +265,22 @@ fn is_pointed(gap: &AnyGap, overlap: &Overlap, patch: &Ellipse) -> bool {
     let [x, y] = axis.at;
     let rise = |r: f64| (gap.gap(x + r, y) - gap.gap(x, y)) / r;
     let size = patch.semi_axes[0];
-    rise(TIP * size) > 0.1 * rise(0.5 * size)
+    rise(TIP * size) > 0.1 * rise(0.5 * size).abs()
 }
+
+/// Where a pressure that is infinite along a line is largest, as far as looks along a radius and around the rim tell.
+fn highest_at(form: &ClosedForm) -> [f64; 2] {
+    let patch = form.patch;
+    let within = |p: &[f64; 2], share: f64| [0, 1].map(|m| patch.centre[m] + share * (p[m] - patch.centre[m]));
+    let rim = patch.boundary(LOOKS);
+    let along = (0..LOOKS).map(|k| within(&rim[0], k as f64 / LOOKS as f64));
+    let around = rim.iter().map(|p| within(p, 1.0 - 1e-9));
+    let highest = along.chain(around).map(|p| (form.pressure(p[0], p[1]), p)).filter(|(p, _)| !p.is_nan());
+    highest.max_by(|a, b| a.0.total_cmp(&b.0)).map_or(patch.centre, |(_, at)| at)
+}
+
+/// Looks along the radius, and around the rim.
+const LOOKS: usize = 32;
 
 /// Distance from the axis at which a tip shows, over the size of the contact.
 const TIP: f64 = 1e-6;

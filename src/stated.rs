@@ -102,9 +102,6 @@ fn under_moment(contact: &Contact, state: &mut Solution) {
 /// What the reader of a state should know of where it may not hold.
 pub(crate) fn remarks(contact: &Contact, state: &mut Solution) {
     if let Some(touched) = state.touches_edge {
-        let share = touched.share.map_or(String::new(), |share| {
-            format!(", with {:.1} % of the force on the cells beside it", 100.0 * share)
-        });
         let doubt = match touched.edge {
             DataEdge::Map => "is the map large enough, and \"surface\" the right one?",
             DataEdge::Hole => "there may be a surface that was not measured",
@@ -115,7 +112,7 @@ pub(crate) fn remarks(contact: &Contact, state: &mut Solution) {
             DataEdge::Hole => "a hole of the height map",
             DataEdge::Region => "the border of the region",
         };
-        state.remarks.push(format!("the contact reaches {edge}{share}: {doubt}"));
+        state.remarks.push(format!("the contact reaches {edge}: {doubt}"));
     }
     if let Some(validity) = &state.validity {
         state.remarks.extend(validity.remarks());

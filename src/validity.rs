@@ -50,21 +50,17 @@ impl Validity {
     pub(crate) fn remarks(&self) -> Vec<String> {
         let Self { slope, size_over_radius, pressure_over_modulus } = *self;
         let doubts = [
-            (slope > STEEP, "slopes of the gap up to", slope),
-            (size_over_radius.is_some_and(|s| s > LARGE), "a size over radius of", size_over_radius.unwrap_or(0.0)),
-            (pressure_over_modulus > HARD, "a mean pressure over E* of", pressure_over_modulus),
+            (slope > STEEP, "slope"),
+            (size_over_radius.is_some_and(|size| size > LARGE), "size over radius"),
+            (pressure_over_modulus > HARD, "mean pressure over E*"),
         ];
-        let found: Vec<String> = doubts
-            .into_iter()
-            .filter(|(holds, ..)| *holds)
-            .map(|(_, what, value)| format!("{what} {value:.1e}"))
-            .collect();
-        if found.is_empty() {
+        let large: Vec<&str> = doubts.into_iter().filter(|(holds, _)| *holds).map(|(_, what)| what).collect();
+        if large.is_empty() {
             return Vec::new();
         }
-        let all = found.join(", ");
         vec![format!(
-            "small-strain half-space theory is doubtful here: {all} in the patch; the answer is that of the theory"
+            "small-strain half-space theory is doubtful here, for what should be small is not: {}; the answer is that of the theory",
+            large.join(", ")
         )]
     }
 }
@@ -100,8 +96,8 @@ pub(crate) fn mixed_units(contact: &Contact, area: f64) -> Option<String> {
     let (e_star, size) = (contact.modulus().e_star(), (area / PI).sqrt());
     (e_star >= PASCALS && size > METRES).then(|| {
         format!(
-            "mixed units? E* is {e_star:.1e}, as in pascals, and the contact {size:.1e} across, which would be metres; with lengths in \
-             millimetres moduli are in megapascals"
+            "mixed units? E* is {e_star:.1e}, as in pascals, and the contact would be metres wide; with lengths in millimetres moduli \
+             are in megapascals"
         )
     })
 }

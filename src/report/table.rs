@@ -68,7 +68,9 @@ pub(super) fn facts(s: &Solution, units: Option<&UnitLabels>) -> Vec<[String; 2]
     }
     let stiffness = unit(UnitLabels::stiffness);
     row("stiffness", format!("{}{stiffness}{}", figure(s.stiffness), off_by(s.stiffness_error)));
-    if let Some(moment) = s.moment.filter(|m| m.iter().any(|m| m.abs() > 1e-9 * size * s.force)) {
+    let rounding = 1e-9 * size * s.force;
+    if let Some(moment) = s.moment.filter(|m| m.iter().any(|m| m.abs() > rounding)) {
+        let moment = moment.map(|m| if m.abs() > rounding { m } else { 0.0 });
         row("moments about the origin", format!("{}{}", pair(moment), unit(UnitLabels::work)));
     }
     if let Some(energy) = s.energy {
@@ -118,6 +120,12 @@ pub(super) fn facts(s: &Solution, units: Option<&UnitLabels>) -> Vec<[String; 2]
         let rest: f64 = s.patch.pieces[MOST_PIECES..].iter().map(|piece| piece.force).sum();
         let count = s.patch.pieces.len() - MOST_PIECES;
         row("other pieces", format!("{count}, with {:.2} % of the force", 100.0 * rest / s.force));
+    }
+    if let Some(touched) = s.touches_edge {
+        let share = touched
+            .share
+            .map_or(String::new(), |share| format!(", {:.2} % of the force on the cells beside it", 100.0 * share));
+        row("touches the edge of the", format!("{}{share}", touched.edge.word()));
     }
     if let Some(v) = &s.validity {
         let size = v.size_over_radius.map_or(String::new(), |size| format!("size over radius {size:.1e}, "));
