@@ -1,6 +1,6 @@
 //! The answer: force, stiffness, patch and pressure of one state of loading, in the user's units.
 
-use crate::bracket::{DepthBracket, Evidence, ForceBracket};
+use crate::bracket::{DepthBracket, Evidence, ForceBracket, ROUNDED};
 use crate::discrete::Residuals;
 use crate::gap::{DataEdge, Law};
 use crate::grid::{Grid, Pressure};
@@ -160,6 +160,15 @@ impl Solution {
         }
     }
 
+    /// The bracket for forces larger by this factor; the errors that follow from it have its rounding.
+    pub(crate) fn scale_bracket(&mut self, factor: f64) {
+        self.bracket = self.bracket.as_ref().and_then(|bracket| bracket.at_other_depth(factor));
+        if self.bracket.is_some() {
+            let errors = [&mut self.force_error, &mut self.stiffness_error, &mut self.energy_error];
+            errors.into_iter().flatten().for_each(|error| *error += 3.0 * ROUNDED);
+        }
+    }
+
     /// The bodies do not touch.
     pub(crate) fn apart(method: Method, depth: f64, tilt: [f64; 2]) -> Self {
         Self {
@@ -202,7 +211,7 @@ impl Solution {
         let mut other = self.clone();
         other.depth = depth;
         other.force *= stronger;
-        other.bracket = self.bracket.as_ref().and_then(|bracket| bracket.at_other_depth(stronger));
+        other.scale_bracket(stronger);
         other.depth_bracket = None;
         other.stiffness *= longer;
         other.energy = self.energy.map(|u| u * deeper * stronger);

@@ -140,7 +140,12 @@ fn at_force(
     if force == 0.0 {
         return Ok(Solution::apart(settings.method, least, [0.0; 2]));
     }
-    let scaled = |all: &Similar| Solution { force, ..all.at(gap, all.depth_for(force)) };
+    let scaled = |all: &Similar| {
+        let mut state = all.at(gap, all.depth_for(force));
+        // What rounding leaves of the force is that of its bounds, too.
+        state.scale_bracket(force / state.force);
+        Solution { force, ..state }
+    };
     if let Some(all) = similar {
         return all.answer(scaled(all));
     }
