@@ -116,7 +116,8 @@ impl Refined {
             return Ok(ladder.limits(values)?.map(|Estimate { value, error }| (value, relative(error, value))));
         }
         let found = finest.map_or_else(|| values(&self.state), Ok)?;
-        let before = self.coarser.as_ref().map(|coarser| values(coarser)).transpose()?;
+        // What the coarser grid cannot tell leaves the error unknown, no more.
+        let before = self.coarser.as_ref().and_then(|coarser| values(coarser).ok());
         Ok(std::array::from_fn(|n| {
             let error = before.as_ref().and_then(|before| relative(found[n] - before[n], found[n]));
             (found[n], error)

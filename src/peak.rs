@@ -120,8 +120,7 @@ fn kink_in(gap: &AnyGap, cell: &Rect) -> Option<Singular> {
         stack.extend(parts);
     }
     // A gap that nowhere tells that it is smooth tells nothing of kinks either.
-    let found = places.into_iter().filter(|_| smooth > 0).find_map(|place| bend_at(gap, place, side));
-    found
+    places.into_iter().filter(|_| smooth > 0).find_map(|place| bend_at(gap, place, side))
 }
 
 /// Directions in which a bend is looked for.
