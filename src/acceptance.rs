@@ -60,6 +60,12 @@ pub(crate) fn accepted(
 /// Numbers that the fields of all states of a scene may hold together: 1 GiB.
 const MOST_VALUES: usize = 1 << 27;
 
+/// Numbers that a piece of a patch holds.
+const A_PIECE: usize = 9;
+
+/// Pieces that a state keeps where there is no room for all.
+const MOST_PIECES: usize = 5;
+
 /// The answer without its fields where those of the states before, `held` numbers, leave no room for them.
 pub(crate) fn within_memory(answer: Result<Solution, Unsolved>, held: &mut usize) -> Result<Solution, Unsolved> {
     let mut answer = answer;
@@ -67,12 +73,14 @@ pub(crate) fn within_memory(answer: Result<Solution, Unsolved>, held: &mut usize
     let pressure = &mut state.pressure;
     let values = pressure.field.as_ref().map_or(0, |field| field.values.len())
         + pressure.gap.as_ref().map_or(0, |(_, gaps)| gaps.len())
-        + 2 * state.patch.boundary.iter().flatten().map(Vec::len).sum::<usize>();
+        + 2 * state.patch.boundary.iter().flatten().map(Vec::len).sum::<usize>()
+        + A_PIECE * state.patch.pieces.len();
     if *held == 0 || *held + values <= MOST_VALUES {
         *held += values;
         return answer;
     }
     (pressure.field, pressure.gap, state.patch.boundary) = (None, None, None);
+    state.patch.pieces.truncate(MOST_PIECES);
     let reason = format!("the fields of all states of loading hold more than {MOST_VALUES} numbers");
     let unsolved = Unsolved::new(Verdict::TooLarge, reason).with_hint("fewer states, or fewer cells");
     Err(answer.map_or_else(|e| e, |state| unsolved.with_best(state)))

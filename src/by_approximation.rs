@@ -5,9 +5,10 @@ use crate::approximate_work;
 use crate::error::{Unsolved, Verdict};
 use crate::fabrikant::{self, Approximation, Error, Family};
 use crate::gap::AnyGap;
+use crate::geometry::Rect;
 use crate::overlap::{Overlap, least};
 use crate::settings::{BoundaryFamily, Method, Settings};
-use crate::solution::{Cost, Origin, Patch, PressureSummary, Solution};
+use crate::solution::{Cost, Origin, Patch, Piece, PressureSummary, Solution, Validity};
 
 /// The state at a depth and tilt (`gap` is the contact's gap under that tilt), in the user's units. `with_matrix`: energy, moments
 /// and the stiffness against tilts too, whether or not they come for nothing.
@@ -144,6 +145,11 @@ fn dimensional(contact: &Contact, depth: f64, tilt: [f64; 2], settings: &Setting
     if !settings.outputs.patch {
         left_out.push("the boundary as a polyline".to_owned());
     }
+    let extent = Rect::holding(polyline.iter().copied()).map(|rect| [rect.min, rect.max]);
+    let piece =
+        |extent| Piece { area: found.area, force: found.force, centroid: found.centroid, extent, max_pressure: None };
+    let pieces = extent.map(piece).into_iter().collect();
+    let validity = Validity::of(contact, std::slice::from_ref(&polyline), found.area, found.force);
     Solution {
         method: settings.method,
         origin: Origin::Approximate,
@@ -152,6 +158,10 @@ fn dimensional(contact: &Contact, depth: f64, tilt: [f64; 2], settings: &Setting
         tilt,
         force: found.force,
         force_error: None,
+        depth_error: Some(0.0),
+        stiffness_error: None,
+        energy_error: None,
+        area_error: None,
         bracket: None,
         depth_bracket: None,
         stiffness: found.stiffness,
@@ -163,10 +173,15 @@ fn dimensional(contact: &Contact, depth: f64, tilt: [f64; 2], settings: &Setting
             centroid: Some(found.centroid),
             regions: 1,
             max_radius,
+            pieces,
+            semi_axes: None,
+            angle: None,
             boundary: settings.outputs.patch.then(|| vec![polyline]),
         },
         pressure: PressureSummary { mean: Some(found.force / found.area), ..PressureSummary::default() },
         residuals: None,
+        touches_edge: None,
+        validity,
         cost: Cost { unknowns: found.rays, iterations: found.iterations, ..Cost::default() },
         left_out,
         remarks,

@@ -1,9 +1,9 @@
 //! The closed form of whatever the gap turns out to be.
 
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 use crate::clock::Deadline;
-use crate::closed_form::{ClosedForm, FlatPunch, Hertz, Power, Quadratic, Sneddon, Sphere};
+use crate::closed_form::{ClosedForm, Ellipse, FlatPunch, Hertz, Power, Quadratic, Sneddon, Sphere};
 use crate::contact::Contact;
 use crate::error::{Unsolved, Verdict};
 use crate::gap::{self, AnyGap, Axis, Face, Gap, Generatrix};
@@ -12,7 +12,7 @@ use crate::grid::{Grid, Pressure};
 use crate::material::EffectiveModulus;
 use crate::overlap::Overlap;
 use crate::settings::{Method, Settings};
-use crate::solution::{Cost, Origin, Patch, PressureSummary, Solution};
+use crate::solution::{Cost, Origin, Patch, Piece, PressureSummary, Singular, Solution, TouchesEdge, Validity};
 
 /// A closed form and what it stands for.
 #[derive(Debug, Clone)]
@@ -184,6 +184,10 @@ pub(crate) fn solution(
     let stiffness = form.stiffness_with_tilt();
     let cells = settings.cells.unwrap_or(FIELD_CELLS);
     let max = form.max_pressure();
+    let infinite = max.is_none() || max == Some(f64::INFINITY);
+    let singular =
+        infinite.then(|| if is_pointed(&overlap.gap, overlap, &ellipse) { Singular::Tip } else { Singular::Edge });
+    let validity = Validity::of(contact, std::slice::from_ref(&boundary), ellipse.area(), form.force);
     let mut solution = Solution {
         method: Method::ClosedForm,
         origin: Origin::ClosedForm,
@@ -192,6 +196,10 @@ pub(crate) fn solution(
         tilt,
         force: form.force,
         force_error: Some(form.error),
+        depth_error: Some(0.0),
+        stiffness_error: Some(form.error),
+        energy_error: Some(form.error),
+        area_error: Some(2.0 * form.error),
         bracket: None,
         depth_bracket: None,
         stiffness: form.stiffness,
@@ -203,16 +211,29 @@ pub(crate) fn solution(
             centroid: Some(ellipse.centre),
             regions: 1,
             max_radius: if ellipse.centre == reference { a.max(b) } else { farthest },
+            pieces: vec![Piece {
+                area: ellipse.area(),
+                force: form.force,
+                centroid: ellipse.centre,
+                extent: ellipse.extent(),
+                max_pressure: max.filter(|p| p.is_finite()),
+            }],
+            semi_axes: Some(ellipse.semi_axes),
+            angle: Some(if ellipse.is_disc() { 0.0 } else { axis_angle(&ellipse) }),
             boundary: outputs.patch.then(|| vec![boundary]),
         },
         pressure: PressureSummary {
             max: max.filter(|p| p.is_finite()),
+            max_error: max.filter(|p| p.is_finite()).map(|_| PEAK * form.error),
+            singular,
             mean: Some(form.mean_pressure()),
-            at: Some(ellipse.centre),
+            at: Some(if singular == Some(Singular::Edge) { highest_at(&form) } else { ellipse.centre }),
             field: None,
             gap: None,
         },
         residuals: None,
+        touches_edge: touches_edge(&overlap.gap, &ellipse),
+        validity,
         cost: Cost::default(),
         left_out,
         remarks: vec![format!("the gap is {found}")],
@@ -228,6 +249,55 @@ pub(crate) fn solution(
         }
     }
     Ok(solution)
+}
+
+/// Digits that a pressure, an integral next to a square root, has less than the force.
+const PEAK: f64 = 100.0;
+
+/// Whether the lowest point of a gap whose pressure is infinite is a tip: its slope does not fall towards it.
+fn is_pointed(gap: &AnyGap, overlap: &Overlap, patch: &Ellipse) -> bool {
+    let Some(axis) = overlap.known().axis else { return false };
+    if let Generatrix::Power { exponent, .. } = axis.generatrix {
+        return exponent <= 1.0;
+    }
+    let [x, y] = axis.at;
+    let rise = |r: f64| (gap.gap(x + r, y) - gap.gap(x, y)) / r;
+    let size = patch.semi_axes[0];
+    rise(TIP * size) > 0.1 * rise(0.5 * size).abs()
+}
+
+/// Where a pressure that is infinite along a line is largest, as far as looks along a radius and around the rim tell.
+fn highest_at(form: &ClosedForm) -> [f64; 2] {
+    let patch = form.patch;
+    let within = |p: &[f64; 2], share: f64| [0, 1].map(|m| patch.centre[m] + share * (p[m] - patch.centre[m]));
+    let rim = patch.boundary(LOOKS);
+    let along = (0..LOOKS).map(|k| within(&rim[0], k as f64 / LOOKS as f64));
+    let around = rim.iter().map(|p| within(p, 1.0 - 1e-9));
+    let highest = along.chain(around).map(|p| (form.pressure(p[0], p[1]), p)).filter(|(p, _)| !p.is_nan());
+    highest.max_by(|a, b| a.0.total_cmp(&b.0)).map_or(patch.centre, |(_, at)| at)
+}
+
+/// Looks along the radius, and around the rim.
+const LOOKS: usize = 32;
+
+/// Distance from the axis at which a tip shows, over the size of the contact.
+const TIP: f64 = 1e-6;
+
+/// The edge of data that the contact ends at.
+fn touches_edge(gap: &AnyGap, patch: &Ellipse) -> Option<TouchesEdge> {
+    let [cx, cy] = patch.centre;
+    let beyond = |[x, y]: [f64; 2]| [cx + BEYOND * (x - cx), cy + BEYOND * (y - cy)];
+    let edge = patch.boundary(16).into_iter().map(beyond).find_map(|[x, y]| gap.end_of_data(x, y))?;
+    Some(TouchesEdge { edge, share: None })
+}
+
+/// How far outside of a boundary there may be no material for it to be an edge.
+const BEYOND: f64 = 1.0 + 1e-9;
+
+/// Angle of the longer axis in (-pi/2, pi/2].
+fn axis_angle(patch: &Ellipse) -> f64 {
+    let angle = patch.orientation.rem_euclid(PI);
+    if angle > FRAC_PI_2 { angle - PI } else { angle }
 }
 
 /// Points of the boundary of a closed form.

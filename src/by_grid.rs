@@ -17,9 +17,11 @@ use crate::one_grid::{self, GridState};
 use crate::outgrown::outgrown;
 use crate::overlap::{Overlap, Scaled};
 use crate::patch;
+use crate::peak::{self, Ends};
 use crate::separate;
 use crate::settings::{Method, Settings};
-use crate::solution::{Cost, Origin, Patch, PressureSummary, Solution};
+use crate::solution::{Cost, Origin, Patch, PressureSummary, Singular, Solution, TouchesEdge, Validity};
+use crate::unresolved;
 
 /// The method on a grid that the settings ask for.
 pub(crate) fn method(settings: &Settings) -> Method {
@@ -158,6 +160,35 @@ pub(crate) struct Held {
     refined: Refined,
     /// Pressure that grows with the depth on the cells in contact; `None` where the state is the limit of many grids.
     growing: Option<Vec<f64>>,
+    /// Estimates of relative errors by the grids of the first state.
+    errors: Errors,
+}
+
+/// Relative errors that a state takes over from another on the same cells.
+#[derive(Debug, Clone, Copy, Default)]
+struct Errors {
+    stiffness: Option<f64>,
+    energy: Option<f64>,
+    area: Option<f64>,
+    peak: Option<f64>,
+}
+
+impl Errors {
+    /// By the grid before.
+    fn of(refined: &Refined) -> Result<Self, Unsolved> {
+        if refined.ladder.is_some() || refined.coarser.is_none() {
+            return Ok(Self::default());
+        }
+        let [(_, stiffness), (_, energy), (_, area), (_, peak)] = refined.estimated(|state| {
+            let highest = state.solution.pressure.iter().copied().fold(0.0, f64::max);
+            let patch = patch::of(&state.problem, &state.solution, [0.0; 2]);
+            Ok([one_grid::stiffness(state)?, state.energy(), patch.area, highest])
+        })?;
+        let [stiffness, area] = [stiffness, area].map(|change| change.map(|change| at_least(refined, change)));
+        let (grid, values) = (&refined.state.problem.grid, &refined.state.solution.pressure);
+        let strongest = strongest(values);
+        Ok(Self { stiffness, energy, area, peak: peak.map(|p| p.max(unresolved::peak(grid, values, strongest))) })
+    }
 }
 
 impl Held {
@@ -170,7 +201,8 @@ impl Held {
         let Some(overlap) = Overlap::of(contact.gap(), depth)? else { return Ok(None) };
         let scaled = overlap.scaled();
         let refined = exact::refined(&scaled, settings, method, None)?;
-        Ok(Some(Self::grown(scaled, refined)?))
+        let errors = Errors::of(&refined)?;
+        Ok(Some(Self { errors, ..Self::grown(scaled, refined)? }))
     }
 
     /// A state good to a few percent: one coarse grid.
@@ -218,13 +250,13 @@ impl Held {
             ..before.clone()
         };
         let error = error / force * state.force();
-        Ok(Some(Self::grown(scaled, Refined::of(state, error))?))
+        Ok(Some(Self { errors: self.errors, ..Self::grown(scaled, Refined::of(state, error))? }))
     }
 
     fn grown(scaled: Scaled, refined: Refined) -> Result<Self, Unsolved> {
         let grow = || one_grid::growth(&refined.state, &vec![1.0; refined.state.problem.grid.len()]);
         let growing = if refined.ladder.is_none() { Some(grow()?) } else { None };
-        Ok(Self { scaled, refined, growing })
+        Ok(Self { scaled, refined, growing, errors: Errors::default() })
     }
 
     /// In the user's units.
@@ -232,12 +264,18 @@ impl Held {
     /// # Errors
     /// Those of the stiffness, where it is the limit of many grids; `ToleranceNotReached` and `TimeLimit` with the state.
     pub fn solution(&self, contact: &Contact, settings: &Settings) -> Result<Solution, Unsolved> {
+        let Errors { stiffness, energy, area, peak } = self.errors;
         let stiffness = match &self.growing {
-            Some(growing) => growing.iter().sum::<f64>() * self.refined.state.problem.grid.cell_area(),
-            None => self.refined.limits(|state| Ok([one_grid::stiffness(state)?]))?[0],
+            Some(growing) => (growing.iter().sum::<f64>() * self.refined.state.problem.grid.cell_area(), stiffness),
+            None => stiffness_of(&self.refined)?,
         };
         let depth = self.scaled.depth * self.scaled.units.height;
-        let solution = in_users_units(contact, &self.scaled, &self.refined, stiffness, depth, [0.0; 2], settings);
+        let mut solution = in_users_units(contact, &self.scaled, &self.refined, stiffness, depth, [0.0; 2], settings)?;
+        solution.energy_error = solution.energy_error.or(energy);
+        solution.area_error = solution.area_error.or(area);
+        if solution.pressure.singular.is_none() && solution.touches_edge.is_none() {
+            solution.pressure.max_error = solution.pressure.max_error.or(peak);
+        }
         match self.refined.shortfall(settings) {
             None => Ok(solution),
             Some(short) => Err(short.with_best(solution)),
@@ -263,42 +301,77 @@ pub(crate) fn dimensional(
 ) -> Result<Solution, Unsolved> {
     let stiffness = match law {
         // P ~ (d - g0)^(1 + 1/k).
-        Some(law) => (1.0 + law.degree.inverse()) * refined.force / scaled.above_lowest(),
-        None => refined.limits(|state| Ok([one_grid::stiffness(state)?]))?[0],
+        Some(law) => {
+            let error = refined.error / refined.force;
+            ((1.0 + law.degree.inverse()) * refined.force / scaled.above_lowest(), Some(error))
+        }
+        None => stiffness_of(refined)?,
     };
-    Ok(in_users_units(contact, scaled, refined, stiffness, depth, tilt, settings))
+    in_users_units(contact, scaled, refined, stiffness, depth, tilt, settings)
+}
+
+/// An estimate of a relative error that rests on a boundary between cells: one step from grid to grid may be small by luck.
+fn at_least(refined: &Refined, change: f64) -> f64 {
+    let of_cells = || unresolved::boundary(&refined.state.problem.grid, &refined.state.solution.pressure);
+    if refined.ladder.is_some() { change } else { change.max(of_cells()) }
+}
+
+/// dP/dd with an estimate of its relative error.
+fn stiffness_of(refined: &Refined) -> Result<(f64, Option<f64>), Unsolved> {
+    let [(stiffness, change)] = refined.estimated(|state| Ok([one_grid::stiffness(state)?]))?;
+    Ok((stiffness, change.map(|change| at_least(refined, change))))
 }
 
 fn in_users_units(
     contact: &Contact,
     scaled: &Scaled,
     refined: &Refined,
-    stiffness: f64,
+    (stiffness, stiffness_error): (f64, Option<f64>),
     depth: f64,
     tilt: [f64; 2],
     settings: &Settings,
-) -> Solution {
+) -> Result<Solution, Unsolved> {
     let Refined { state, force, error, .. } = refined;
     let (length, height, e_star) = (scaled.units.length, scaled.units.height, contact.modulus().e_star());
     let unit_force = e_star * height * length;
     let grid = state.problem.grid;
     let values = &state.solution.pressure;
     let reference = scaled.units.inward(contact.gap().known().reference);
-    let patch_of = |state: &GridState| patch::of(&state.problem, &state.solution, reference);
-    let mut patch = patch_of(state);
+    let (mut patch, peaks) = patch::with_peaks(&state.problem, &state.solution, reference);
+    let own_area = patch.area;
     let sums = |state: &GridState, patch: &Patch| {
         let [x, y] = centre_of_load(state, scaled);
-        [state.energy(), x, y, patch.area, patch.max_radius]
+        let highest = state.solution.pressure.iter().copied().fold(0.0, f64::max);
+        [state.energy(), x, y, patch.area, patch.max_radius, highest]
     };
-    let [energy, x, y, area, max_radius] = match &refined.ladder {
-        Some(ladder) => ladder.found(|state| sums(state, &patch_of(state))),
-        None => sums(state, &patch),
-    };
+    let finest = sums(state, &patch);
+    let coarser = |state: &GridState| Ok(sums(state, &patch::of(&state.problem, &state.solution, reference)));
+    let [(energy, energy_error), (x, _), (y, _), (area, area_error), (max_radius, _), (_, peak_error)] =
+        refined.estimated_beside(Some(finest), coarser)?;
+    let area_error = area_error.map(|change| at_least(refined, change));
     // U = P (d - g0)/(2 + 1/k), of the best force.
-    let energy = match scaled.gap.known().law {
-        Some(law) => force * scaled.above_lowest() / (2.0 + law.degree.inverse()),
-        None => energy,
+    let (energy, energy_error) = match scaled.gap.known().law {
+        Some(law) => (force * scaled.above_lowest() / (2.0 + law.degree.inverse()), Some(error / force)),
+        None => (energy, energy_error),
     };
+    // The gap itself: beside other contacts the scaled one is displaced by them.
+    let own_gap = contact.tilted_gap(tilt).scaled(scaled.units.origin, length, height);
+    let ends = Ends::of(&own_gap, &state.problem, values);
+    let singular = infinite(&own_gap, state, &ends, &mut patch, &peaks);
+    let unit_pressure = e_star * height / length;
+    let (more, wider) = (force / state.force() * unit_force, area / own_area * length * length);
+    for piece in &mut patch.pieces {
+        piece.area *= wider;
+        piece.force *= more;
+        piece.centroid = scaled.units.outward(piece.centroid);
+        piece.extent = piece.extent.map(|p| scaled.units.outward(p));
+        piece.max_pressure = piece.max_pressure.map(|p| p * unit_pressure);
+    }
+    let validity = patch.boundary.as_ref().and_then(|loops| {
+        let outward = |line: &Vec<[f64; 2]>| line.iter().map(|p| scaled.units.outward(*p)).collect();
+        let loops: Vec<Vec<[f64; 2]>> = loops.iter().map(outward).collect();
+        Validity::of(contact, &loops, area * length * length, force * unit_force)
+    });
     (patch.area, patch.max_radius) = (area * length * length, max_radius * length);
     patch.centroid = patch.centroid.map(|c| scaled.units.outward(c));
     patch.boundary = if settings.outputs.patch {
@@ -308,15 +381,18 @@ fn in_users_units(
     } else {
         None
     };
-    let strongest = (0..grid.len()).max_by(|&a, &b| values[a].total_cmp(&values[b])).unwrap_or(0);
-    let unit_pressure = e_star * height / length;
+    let strongest = strongest(values);
     let outward_grid = Grid {
         origin: scaled.units.outward(grid.origin),
         spacing: grid.spacing.map(|h| h * length),
         shape: grid.shape,
     };
     let pressure = PressureSummary {
-        max: Some(values[strongest] * unit_pressure),
+        max: singular.is_none().then_some(values[strongest] * unit_pressure),
+        max_error: peak_error
+            .filter(|_| singular.is_none() && ends.data.is_none())
+            .map(|change| change.max(unresolved::peak(&grid, values, strongest))),
+        singular,
         mean: (patch.area > 0.0).then(|| force * unit_force / patch.area),
         at: Some(outward_grid.centre_of(strongest)),
         field: settings
@@ -328,7 +404,7 @@ fn in_users_units(
             .gap
             .then(|| (outward_grid, one_grid::gap_left(state).into_iter().map(|g| g * height).collect())),
     };
-    Solution {
+    Ok(Solution {
         method: state.method,
         origin: if refined.grids > 1 { Origin::ManyGrids { grids: refined.grids } } else { Origin::OneGrid },
         grid: Some(outward_grid),
@@ -336,6 +412,10 @@ fn in_users_units(
         tilt,
         force: force * unit_force,
         force_error: Some(error / force),
+        depth_error: Some(0.0),
+        stiffness_error,
+        energy_error,
+        area_error,
         bracket: refined.proved.map(|bounds| ForceBracket::of_energy(bounds.map(|force| force * unit_force))),
         depth_bracket: None,
         stiffness: stiffness * e_star * length,
@@ -346,6 +426,8 @@ fn in_users_units(
         patch,
         pressure,
         residuals: Some(state.solution.residuals),
+        touches_edge: ends.data.map(|(edge, share)| TouchesEdge { edge, share: Some(share) }),
+        validity,
         cost: Cost {
             seconds: 0.0,
             unknowns: state.solution.unknowns,
@@ -355,7 +437,38 @@ fn in_users_units(
         },
         left_out: state.left_out.clone(),
         remarks: state.remarks.clone(),
+    })
+}
+
+/// Why the pressure is infinite in the patch, if it is known to be; such pieces have no largest pressure.
+fn infinite(gap: &AnyGap, state: &GridState, ends: &Ends, patch: &mut Patch, peaks: &[usize]) -> Option<Singular> {
+    let grid = &state.problem.grid;
+    let mut found: Option<Singular> = None;
+    for (k, (piece, &peak)) in patch.pieces.iter_mut().zip(peaks).enumerate() {
+        let [min, max] = piece.extent;
+        let around = Rect { min, max };
+        let at_end = ends.rising.iter().any(|&k| around.contains(grid.centre_of(k)));
+        let here = if at_end {
+            Some(Singular::Edge)
+        } else if k < MOST_LOOKED_AT {
+            peak::singular(gap, &state.problem, peak)
+        } else {
+            found
+        };
+        if here.is_some() {
+            piece.max_pressure = None;
+            found = found.or(here);
+        }
     }
+    found
+}
+
+/// Pieces in which kinks are looked for; the others are taken to be as these.
+const MOST_LOOKED_AT: usize = 64;
+
+/// The cell of the largest pressure.
+fn strongest(pressure: &[f64]) -> usize {
+    (0..pressure.len()).max_by(|&a, &b| pressure[a].total_cmp(&pressure[b])).unwrap_or(0)
 }
 
 /// Where the resultant of the pressure acts, in the user's units.

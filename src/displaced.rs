@@ -111,6 +111,10 @@ fn polynomials<const N: usize>(x: f64) -> [f64; N] {
 }
 
 impl Gap for DisplacedGap {
+    fn end_of_data(&self, x: f64, y: f64) -> Option<crate::gap::DataEdge> {
+        self.gap.end_of_data(x, y)
+    }
+
     fn gap(&self, x: f64, y: f64) -> f64 {
         self.gap.gap(x, y) + self.displacement([x, y])
     }

@@ -206,17 +206,9 @@ impl Ladder {
     pub fn limits<const N: usize>(
         &self,
         values: impl Fn(&GridState) -> Result<[f64; N], Unsolved>,
-    ) -> Result<[f64; N], Unsolved> {
-        Ok(self.line_through(&self.states.iter().map(values).collect::<Result<Vec<_>, _>>()?))
-    }
-
-    /// The same of what needs no solve.
-    pub fn found<const N: usize>(&self, values: impl Fn(&GridState) -> [f64; N]) -> [f64; N] {
-        self.line_through(&self.states.iter().map(values).collect::<Vec<_>>())
-    }
-
-    fn line_through<const N: usize>(&self, all: &[[f64; N]]) -> [f64; N] {
-        std::array::from_fn(|n| self.line.of(&all.iter().map(|v| v[n]).collect::<Vec<_>>()).value)
+    ) -> Result<[Estimate; N], Unsolved> {
+        let all = self.states.iter().map(values).collect::<Result<Vec<_>, _>>()?;
+        Ok(std::array::from_fn(|n| self.line.of(&all.iter().map(|v| v[n]).collect::<Vec<_>>())))
     }
 }
 

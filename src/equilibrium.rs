@@ -173,6 +173,13 @@ fn off_by(miss: f64, mut state: Solution) -> Solution {
 fn last_step(mut state: Solution, force: f64) -> Solution {
     let more = force - state.force;
     state.depth += more / state.stiffness;
+    // The step is linear: P ~ s^n leaves (n - 1)/(2n) of its square. Stiffness and area stay those of the depth before.
+    let share = (more / state.force).abs();
+    let add = |error: &mut Option<f64>, more: f64| *error = error.map(|error| error + more);
+    add(&mut state.force_error, share * share);
+    add(&mut state.energy_error, share * share);
+    add(&mut state.stiffness_error, share);
+    add(&mut state.area_error, 2.0 * share);
     // Bounds are those of the depth before the step.
     state.bracket = state.bracket.filter(|_| more == 0.0);
     if let (Some(energy), true) = (state.energy.as_mut(), more != 0.0) {
@@ -184,6 +191,7 @@ fn last_step(mut state: Solution, force: f64) -> Solution {
     if let Some(mean) = state.pressure.mean.as_mut() {
         *mean *= force / state.force;
     }
+    state.patch.pieces.iter_mut().for_each(|piece| piece.force *= force / state.force);
     state.force = force;
     state
 }
@@ -202,6 +210,7 @@ fn balanced(mut state: Solution, change: Option<Vector3<f64>>, force: f64, momen
     if let Some(mean) = state.pressure.mean.as_mut() {
         *mean *= force / state.force;
     }
+    state.patch.pieces.iter_mut().for_each(|piece| piece.force *= force / state.force);
     (state.force, state.moment) = (force, Some(moment));
     state
 }

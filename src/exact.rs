@@ -8,8 +8,8 @@ use crate::error::{Unsolved, Verdict};
 use crate::extrapolate::{self, Ends, Estimate};
 use crate::gap::{Degree, Gap, Law};
 use crate::geometry::Rect;
-use crate::grid::Kernel;
-use crate::one_grid::{GridState, Way, of_shape, other_kernel};
+use crate::grid::{Grid, Kernel};
+use crate::one_grid::{GridState, Way, laid, other_kernel};
 use crate::overlap::Scaled;
 use crate::settings::{ErrorBar, Method, Settings};
 
@@ -50,6 +50,8 @@ const FINEST_PROVED: usize = 512;
 pub(crate) struct Refined {
     /// The finest grid.
     pub state: GridState,
+    /// The grid before it, where there is one: by how much a number of the finest still changes.
+    pub coarser: Option<Box<GridState>>,
     /// Best value of the force; that of the finest grid itself when the number of cells was prescribed.
     pub force: f64,
     /// Estimate of its error, absolute.
@@ -66,11 +68,26 @@ pub(crate) struct Refined {
     pub sums: Vec<f64>,
 }
 
+/// |error|/|value| where that is a number.
+fn relative(error: f64, value: f64) -> Option<f64> {
+    Some((error / value).abs()).filter(|share| share.is_finite())
+}
+
 impl Refined {
     /// One grid whose force is the best there is.
     pub fn of(state: GridState, error: f64) -> Self {
         let force = state.force();
-        Self { force, error, grids: 1, state, stopped: None, ladder: None, proved: None, sums: vec![force] }
+        Self {
+            force,
+            error,
+            grids: 1,
+            state,
+            coarser: None,
+            stopped: None,
+            ladder: None,
+            proved: None,
+            sums: vec![force],
+        }
     }
 
     /// Best values of what is found in a state: of the finest grid, or the limits of all where the contact ends at sharp edges.
@@ -82,9 +99,43 @@ impl Refined {
         values: impl Fn(&GridState) -> Result<[f64; N], Unsolved>,
     ) -> Result<[f64; N], Unsolved> {
         match &self.ladder {
-            Some(ladder) => ladder.limits(values),
+            Some(ladder) => Ok(ladder.limits(values)?.map(|limit| limit.value)),
             None => values(&self.state),
         }
+    }
+
+    /// The same with an estimate of the relative error of each: what is left of the limits, or what has changed since the grid
+    /// before.
+    ///
+    /// # Errors
+    /// Those of `values`.
+    pub fn estimated<const N: usize>(
+        &self,
+        values: impl Fn(&GridState) -> Result<[f64; N], Unsolved>,
+    ) -> Result<[(f64, Option<f64>); N], Unsolved> {
+        let finest = if self.ladder.is_some() { None } else { Some(values(&self.state)?) };
+        self.estimated_beside(finest, values)
+    }
+
+    /// The same where those of the finest grid are known already.
+    ///
+    /// # Errors
+    /// Those of `values`.
+    pub fn estimated_beside<const N: usize>(
+        &self,
+        finest: Option<[f64; N]>,
+        values: impl Fn(&GridState) -> Result<[f64; N], Unsolved>,
+    ) -> Result<[(f64, Option<f64>); N], Unsolved> {
+        if let Some(ladder) = &self.ladder {
+            return Ok(ladder.limits(values)?.map(|Estimate { value, error }| (value, relative(error, value))));
+        }
+        let found = finest.map_or_else(|| values(&self.state), Ok)?;
+        // What the coarser grid cannot tell leaves the error unknown, no more.
+        let before = self.coarser.as_ref().and_then(|coarser| values(coarser).ok());
+        Ok(std::array::from_fn(|n| {
+            let error = before.as_ref().and_then(|before| relative(found[n] - before[n], found[n]));
+            (found[n], error)
+        }))
     }
 
     /// With the bounds: their distance is the error, and the force lies between them.
@@ -166,6 +217,22 @@ pub(crate) fn as_far_as(
     Ok(best)
 }
 
+/// The cells of a grid that a rectangle touches.
+fn part_of(nodes: &Grid, window: &Rect) -> Grid {
+    let [x, y] = [0, 1].map(|m| {
+        let place = |v: f64| (v - nodes.origin[m]) / nodes.spacing[m];
+        let most = nodes.shape[m] as f64;
+        let first = (place(window.min[m]) + ON_LINE).floor().clamp(0.0, most - 1.0);
+        let end = (place(window.max[m]) - ON_LINE).ceil().clamp(first + 1.0, most);
+        (first, (end - first) as usize)
+    });
+    let origin = [0, 1].map(|m| nodes.origin[m] + [x.0, y.0][m] * nodes.spacing[m]);
+    Grid { origin, spacing: nodes.spacing, shape: [x.1, y.1] }
+}
+
+/// Shares of a cell by which rounding may move a line of the grid.
+const ON_LINE: f64 = 1e-6;
+
 /// Grids that become finer, and what they found.
 struct Ascent<'a> {
     scaled: &'a Scaled,
@@ -184,13 +251,22 @@ struct Ascent<'a> {
 impl Ascent<'_> {
     /// A prescribed grid. Two coarser ones go before it, for the estimate of the error; each costs a quarter of the next or less.
     fn prescribed(mut self, cells: usize) -> Result<Option<Refined>, Unsolved> {
-        let mut best = None;
+        let mut best: Option<Refined> = None;
+        // Of a map the window covers a part.
+        let cells = self.nodes().map_or(cells, |nodes| {
+            let [nx, ny] = part_of(&nodes, &self.window).shape;
+            nx.max(ny)
+        });
         for coarser in [cells.div_ceil(4), cells.div_ceil(2)].into_iter().filter(|&n| n >= 6 && n != cells) {
             let state = self.grid(|window| shape(window, coarser), PRECISE[1], None)?;
             let error = self.limit(&state).error;
             best = Some(Refined::of(state, error));
         }
-        let state = match self.grid(|window| shape(window, cells), PRECISE[1], None) {
+        let finest = match self.nodes() {
+            Some(nodes) => self.on_nodes(&nodes),
+            None => self.grid(|window| shape(window, cells), PRECISE[1], None),
+        };
+        let state = match finest {
             Err(e) if e.verdict == Verdict::TimeLimit && best.is_some() => {
                 return Ok(best.map(|b| Refined { stopped: Some(e), ..b }));
             }
@@ -201,14 +277,17 @@ impl Ascent<'_> {
         }
         let estimate = self.limit(&state);
         let estimated = self.alone(&state, estimate)?;
+        let coarser = best.map(|b| Box::new(b.state));
         // Who prescribes the grid wants the force of that grid, whether or not the bounds hold it.
-        let Some([lower, upper]) = self.proved(&state) else { return Ok(Some(Refined::of(state, estimated))) };
+        let Some([lower, upper]) = self.proved(&state) else {
+            return Ok(Some(Refined { coarser, ..Refined::of(state, estimated) }));
+        };
         let force = state.force();
         let proved = (upper - force).abs().max((force - lower).abs());
         // Bounds wider than the estimate leave it, but for what they show it to miss.
         let shown = (lower - force).max(force - upper);
         let error = proved.min(estimated.max(shown));
-        Ok(Some(Refined { proved: Some([lower, upper]), ..Refined::of(state, error) }))
+        Ok(Some(Refined { proved: Some([lower, upper]), coarser, ..Refined::of(state, error) }))
     }
 
     /// The error of the force of a grid itself, by what it and those before it estimate.
@@ -306,8 +385,11 @@ impl Ascent<'_> {
                 }
             }
             let grids = if few { 1 } else { self.energies.len().max(1) };
+            let coarser =
+                best.take().map(|b| Box::new(b.state)).filter(|c| c.problem.grid.shape != state.problem.grid.shape);
             let sums = if few { vec![state.force()] } else { self.forces.clone() };
-            let found = Refined { state, force: value, error, grids, stopped: None, ladder: None, proved: None, sums };
+            let found =
+                Refined { state, coarser, force: value, error, grids, stopped: None, ladder: None, proved: None, sums };
             if !good {
                 best = Some(found);
                 continue;
@@ -342,7 +424,20 @@ impl Ascent<'_> {
         coarser: Option<&GridState>,
     ) -> Result<GridState, Unsolved> {
         let way = Way { tolerance, coarser, ..Way::precise(self.settings, self.method) };
-        let state = of_shape(self.scaled, &mut self.window, shape, way)?;
+        let state = laid(self.scaled, &mut self.window, |window| Grid::over(window, shape(window)), way)?;
+        Ok(self.with_spent(state))
+    }
+
+    /// The cells around the nodes of the height map, where those are asked for.
+    fn nodes(&self) -> Option<Grid> {
+        let nodes = self.scaled.gap.nodes().filter(|_| self.settings.nodes)?;
+        (self.settings.cells == Some(nodes.shape[0].max(nodes.shape[1]))).then_some(nodes)
+    }
+
+    /// The contact on cells around the nodes of a height map.
+    fn on_nodes(&mut self, nodes: &Grid) -> Result<GridState, Unsolved> {
+        let way = Way { tolerance: PRECISE[1], ..Way::precise(self.settings, self.method) };
+        let state = laid(self.scaled, &mut self.window, |window| part_of(nodes, window), way)?;
         Ok(self.with_spent(state))
     }
 
@@ -404,6 +499,6 @@ impl Ascent<'_> {
         let grids = ladder.grids();
         let (force, error) = (limit.value, limit.error);
         let sums = ladder.sums();
-        Ok(Refined { state, force, error, grids, stopped, ladder: Some(ladder), proved: None, sums })
+        Ok(Refined { state, coarser: None, force, error, grids, stopped, ladder: Some(ladder), proved: None, sums })
     }
 }

@@ -75,6 +75,7 @@ mod one_grid;
 mod outgrown;
 pub mod overlap;
 pub mod patch;
+mod peak;
 mod plan;
 #[cfg(feature = "plot")]
 pub mod plot;
@@ -94,8 +95,12 @@ mod solution;
 mod solve;
 #[cfg(all(feature = "scene", feature = "qp", feature = "formula"))]
 pub mod stability;
+mod stated;
 pub mod symmetry;
 mod tilting;
+mod units;
+mod unresolved;
+mod validity;
 
 pub use clock::Deadline;
 pub use contact::{Contact, Load, Loading};
@@ -110,5 +115,8 @@ pub use plan::{Plan, plan};
 #[cfg(feature = "scene")]
 pub use scene::Scene;
 pub use settings::{BoundaryFamily, ErrorBar, Method, Outputs, Settings};
-pub use solution::{Cost, ForceEvidence, Origin, Patch, PressureSummary, Solution};
+pub use solution::{
+    Cost, ForceEvidence, Origin, Patch, Piece, PressureSummary, Singular, Solution, TouchesEdge, Validity,
+};
 pub use solve::solve;
+pub use units::UnitLabels;

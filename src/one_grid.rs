@@ -77,20 +77,20 @@ pub(crate) fn at_resolution(
     settings: &Settings,
     method: Method,
 ) -> Result<GridState, Unsolved> {
-    of_shape(scaled, window, |window| shape(window, cells), Way::precise(settings, method))
+    laid(scaled, window, |window| Grid::over(window, shape(window, cells)), Way::precise(settings, method))
 }
 
-/// The contact at one depth on a grid of the shape that belongs to a box that holds it.
-pub(crate) fn of_shape(
+/// The contact at one depth on the grid that belongs to a box that holds it.
+pub(crate) fn laid(
     scaled: &Scaled,
     window: &mut Rect,
-    shape: impl Fn(&Rect) -> [usize; 2],
+    lay: impl Fn(&Rect) -> Grid,
     way: Way,
 ) -> Result<GridState, Unsolved> {
     let mut spent = (0, 0);
     for _ in 0..MOST_GROWTHS {
         way.deadline.check()?;
-        let grid = Grid::over(window, shape(window));
+        let grid = lay(window);
         let problem = Discrete::sample_before(&scaled.gap, scaled.depth, grid, way.kernel, way.deadline)?;
         let state = solve(scaled, problem, way)?;
         spent = (spent.0 + state.iterations, spent.1 + state.operator_products);

@@ -17,7 +17,7 @@ use crate::grid::{Grid, Pressure};
 use crate::one_grid;
 use crate::overlap::{Overlap, Scaled};
 use crate::settings::{Method, Settings};
-use crate::solution::{Origin, Patch, PressureSummary, Solution};
+use crate::solution::{Origin, Patch, Piece, PressureSummary, Solution, TouchesEdge, Validity};
 
 /// More contacts than that share one grid.
 const MOST: usize = 256;
@@ -229,12 +229,39 @@ fn growth(
 fn together(states: Vec<Solution>, settings: &Settings, missed: f64) -> Solution {
     let force: f64 = states.iter().map(|s| s.force).sum();
     let error: f64 = states.iter().map(|s| s.force_error.unwrap_or(0.0) * s.force).sum();
+    let singular = states.iter().find_map(|s| s.pressure.singular);
     let strongest =
         states.iter().max_by(|a, b| a.pressure.max.unwrap_or(0.0).total_cmp(&b.pressure.max.unwrap_or(0.0)));
-    let (max, at) = strongest.map_or((None, None), |s| (s.pressure.max, s.pressure.at));
+    let finite = |s: &&Solution| singular.is_none() && s.pressure.singular.is_none();
+    let (max, max_error) = strongest.filter(finite).map_or((None, None), |s| (s.pressure.max, s.pressure.max_error));
+    let at = states.iter().find(|s| s.pressure.singular.is_some()).or(strongest).and_then(|s| s.pressure.at);
     let area: f64 = states.iter().map(|s| s.patch.area).sum();
     let centroid =
         |m: usize| states.iter().filter_map(|s| s.patch.centroid.map(|c| c[m] * s.patch.area)).sum::<f64>() / area;
+    let mut pieces: Vec<Piece> = states.iter().flat_map(|s| s.patch.pieces.iter().cloned()).collect();
+    pieces.sort_by(|a, b| b.force.total_cmp(&a.force));
+    // Errors add up as the numbers do; that of the stiffness, found for all at once, is at most the largest.
+    let added = |error: fn(&Solution) -> Option<f64>, value: fn(&Solution) -> Option<f64>| {
+        let all: Option<f64> = states.iter().map(|s| Some(error(s)? * value(s)?)).sum();
+        Some(all? / states.iter().map(value).sum::<Option<f64>>()?).filter(|share| share.is_finite())
+    };
+    let area_error = added(|s| s.area_error, |s| Some(s.patch.area));
+    let energy_error = added(|s| s.energy_error, |s| s.energy).map(|error| error + missed / force);
+    let stiffness_error =
+        states.iter().map(|s| s.stiffness_error).try_fold(0.0_f64, |all, error| Some(all.max(error?)));
+    let edges = states.iter().filter_map(|s| s.touches_edge.map(|edge| (s.force, edge)));
+    let strongest_edge = edges.clone().max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, edge)| edge);
+    let beside: f64 = edges.map(|(force, edge)| force * edge.share.unwrap_or(0.0)).sum();
+    let touches_edge = strongest_edge.map(|edge| TouchesEdge { share: Some(beside / force), ..edge });
+    let doubtful =
+        |of: fn(&Validity) -> f64| states.iter().filter_map(|s| s.validity.as_ref().map(of)).reduce(f64::max);
+    let validity = states[0].validity.map(|first| Validity {
+        slope: doubtful(|v| v.slope).unwrap_or(first.slope),
+        size_over_radius: None,
+        pressure_over_modulus: doubtful(|v| v.pressure_over_modulus).unwrap_or(first.pressure_over_modulus),
+    });
+    let finest = |s: &&Solution| s.grid.map_or(f64::INFINITY, |grid| grid.spacing[0].min(grid.spacing[1]));
+    let grid = states.iter().min_by(|a, b| finest(a).total_cmp(&finest(b))).and_then(|s| s.grid);
     let patch = Patch {
         area,
         centroid: (area > 0.0).then(|| [centroid(0), centroid(1)]),
@@ -244,6 +271,9 @@ fn together(states: Vec<Solution>, settings: &Settings, missed: f64) -> Solution
             .outputs
             .patch
             .then(|| states.iter().filter_map(|s| s.patch.boundary.clone()).flatten().collect()),
+        pieces,
+        semi_axes: None,
+        angle: None,
     };
     let fields: Vec<&Pressure> = states.iter().filter_map(|s| s.pressure.field.as_ref()).collect();
     let field = settings.outputs.pressure.then(|| spread(&fields)).flatten();
@@ -263,7 +293,10 @@ fn together(states: Vec<Solution>, settings: &Settings, missed: f64) -> Solution
     all.force_error = Some((error + missed) / force);
     all.energy = sum(|s| s.energy);
     all.moment = sum(|s| s.moment.map(|m| m[0])).zip(sum(|s| s.moment.map(|m| m[1]))).map(|(x, y)| [x, y]);
-    all.pressure = PressureSummary { max, mean: (area > 0.0).then(|| force / area), at, field, gap: None };
+    all.pressure =
+        PressureSummary { max, max_error, singular, mean: (area > 0.0).then(|| force / area), at, field, gap: None };
+    (all.stiffness_error, all.energy_error, all.area_error) = (stiffness_error, energy_error, area_error);
+    (all.touches_edge, all.validity, all.grid) = (touches_edge, validity, grid);
     all.patch = patch;
     all.residuals = Some(residuals);
     all.cost.unknowns = states.iter().map(|s| s.cost.unknowns).max().unwrap_or(0);

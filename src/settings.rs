@@ -91,6 +91,9 @@ pub struct Settings {
     pub method: Method,
     /// Cells along the longer side; `None`: as many as the tolerance asks for.
     pub cells: Option<usize>,
+    /// Whether the cells are those around the nodes of the height map ([`crate::Gap::nodes`]); then `cells` is their number along the
+    /// longer side of the map.
+    pub nodes: bool,
     /// Means over cells or values at their centres.
     pub kernel: Kernel,
     /// Relative error of the force that is good enough, in (0, 1).
@@ -114,6 +117,7 @@ impl Default for Settings {
         Self {
             method: Method::Auto,
             cells: None,
+            nodes: false,
             kernel: Kernel::Galerkin,
             tolerance: 1e-3,
             evidence: ErrorBar::default(),

@@ -1,8 +1,8 @@
 //! The answer: force, stiffness, patch and pressure of one state of loading, in the user's units.
 
-use crate::bracket::{DepthBracket, Evidence, ForceBracket};
+use crate::bracket::{DepthBracket, Evidence, ForceBracket, ROUNDED};
 use crate::discrete::Residuals;
-use crate::gap::Law;
+use crate::gap::{DataEdge, Law};
 use crate::grid::{Grid, Pressure};
 use crate::settings::Method;
 
@@ -63,8 +63,17 @@ pub struct Solution {
     pub tilt: [f64; 2],
     /// Normal force.
     pub force: f64,
-    /// Relative error of the force, of the kind that [`Solution::evidence`] says; `None` when nothing is known of it.
+    /// Relative error of the force, of the kind that [`Solution::evidence`] says; `None` when nothing is known of it. 0 where the
+    /// force was prescribed: then the error is that of the depth.
     pub force_error: Option<f64>,
+    /// Relative error of the depth; 0 where that was prescribed, `None` when nothing is known of it.
+    pub depth_error: Option<f64>,
+    /// Relative error of the stiffness; `None` when nothing is known of it.
+    pub stiffness_error: Option<f64>,
+    /// Relative error of the stored energy; `None` when nothing is known of it.
+    pub energy_error: Option<f64>,
+    /// Relative error of the area of the patch; `None` when nothing is known of it.
+    pub area_error: Option<f64>,
     /// Bounds of the force with their evidence: where they make the error, and when asked for.
     pub bracket: Option<ForceBracket>,
     /// Bounds of the depth under a prescribed force, with the bracket.
@@ -83,6 +92,10 @@ pub struct Solution {
     pub pressure: PressureSummary,
     /// Residuals recomputed from the pressure; `None` for methods without a grid.
     pub residuals: Option<Residuals>,
+    /// The edge of measured or declared data that the patch meets, if any.
+    pub touches_edge: Option<TouchesEdge>,
+    /// How far the state is from what small-strain half-space theory assumes; `None` without contact.
+    pub validity: Option<Validity>,
     /// What it took.
     pub cost: Cost,
     /// What this scene did not need, in words.
@@ -118,19 +131,41 @@ impl ForceEvidence {
 }
 
 impl Solution {
-    /// What the stated error is: that of a bracket, where it covers it.
+    /// The error of what was not prescribed: of the depth under a force, else of the force.
+    #[must_use]
+    pub fn error(&self) -> Option<f64> {
+        if self.depth_error == Some(0.0) { self.force_error } else { self.depth_error }
+    }
+
+    /// What that error is: that of a bracket, where it covers it.
     #[must_use]
     pub fn evidence(&self) -> ForceEvidence {
         if matches!(self.origin, Origin::ClosedForm | Origin::NoContact) {
             return ForceEvidence::Exact;
         }
-        let (Some(error), Some(bracket)) = (self.force_error, &self.bracket) else { return ForceEvidence::Estimated };
-        let room = error * self.force * (1.0 + 1e-9);
-        let covers = bracket.upper() - self.force <= room && self.force - bracket.lower() <= room;
-        match bracket.evidence() {
+        let Some(error) = self.error() else { return ForceEvidence::Estimated };
+        let (value, bounds) = if self.depth_error == Some(0.0) {
+            (self.force, self.bracket.as_ref().map(|b| ([b.lower(), b.upper()], b.evidence())))
+        } else {
+            let bounds = self.depth_bracket.as_ref();
+            (self.depth, bounds.and_then(|b| Some(([b.lower(), b.upper()?], b.evidence()))))
+        };
+        let Some(([lower, upper], evidence)) = bounds else { return ForceEvidence::Estimated };
+        let room = error * value.abs() * (1.0 + 1e-9);
+        let covers = upper - value <= room && value - lower <= room;
+        match evidence {
             Evidence::Proved if covers => ForceEvidence::Proved,
             Evidence::Sampled { .. } if covers => ForceEvidence::Sampled,
             _ => ForceEvidence::Estimated,
+        }
+    }
+
+    /// The bracket for forces larger by this factor; the errors that follow from it have its rounding.
+    pub(crate) fn scale_bracket(&mut self, factor: f64) {
+        self.bracket = self.bracket.as_ref().and_then(|bracket| bracket.at_other_depth(factor));
+        if self.bracket.is_some() {
+            let errors = [&mut self.force_error, &mut self.stiffness_error, &mut self.energy_error];
+            errors.into_iter().flatten().for_each(|error| *error += 3.0 * ROUNDED);
         }
     }
 
@@ -144,6 +179,10 @@ impl Solution {
             tilt,
             force: 0.0,
             force_error: Some(0.0),
+            depth_error: Some(0.0),
+            stiffness_error: Some(0.0),
+            energy_error: Some(0.0),
+            area_error: Some(0.0),
             bracket: None,
             depth_bracket: None,
             stiffness: 0.0,
@@ -151,8 +190,10 @@ impl Solution {
             moment: Some([0.0; 2]),
             energy: Some(0.0),
             patch: Patch::default(),
-            pressure: PressureSummary { max: Some(0.0), ..PressureSummary::default() },
+            pressure: PressureSummary { max: Some(0.0), max_error: Some(0.0), ..PressureSummary::default() },
             residuals: None,
+            touches_edge: None,
+            validity: None,
             cost: Cost::default(),
             left_out: vec!["everything: the bodies do not touch at this depth".to_owned()],
             remarks: Vec::new(),
@@ -170,7 +211,7 @@ impl Solution {
         let mut other = self.clone();
         other.depth = depth;
         other.force *= stronger;
-        other.bracket = self.bracket.as_ref().and_then(|bracket| bracket.at_other_depth(stronger));
+        other.scale_bracket(stronger);
         other.depth_bracket = None;
         other.stiffness *= longer;
         other.energy = self.energy.map(|u| u * deeper * stronger);
@@ -188,6 +229,20 @@ impl Solution {
         patch.max_radius *= longer;
         patch.centroid = patch.centroid.map(place);
         patch.boundary.iter_mut().flatten().flatten().for_each(|p| *p = place(*p));
+        patch.semi_axes = patch.semi_axes.map(|axes| axes.map(|a| a * longer));
+        for piece in &mut patch.pieces {
+            piece.area *= longer * longer;
+            piece.force *= stronger;
+            piece.centroid = place(piece.centroid);
+            piece.extent = piece.extent.map(place);
+            piece.max_pressure = piece.max_pressure.map(|p| p * harder);
+        }
+        if let Some(validity) = &mut other.validity {
+            // Slopes grow as heights over lengths; so do pressures over the modulus.
+            validity.slope *= harder;
+            validity.pressure_over_modulus *= harder;
+            validity.size_over_radius = validity.size_over_radius.map(|s| s * longer);
+        }
         let moved = |grid: &mut Grid| {
             grid.origin = place(grid.origin);
             grid.spacing = grid.spacing.map(|h| h * longer);
@@ -222,13 +277,96 @@ pub struct Patch {
     pub max_radius: f64,
     /// Closed polylines, the first point not repeated, when asked for: outer boundaries counter-clockwise, holes clockwise.
     pub boundary: Option<Vec<Vec<[f64; 2]>>>,
+    /// The separate regions, largest force first; together they carry the force and have the area.
+    pub pieces: Vec<Piece>,
+    /// Semi-axes a >= b of a patch that is an ellipse by a closed form, or of the best one.
+    pub semi_axes: Option<[f64; 2]>,
+    /// Angle from x to the longer axis of such an ellipse, radians counter-clockwise, in (-pi/2, pi/2]; 0 for a disc.
+    pub angle: Option<f64>,
+}
+
+/// One of the separate regions of a patch.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Piece {
+    /// Area.
+    pub area: f64,
+    /// The part of the force that it carries.
+    pub force: f64,
+    /// Centroid of its area.
+    pub centroid: [f64; 2],
+    /// Lower left and upper right corner of the rectangle around it.
+    pub extent: [[f64; 2]; 2],
+    /// Largest pressure in it; `None` where the exact one is infinite or the method gives none.
+    pub max_pressure: Option<f64>,
+}
+
+impl Patch {
+    /// Lower left and upper right corner of the rectangle around all pieces; `None` without contact.
+    ///
+    /// ```
+    /// use contact_patch::{Patch, Piece};
+    /// let piece = |x: f64| Piece {
+    ///     area: 1.0, force: 1.0, centroid: [x, 0.0], extent: [[x - 0.5, -0.5], [x + 0.5, 0.5]], max_pressure: None,
+    /// };
+    /// let patch = Patch { pieces: vec![piece(0.0), piece(3.0)], ..Patch::default() };
+    /// assert_eq!(patch.extent(), Some([[-0.5, -0.5], [3.5, 0.5]]));
+    /// ```
+    #[must_use]
+    pub fn extent(&self) -> Option<[[f64; 2]; 2]> {
+        let corners = self.pieces.iter().flat_map(|piece| piece.extent);
+        crate::geometry::Rect::holding(corners).map(|rect| [rect.min, rect.max])
+    }
+}
+
+/// Why the exact pressure is infinite somewhere in a patch.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Singular {
+    /// Along a line: the end of the material, or a sharp ridge.
+    Edge,
+    /// At a point: a cone, the apex of a pyramid, any tip that is not rounded.
+    Tip,
+}
+
+impl Singular {
+    /// The word in results.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Edge => "edge",
+            Self::Tip => "tip",
+        }
+    }
+}
+
+/// The edge of measured or declared data that a patch meets: beyond it there may be a body that nobody told of.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TouchesEdge {
+    /// Which.
+    pub edge: DataEdge,
+    /// Share of the force on the cells beside it, from 0 to 1; `None` for methods without cells.
+    pub share: Option<f64>,
+}
+
+/// How far a state is from what small-strain half-space theory assumes: all three small against 1.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Validity {
+    /// Largest slope of the gap found in the patch, with nothing of tilts.
+    pub slope: f64,
+    /// Radius of the disc with the area of the patch over the radius of curvature (the geometric mean of both), where one is known.
+    pub size_over_radius: Option<f64>,
+    /// Mean pressure over E*.
+    pub pressure_over_modulus: f64,
 }
 
 /// How the pressure is spread.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct PressureSummary {
-    /// Largest pressure found; `None` where the exact one is infinite (edges of flat punches, tips) or not given by the method.
+    /// Largest pressure found; `None` where the exact one is infinite ([`PressureSummary::singular`]) or not given by the method.
     pub max: Option<f64>,
+    /// Relative error of the largest pressure: an estimate from several grids, rounding for closed forms; `None` when nothing is known.
+    pub max_error: Option<f64>,
+    /// Why the exact pressure is infinite somewhere, where it is known to be.
+    pub singular: Option<Singular>,
     /// Force over area; `None` without contact.
     pub mean: Option<f64>,
     /// Where the largest pressure was found.

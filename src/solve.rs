@@ -12,6 +12,7 @@ use crate::overlap::least;
 use crate::respond::respond;
 use crate::settings::Settings;
 use crate::solution::Solution;
+use crate::stated;
 use crate::tilting;
 
 /// Solves every state of the loading, in order.
@@ -96,8 +97,11 @@ fn at(contact: &Contact, load: Load, settings: &Settings, similar: &mut Option<S
         answer => answer,
     };
     let mut answer = accepted(contact, load, settings, answer);
-    let state = answer.as_mut().map_or_else(|e| e.best.as_deref_mut(), Some);
-    state.into_iter().for_each(|state| state.cost.seconds = started.seconds());
+    if let Some(state) = answer.as_mut().map_or_else(|e| e.best.as_deref_mut(), Some) {
+        stated::errors(contact, load, state);
+        stated::remarks(contact, state);
+        state.cost.seconds = started.seconds();
+    }
     answer
 }
 
@@ -136,7 +140,12 @@ fn at_force(
     if force == 0.0 {
         return Ok(Solution::apart(settings.method, least, [0.0; 2]));
     }
-    let scaled = |all: &Similar| Solution { force, ..all.at(gap, all.depth_for(force)) };
+    let scaled = |all: &Similar| {
+        let mut state = all.at(gap, all.depth_for(force));
+        // What rounding leaves of the force is that of its bounds, too.
+        state.scale_bracket(force / state.force);
+        Solution { force, ..state }
+    };
     if let Some(all) = similar {
         return all.answer(scaled(all));
     }

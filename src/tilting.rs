@@ -112,7 +112,14 @@ fn at_sharp_edges(
         }
         let at = |n: usize| limit(&|values| values[n]).value;
         (state.depth, state.tilt, state.energy) = (at(0), [at(1), at(2)], Some(at(3)));
+        let wider = at(4) / state.patch.area;
+        state.patch.pieces.iter_mut().for_each(|piece| piece.area *= wider);
         state.patch.area = at(4);
+        let share = |n: usize| {
+            let limit = limit(&|values| values[n]);
+            Some((limit.error / limit.value).abs()).filter(|error| error.is_finite())
+        };
+        (state.energy_error, state.area_error, state.stiffness_error) = (share(3), share(4), share(5));
         state.pressure.mean = Some(state.force / state.patch.area);
         let matrix = [0, 1, 2].map(|i| [0, 1, 2].map(|j| at(5 + 3 * i + j)));
         (state.stiffness, state.stiffness_matrix) = (matrix[0][0], Some(matrix));

@@ -134,7 +134,7 @@ fn a_force_has_its_depth_exactly() {
     let loaded = fitted(2.0, square(), Load::Force(5.0), &Settings::default());
     assert_eq!(loaded.force, 5.0);
     assert!((loaded.depth * pressed.stiffness / 5.0 - 1.0).abs() < 1e-13);
-    assert!((loaded.depth * 2.0 * 1.152_298 / 5.0 - 1.0).abs() <= loaded.force_error.unwrap() + 1e-6);
+    assert!((loaded.depth * 2.0 * 1.152_298 / 5.0 - 1.0).abs() <= loaded.depth_error.unwrap() + 1e-6);
 }
 
 #[test]

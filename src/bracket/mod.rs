@@ -187,6 +187,9 @@ pub struct ForceBracket {
     cost: BracketCost,
 }
 
+/// What scaling may move a bound by, relative.
+pub(crate) const ROUNDED: f64 = 1e-13;
+
 impl ForceBracket {
     /// From bounds of the energy, proved.
     pub(crate) fn of_energy([lower, upper]: [f64; 2]) -> Self {
@@ -206,7 +209,7 @@ impl ForceBracket {
     pub(crate) fn at_other_depth(&self, factor: f64) -> Option<Self> {
         let both = self.lower.theorem == Theorem::Energy && self.upper.theorem == Theorem::Energy;
         let more = |force: f64, rounding: f64| force * factor * (1.0 + rounding);
-        both.then(|| Self::of_energy([more(self.lower(), -1e-13), more(self.upper(), 1e-13)]))
+        both.then(|| Self::of_energy([more(self.lower(), -ROUNDED), more(self.upper(), ROUNDED)]))
     }
 
     /// Lower bound of the force.

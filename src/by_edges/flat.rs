@@ -23,6 +23,9 @@ pub(crate) struct Flat {
 /// An outline of more corners is left to the grid: cells at each of them would be too many, and to find them takes the cube.
 pub(super) const MOST_CORNERS: usize = 256;
 
+/// Relative rounding of the area of a polygon.
+const ROUNDING: f64 = 1e-12;
+
 /// K in the user's units and what comes with it.
 pub(super) struct Punch {
     /// Bounds of K, a length.
@@ -98,12 +101,18 @@ impl Flat {
             force,
             energy: force.map(|p| 0.5 * p * depth),
             stiffness: 0.5 * e_star * (punch.stiffness[0] + punch.stiffness[1]),
+            stiffness_error: Some(
+                (punch.stiffness[1] - punch.stiffness[0]) / (punch.stiffness[1] + punch.stiffness[0]),
+            ),
+            // The corners are given.
+            area_error: Some(ROUNDING),
             patch: Patch {
                 area: area(&self.corners),
                 centroid: Some(centroid(&self.corners)),
                 regions: 1,
                 max_radius: self.corners.iter().map(distance).fold(0.0, f64::max),
                 boundary: Some(vec![self.corners.clone()]),
+                ..Patch::default()
             },
             centre: self.centre_of(&cells),
             max: None,

@@ -90,7 +90,10 @@ impl Layer {
         found.force[1] *= 1.0 + 0.5 * growth;
         // U = integral of P.
         found.energy[1] *= 1.0 + growth / 3.0;
+        // K of the contact is from K(F) to K(F) (1 + d/h), its area from that of F to (1 + d/h)^2 times as much.
         found.stiffness *= 1.0 + 0.5 * growth;
+        found.stiffness_error = found.stiffness_error.map(|error| error + 0.5 * growth * (1.0 + error));
+        found.area_error = found.area_error.map(|error| error + growth * (2.0 + growth));
         found.left_out = "the surface grid: bounds by the flat are as close as asked for";
         Some(found)
     }

@@ -15,11 +15,12 @@ use crate::contact::Contact;
 use crate::domain::shape;
 use crate::edge_fitted::Limits;
 use crate::error::{Unsolved, Verdict};
+use crate::gap::{AnyGap, Gap};
 use crate::geometry::Rect;
 use crate::grid::{Grid, Kernel, Pressure};
 use crate::overlap::Overlap;
 use crate::settings::{Method, Settings};
-use crate::solution::{Cost, Origin, Patch, PressureSummary, Solution};
+use crate::solution::{Cost, Origin, Patch, Piece, PressureSummary, Singular, Solution, TouchesEdge, Validity};
 
 /// What the cells are fitted to.
 pub(crate) enum Route {
@@ -34,7 +35,11 @@ struct Found {
     force: [f64; 2],
     /// Proved bounds of the stored energy.
     energy: [f64; 2],
+    /// dP/dd and its relative error, as far as it is known.
     stiffness: f64,
+    stiffness_error: Option<f64>,
+    /// Relative error of the area of the patch, as far as it is known.
+    area_error: Option<f64>,
     /// With its boundary.
     patch: Patch,
     /// Where the resultant of the computed pressure acts.
@@ -119,7 +124,7 @@ pub(crate) fn solution(
 ) -> Option<Result<Solution, Unsolved>> {
     let depth = overlap.depth;
     let found = Route::of(overlap, settings)?.solve(contact, depth, settings)?;
-    let state = in_users_units(found, depth, settings);
+    let state = in_users_units(contact, &overlap.gap, found, depth, settings);
     let error = state.force_error.unwrap_or(f64::INFINITY);
     Some(if error <= settings.tolerance {
         Ok(state)
@@ -136,7 +141,7 @@ pub(crate) fn not_applicable() -> Unsolved {
     Unsolved::new(Verdict::NotApplicable, reason)
 }
 
-fn in_users_units(found: Found, depth: f64, settings: &Settings) -> Solution {
+fn in_users_units(contact: &Contact, gap: &AnyGap, found: Found, depth: f64, settings: &Settings) -> Solution {
     let outputs = settings.outputs;
     let [low, high] = found.force;
     let force = 0.5 * (low + high);
@@ -149,6 +154,20 @@ fn in_users_units(found: Found, depth: f64, settings: &Settings) -> Solution {
     }
     let [x, y] = found.centre;
     let mut patch = found.patch;
+    let boundary = patch.boundary.clone().unwrap_or_default();
+    let validity = Validity::of(contact, &boundary, patch.area, force);
+    let touches_edge = touches_edge(gap, &boundary);
+    let extent = Rect::holding(boundary.iter().flatten().copied()).map(|rect| [rect.min, rect.max]);
+    let piece =
+        |extent| Some(Piece { area: patch.area, force, centroid: patch.centroid?, extent, max_pressure: found.max });
+    if patch.pieces.is_empty() {
+        patch.pieces = extent.and_then(piece).into_iter().collect();
+    } else {
+        // Of the computed force; the stated one is the middle of its bounds.
+        let computed: f64 = patch.pieces.iter().map(|piece| piece.force).sum();
+        patch.pieces.iter_mut().for_each(|piece| piece.force *= force / computed);
+        patch.pieces.sort_by(|a, b| b.force.total_cmp(&a.force));
+    }
     patch.boundary = patch.boundary.filter(|_| outputs.patch);
     Solution {
         method: Method::EdgeFitted,
@@ -158,6 +177,10 @@ fn in_users_units(found: Found, depth: f64, settings: &Settings) -> Solution {
         tilt: [0.0; 2],
         force,
         force_error: Some((high - low) / (high + low)),
+        depth_error: Some(0.0),
+        stiffness_error: found.stiffness_error,
+        energy_error: Some((found.energy[1] - found.energy[0]) / (found.energy[1] + found.energy[0])),
+        area_error: found.area_error,
         bracket: Some(ForceBracket::of_energy(found.force)),
         depth_bracket: None,
         stiffness: found.stiffness,
@@ -166,6 +189,8 @@ fn in_users_units(found: Found, depth: f64, settings: &Settings) -> Solution {
         energy: Some(0.5 * (found.energy[0] + found.energy[1])),
         pressure: PressureSummary {
             max: found.max,
+            max_error: None,
+            singular: found.max.is_none().then_some(Singular::Edge),
             mean: Some(force / patch.area),
             at: Some(found.at),
             field: found.field,
@@ -173,6 +198,8 @@ fn in_users_units(found: Found, depth: f64, settings: &Settings) -> Solution {
         },
         patch,
         residuals: None,
+        touches_edge,
+        validity,
         cost: Cost { unknowns: found.unknowns, ..Cost::default() },
         left_out,
         remarks: vec![found.how, format!("the force is proved to lie between {low:e} and {high:e}")],
@@ -185,4 +212,16 @@ const FIELD_CELLS: usize = 64;
 /// The grid of a field over a rectangle.
 fn field_grid(rect: &Rect) -> Grid {
     Grid::over(rect, shape(rect, FIELD_CELLS))
+}
+
+/// The edge of data that a boundary runs along, seen a hair outside of it.
+fn touches_edge(gap: &AnyGap, boundary: &[Vec<[f64; 2]>]) -> Option<TouchesEdge> {
+    let looks = boundary.iter().flat_map(|line| (0..line.len()).map(move |k| (line[k], line[(k + 1) % line.len()])));
+    let outside = |([ax, ay], [bx, by]): ([f64; 2], [f64; 2])| {
+        // Contact is on the left.
+        let off = 1e-6;
+        [0.5 * (ax + bx) + off * (by - ay), 0.5 * (ay + by) - off * (bx - ax)]
+    };
+    let edge = looks.map(outside).find_map(|[x, y]| gap.end_of_data(x, y))?;
+    Some(TouchesEdge { edge, share: None })
 }

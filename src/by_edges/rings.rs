@@ -9,7 +9,7 @@ use crate::gap::{AnyGap, Axis, Gap};
 use crate::geometry::Rect;
 use crate::overlap::Overlap;
 use crate::settings::Settings;
-use crate::solution::Patch;
+use crate::solution::{Patch, Piece};
 
 /// The overlap along a radius: lengths in units of the reach, heights in units of the deepest overlap.
 pub(crate) struct Section {
@@ -208,7 +208,12 @@ impl Section {
         let (length, height, e_star) = (self.length, self.height, contact.modulus().e_star());
         let contact_rings = joined(&rings);
         let at_edge = |r: &f64| self.spans.iter().any(|s| (0..2).any(|k| s.edges[k] && s.radii[k] == *r));
-        let singular = contact_rings.iter().flatten().any(at_edge);
+        // Inside, a corner at which the gap bends upwards.
+        let slope = |r: f64| self.gap.gradient(r, 0.0).map_or(f64::NAN, |g| g[0]);
+        let corner = |r: &f64| slope(r * (1.0 + 2.0 * INSET)) - slope(r * (1.0 - 2.0 * INSET)) > BEND;
+        let pressed = |r: &f64| contact_rings.iter().any(|[a, b]| a < r && r < b);
+        let singular =
+            contact_rings.iter().flatten().any(at_edge) || self.kinks.iter().any(|r| pressed(r) && corner(r));
         let unit_pressure = e_star * height / length;
         let ([x, y], reference) = (self.at, contact.gap().known().reference);
         let outer = contact_rings.last()?[1] * length;
@@ -218,16 +223,36 @@ impl Section {
             resample_rings(&rings, self.at, field_grid(&Rect::around(self.at, [outer; 2])))
         };
         let unit_force = e_star * height * length;
+        // Rings of revolution about one centre, each with what its cells carry.
+        let piece = |[a, b]: &[f64; 2]| {
+            let own = || rings.iter().filter(|(r, _)| a <= &r[0] && &r[1] <= b);
+            let half = [b * length; 2];
+            let extent = Rect::around(self.at, half);
+            let highest = own().map(|(_, p)| *p).fold(0.0, f64::max);
+            Piece {
+                area: PI * (b - a) * (b + a) * length * length,
+                force: own().map(|([a, b], p)| PI * (b - a) * (b + a) * p).sum::<f64>() * unit_force,
+                centroid: self.at,
+                extent: [extent.min, extent.max],
+                max_pressure: (!singular).then_some(highest * unit_pressure),
+            }
+        };
         Some(Found {
             force: force.map(|p| p * unit_force),
             energy: energy.map(|u| u * unit_force * height),
             stiffness: stiffness * e_star * length,
+            // By where the cells end, which nothing bounds.
+            stiffness_error: None,
+            area_error: None,
             patch: Patch {
                 area: contact_rings.iter().map(|[a, b]| PI * (b - a) * (b + a)).sum::<f64>() * length * length,
                 centroid: Some(self.at),
                 regions: contact_rings.len(),
                 max_radius: outer + (x - reference[0]).hypot(y - reference[1]),
                 boundary: Some(contact_rings.iter().flat_map(|ring| self.circles(ring)).collect()),
+                pieces: contact_rings.iter().map(piece).collect(),
+                semi_axes: None,
+                angle: None,
             },
             centre: self.at,
             max: (!singular).then_some(largest * unit_pressure),
@@ -252,6 +277,9 @@ impl Section {
         std::iter::once(circle(*b, 1.0)).chain(hole).collect()
     }
 }
+
+/// Least change of the slope at a corner, where depth and size of the contact are 1.
+const BEND: f64 = 1e-6;
 
 /// Where an interval lies.
 enum Solid {

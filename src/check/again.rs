@@ -61,7 +61,7 @@ impl State<'_> {
             Method::ClosedForm => ROUNDING,
             // The same cells for the same tolerance; else both err by what they state.
             Method::EdgeFitted if close(own.force, self.force, ROUNDING) => ROUNDING,
-            Method::EdgeFitted => self.force_error.unwrap_or(0.0) + own.force_error.unwrap_or(0.0),
+            Method::EdgeFitted => self.error().unwrap_or(0.0) + own.force_error.unwrap_or(0.0),
             _ => APPROXIMATE,
         };
         self.agrees_with(&own, share, found)?;
@@ -142,13 +142,52 @@ impl State<'_> {
                 reader.use_up(path);
             }
         }
-        if let Some(error) = self.force_error {
+        if let Some(error) = self.error() {
             let least = own.force_error.unwrap_or(f64::INFINITY);
             found.require(
                 error >= least * (1.0 - ROUNDING),
                 format!("the stated error {error:.1e} is no less than that of {}, {least:.1e}", self.method),
             );
             reader.use_up("force_error");
+            reader.use_up("depth_error");
+        }
+        self.pieces_are(&own.patch.pieces, share, share * length, found)?;
+        if let (Some(said), Some(axes)) = (reader.pair("patch.semi_axes")?, own.patch.semi_axes) {
+            let holds = (0..2).all(|m| close(said[m], axes[m], share));
+            found.require(holds, format!("the semi-axes {said:?} are those of {}", self.method));
+            reader.use_up("patch.semi_axes");
+        }
+        if let (Some(said), Some(angle)) = (reader.number("patch.angle")?, own.patch.angle) {
+            let holds = (said.to_radians() - angle).abs() <= share.max(1e-9);
+            found.require(holds, format!("the angle {said} degrees is that of {}", self.method));
+            reader.use_up("patch.angle");
+        }
+        for (path, value) in [
+            ("stiffness_error", own.stiffness_error),
+            ("energy_error", own.energy_error),
+            ("area_error", own.area_error),
+            ("pressure.max_error", own.pressure.max_error),
+        ] {
+            if let (Some(said), Some(least)) = (reader.number(path)?, value) {
+                let holds = said >= least * (1.0 - ROUNDING) && said < 1.0;
+                found.require(holds, format!("{path} {said:.1e} is no less than that of {}, {least:.1e}", self.method));
+                reader.use_up(path);
+            }
+        }
+        if let (Some(said), Some(own)) = (reader.get("validity")?, own.validity) {
+            let mut holds = true;
+            for (key, value) in [
+                ("slope", Some(own.slope)),
+                ("size_over_radius", own.size_over_radius),
+                ("pressure_over_modulus", Some(own.pressure_over_modulus)),
+            ] {
+                if let Some(Json::Number(n)) = said.get(key) {
+                    let near = |value: f64| n.as_f64().is_some_and(|said| close(said, value, share.max(1e-6)));
+                    holds &= value.is_some_and(near);
+                }
+            }
+            found.require(holds, "what is small against 1 is that of the state found again");
+            reader.use_up("validity");
         }
         if let Some(rows) = reader.get("stiffness_matrix")? {
             let size = |i: usize, j: usize| own.stiffness * length.powi(i32::from(i > 0) + i32::from(j > 0));

@@ -11,6 +11,7 @@ use crate::error::InputError;
 use crate::gap::AnyGap;
 use crate::grid::{Grid, Kernel, Pressure};
 use crate::scene::Scene;
+use crate::solution::Piece;
 
 /// Largest residual of a pressure that is said to solve a grid, relative to the largest overlap.
 const RESIDUAL: f64 = 2e-6;
@@ -72,7 +73,7 @@ impl State<'_> {
         self.residuals(cells, found)?;
         let force_driven = !matches!(load, Load::Depth(_) | Load::Tilted { .. });
         self.force_of_grid(scene, gap, [cells, other], force_driven, found)?;
-        self.pressures(field, found)?;
+        self.pressures(gap, field, found)?;
         self.moments(field, force_driven, found)?;
         self.patch_of(cells, scene, found)?;
         self.stiffness_of(cells, scene, gap, found)?;
@@ -120,7 +121,7 @@ impl State<'_> {
     ) -> Result<(), InputError> {
         let Some(field) = &self.field else { return Ok(()) };
         let (carried, e_star) = (field.force(), scene.contact.modulus().e_star());
-        let error = self.force_error.unwrap_or(0.0);
+        let error = self.error().unwrap_or(0.0);
         let means = if cells.kernel() == Kernel::Galerkin { cells } else { other };
         // P d = (2 + 1/k) U of a homogeneous gap, and U at least that of the field.
         let degree = homogeneous::degree(gap, &field.grid).filter(|_| self.tilt == [0.0; 2] && self.depth > 0.0);
@@ -168,7 +169,7 @@ impl State<'_> {
             None => (stiffness * other.shortfall()).abs(),
         };
         let lacking = by_energy.is_none_or(|least| self.force * (1.0 + error) >= least * (1.0 - OF_SUMS));
-        if let Some(error) = self.force_error {
+        if let Some(error) = self.error() {
             found.require(
                 lacking && error * self.force * CLOSER >= off - OF_SUMS * self.force && error > 0.0,
                 format!(
@@ -178,6 +179,10 @@ impl State<'_> {
                 ),
             );
             self.reader.use_up("force_error");
+            self.reader.use_up("depth_error");
+            if degree.is_some() {
+                self.errors_follow(0.0, found)?;
+            }
         } else {
             found.require(false, "an error of the force is stated");
         }
@@ -207,7 +212,12 @@ impl State<'_> {
         Ok(())
     }
 
-    fn pressures(&self, field: &Pressure, found: &mut Verification) -> Result<(), InputError> {
+    fn pressures(&self, gap: &AnyGap, field: &Pressure, found: &mut Verification) -> Result<(), InputError> {
+        let degree = homogeneous::degree(gap, &field.grid);
+        if degree.is_some_and(|k| k <= 1.0 || k.is_infinite()) {
+            let said = self.reader.get("pressure.singular")?.is_some();
+            found.require(said, "the pressure is infinite at the tip or the edge of such a gap, and is said to be");
+        }
         let highest = field.values.iter().copied().fold(0.0, f64::max);
         if let Some(max) = self.reader.number("pressure.max")? {
             found.require(close(max, highest, ROUNDING), format!("the largest pressure {max:e} is that of the field"));
@@ -235,7 +245,7 @@ impl State<'_> {
             size += p * area * x.hypot(y);
         }
         let more = self.force / field.force();
-        let room = if force_driven { self.force_error.unwrap_or(0.0).max(1e-6) } else { ROUNDING };
+        let room = if force_driven { self.error().unwrap_or(0.0).max(1e-6) } else { ROUNDING };
         // Where edges fall between cells, the force acts elsewhere by where in a cell they lie.
         let [hx, hy] = field.grid.spacing;
         let cell = if self.missed_by_one_grid(field) > 0.0 { hx.max(hy) * self.force } else { 0.0 };
@@ -249,7 +259,7 @@ impl State<'_> {
     /// as the force is, and the error that is stated.
     fn missed_by_one_grid(&self, field: &Pressure) -> f64 {
         if self.origin == "many_grids" {
-            (self.force / field.force() - 1.0).abs() + self.force_error.unwrap_or(0.0)
+            (self.force / field.force() - 1.0).abs() + self.error().unwrap_or(0.0)
         } else {
             0.0
         }
@@ -271,6 +281,16 @@ impl State<'_> {
             format!("the area {:e} is that of the field, {:e}", self.area, own.area),
         );
         self.reader.use_up("patch.area");
+        let (more, wider) = (self.force / field.force(), self.area / own.area);
+        let e_star = scene.contact.modulus().e_star();
+        let scaled = |piece: &Piece| Piece {
+            force: piece.force * e_star * more,
+            area: piece.area * wider,
+            max_pressure: piece.max_pressure.map(|p| p * e_star),
+            ..piece.clone()
+        };
+        self.pieces_are(&own.pieces.iter().map(scaled).collect::<Vec<_>>(), ROUNDING, off, found)?;
+        self.validity_is(scene, found)?;
         if let (Some(said), Some(own)) = (self.reader.pair("patch.centroid")?, own.centroid) {
             let holds = (0..2).all(|m| (said[m] - own[m]).abs() <= off);
             found.require(holds, format!("the centroid {said:?} is that of the field, {own:?}"));

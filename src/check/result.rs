@@ -122,6 +122,7 @@ pub struct State<'a> {
     pub(super) tilt: [f64; 2],
     pub(super) force: f64,
     pub(super) force_error: Option<f64>,
+    pub(super) depth_error: Option<f64>,
     pub(super) area: f64,
     /// The pressure field, where there is one.
     pub field: Option<Pressure>,
@@ -171,6 +172,7 @@ impl<'a> State<'a> {
             tilt: reader.pair("tilt")?.unwrap_or_default(),
             force: reader.need("force")?,
             force_error: reader.number("force_error")?,
+            depth_error: reader.number("depth_error")?,
             area: reader.need("patch.area")?,
             field: reader.field("pressure.field")?,
             field_file: elsewhere.then(|| reader.word("pressure.field.file").map(str::to_owned)).transpose()?,

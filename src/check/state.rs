@@ -9,7 +9,8 @@ use crate::error::InputError;
 use crate::gap::{AnyGap, Gap};
 use crate::grid::{Grid, Pressure};
 use crate::overlap::{Overlap, least};
-use crate::scene::Scene;
+use crate::scene::{Json, Scene};
+use crate::solution::Piece;
 
 /// Relative difference of two numbers that are written from the same ones.
 pub(super) const ROUNDING: f64 = 1e-9;
@@ -23,7 +24,7 @@ impl State<'_> {
         let mut found = Verification::default();
         let gap = scene.contact.tilted_gap(self.tilt);
         self.as_loaded(load, &mut found)?;
-        self.error_is_sane(scene, &mut found);
+        self.error_is_sane(scene, load, &mut found);
         match self.origin.as_str() {
             "no_contact" => self.apart(&gap, &mut found)?,
             "closed_form" | "approximate" | "edge_fitted" => self.applied_again(scene, &gap, &mut found)?,
@@ -40,11 +41,21 @@ impl State<'_> {
         }
         self.relations(&mut found)?;
         if let Ok(word @ ("proved" | "sampled")) = self.reader.word("evidence") {
-            let room = self.force_error.unwrap_or(0.0) * self.force * (1.0 + ROUNDING);
-            let covers = |b: &Bounds| b.upper - self.force <= room && self.force - b.lower <= room;
+            let under_force = !matches!(load, Load::Depth(_) | Load::Tilted { .. });
+            let within = |value: f64, error: Option<f64>, [lower, upper]: [f64; 2]| {
+                let room = error.unwrap_or(0.0) * value.abs() * (1.0 + ROUNDING);
+                upper - value <= room && value - lower <= room
+            };
+            let holds = if under_force {
+                let bounds = self.reader.number("bracket.depth.lower")?.zip(self.reader.number("bracket.depth.upper")?);
+                bounds.is_some_and(|(lower, upper)| within(self.depth, self.depth_error, [lower, upper]))
+            } else {
+                self.bracket.as_ref().is_some_and(|b| within(self.force, self.force_error, [b.lower, b.upper]))
+            };
+            let what = if under_force { "depth" } else { "force" };
             found.require(
-                self.bracket.as_ref().is_some_and(covers),
-                format!("the error is {word}: there is a bracket, and it lies within the stated error of the force"),
+                holds,
+                format!("the error is {word}: there is a bracket of the {what}, within the stated error"),
             );
         }
         if let Some(claimed) = &self.bracket {
@@ -84,9 +95,28 @@ impl State<'_> {
         Ok(())
     }
 
-    /// A solved state states an error below 1, and one that its scene asked for.
-    fn error_is_sane(&self, scene: &Scene, found: &mut Verification) {
-        let Some(error) = self.force_error else { return };
+    /// The relative error of the force at the depth of the state: under a force that of the depth, by the stiffness.
+    pub(super) fn error(&self) -> Option<f64> {
+        match self.depth_error {
+            Some(error) if error != 0.0 => {
+                let stiffness = self.reader.number("stiffness").ok().flatten()?;
+                Some(error * (self.depth * stiffness / self.force).abs())
+            }
+            _ => self.force_error,
+        }
+    }
+
+    /// A solved state states an error below 1, one that its scene asked for, and none of what was prescribed.
+    fn error_is_sane(&self, scene: &Scene, load: Load, found: &mut Verification) {
+        let (path, prescribed) = match load {
+            Load::Depth(_) | Load::Tilted { .. } => ("depth_error", self.depth_error),
+            Load::Force(_) | Load::ForceMoment { .. } => ("force_error", self.force_error),
+        };
+        if let Some(error) = prescribed {
+            found.require(error == 0.0, format!("{path} {error:e} is 0: that was prescribed"));
+            self.reader.use_up(path);
+        }
+        let Some(error) = self.error() else { return };
         found.require((0.0..1.0).contains(&error), format!("the stated error {error:e} is from 0 to 1"));
         if error > scene.settings.tolerance {
             found.checked.push(format!(
@@ -106,6 +136,11 @@ impl State<'_> {
         for path in [
             "force",
             "force_error",
+            "depth_error",
+            "stiffness_error",
+            "energy_error",
+            "area_error",
+            "pressure.max_error",
             "stiffness",
             "energy",
             "patch.area",
@@ -150,13 +185,111 @@ impl State<'_> {
             );
             reader.use_up("centre_of_pressure");
         }
+        if reader.get("pressure.singular")?.is_some() {
+            let none = reader.number("pressure.max")?.is_none();
+            found.require(none, "a pressure that is infinite has no largest value");
+        }
+        self.pieces_add_up(found)
+    }
+
+    /// The pieces carry the force together and have the area.
+    fn pieces_add_up(&self, found: &mut Verification) -> Result<(), InputError> {
+        let Some(Json::Array(pieces)) = self.reader.get("patch.pieces")? else { return Ok(()) };
+        for (key, all) in [("force", self.force), ("area", self.area)] {
+            let parts: Option<Vec<f64>> = pieces
+                .iter()
+                .map(|piece| if let Some(Json::Number(n)) = piece.get(key) { n.as_f64() } else { None })
+                .collect();
+            let sum = parts.map(|parts| parts.iter().sum::<f64>());
+            found.require(
+                sum.is_some_and(|sum| close(sum, all, ROUNDING)) || (pieces.is_empty() && all == 0.0),
+                format!("the {key} of all {} pieces is {all:e}", pieces.len()),
+            );
+        }
+        Ok(())
+    }
+
+    /// Pieces of their own, in the order of the result: each number to the accuracy of the caller, forces and pressures to `share`,
+    /// areas and places to `off`, a length.
+    pub(super) fn pieces_are(
+        &self,
+        own: &[Piece],
+        share: f64,
+        off: f64,
+        found: &mut Verification,
+    ) -> Result<(), InputError> {
+        let Some(Json::Array(said)) = self.reader.get("patch.pieces")? else { return Ok(()) };
+        let number = |piece: &Json, key: &str| match piece.get(key) {
+            Some(Json::Number(n)) => n.as_f64(),
+            _ => None,
+        };
+        let pair = |value: Option<&Json>| match value {
+            Some(Json::Array(items)) => {
+                let both = items.iter().map(|v| if let Json::Number(n) = v { n.as_f64() } else { None });
+                <[f64; 2]>::try_from(both.collect::<Option<Vec<_>>>()?).ok()
+            }
+            _ => None,
+        };
+        let near = |said: Option<[f64; 2]>, own: [f64; 2]| {
+            said.is_some_and(|said| (0..2).all(|m| (said[m] - own[m]).abs() <= off + share * own[m].abs()))
+        };
+        let is = |said: &Json, own: &Piece| {
+            let around = 4.0 * off * own.area.sqrt() + share * own.area;
+            let corner = |k: usize| match said.get("extent") {
+                Some(Json::Array(corners)) => pair(corners.get(k)),
+                _ => None,
+            };
+            number(said, "force").is_some_and(|force| close(force, own.force, share))
+                && number(said, "area").is_some_and(|area| (area - own.area).abs() <= around)
+                && near(pair(said.get("centroid")), own.centroid)
+                && (0..2).all(|k| near(corner(k), own.extent[k]))
+                && match (number(said, "max_pressure"), own.max_pressure) {
+                    (Some(said), Some(own)) => close(said, own, share),
+                    (None, _) => true,
+                    (Some(_), None) => false,
+                }
+        };
+        let holds = said.len() == own.len() && said.iter().zip(own).all(|(said, own)| is(said, own));
+        found.require(holds, format!("the {} pieces are those found again", said.len()));
+        self.reader.use_up("patch.pieces");
+        Ok(())
+    }
+
+    /// What else is small where the theory holds.
+    pub(super) fn validity_is(&self, scene: &Scene, found: &mut Verification) -> Result<(), InputError> {
+        if let Some(said) = self.reader.number("validity.pressure_over_modulus")? {
+            let own = self.force / self.area / scene.contact.modulus().e_star();
+            let what = format!("the mean pressure over E*, {said:e}, follows from force and area");
+            found.require(close(said, own, ROUNDING), what);
+            self.reader.use_up("validity.pressure_over_modulus");
+        }
+        Ok(())
+    }
+
+    /// Errors that follow from that of the force, or under a force from that of the depth, where the gap is homogeneous: no less.
+    pub(super) fn errors_follow(&self, lowest: f64, found: &mut Verification) -> Result<(), InputError> {
+        let Some(least) = (match self.depth_error {
+            Some(error) if error != 0.0 => Some(error * (self.depth / (self.depth - lowest)).abs()),
+            _ => self.force_error,
+        }) else {
+            return Ok(());
+        };
+        for path in ["stiffness_error", "energy_error"] {
+            if let Some(said) = self.reader.number(path)? {
+                found.require(
+                    said >= least * (1.0 - ROUNDING) && said < 1.0,
+                    format!("{path} {said:.1e} is no less than {least:.1e}, which it follows from"),
+                );
+                self.reader.use_up(path);
+            }
+        }
         Ok(())
     }
 
     /// The bracket follows from its pressures, and the force lies in it but for its own error.
     fn bracketed(&self, claimed: &Bounds, gap: &AnyGap, scene: &Scene, load: Load, found: &mut Verification) {
         let force_driven = !matches!(load, Load::Depth(_) | Load::Tilted { .. });
-        let error = self.force_error.unwrap_or(0.0);
+        let error = self.error().unwrap_or(0.0);
         let room = error * self.force + if force_driven { 0.01 * self.force } else { 0.0 };
         found.require(
             self.origin == "approximate" || (claimed.lower - room <= self.force && self.force <= claimed.upper + room),

@@ -14,6 +14,7 @@ use crate::error::{InputError, Unsolved};
 use crate::overlap::least;
 use crate::plot;
 use crate::scene::Scene;
+use crate::units::UnitLabels;
 
 /// Steps in a file that asks for none.
 const STEPS: usize = 200;
@@ -99,14 +100,15 @@ impl CurveCommand {
             );
         }
         let text = match self.format {
-            Format::Csv => curve.csv(self.steps),
+            Format::Csv => curve.csv_in(scene.units.as_ref(), self.steps),
             Format::Json => curve.json(),
             Format::Text => curve.two_columns(self.steps),
-            Format::Adams => curve.adams(self.steps, 1),
-            Format::C => curve.c_header(&self.name),
+            Format::Adams => curve.adams_in(scene.units.as_ref(), self.steps, 1),
+            Format::C => curve.c_header_in(scene.units.as_ref(), &self.name),
         };
         if let (Some((path, target)), Some(format)) = (picture, format) {
-            let bytes = plot::curve(scene.name.as_deref().unwrap_or(""), &curve, format)
+            let units = scene.units.clone().unwrap_or_else(UnitLabels::kinds);
+            let bytes = plot::curve_in(&units, scene.name.as_deref().unwrap_or(""), &curve, format)
                 .map_err(|e| Failure::Message(format!("{}: {e}", path.display())))?;
             target.write(|to| to.write_all(&bytes)).map_err(|e| Failure::unwritable(path, &e))?;
         }

@@ -77,6 +77,7 @@ impl Overrides {
         }
         if let Some(cells) = self.cells {
             settings.cells = Some(checked_cells("--cells", cells)?);
+            settings.nodes = false;
         }
         if let Some(kernel) = self.kernel {
             settings.kernel = kernel.into();

@@ -15,6 +15,7 @@ use crate::report::write::Target;
 use crate::report::{self, npy};
 use crate::scene::Scene;
 use crate::settings::Method;
+use crate::units::UnitLabels;
 
 /// Solve a scene and print a short table
 #[derive(Args)]
@@ -30,6 +31,9 @@ pub(super) struct Solve {
     /// Write a line a state of loading as CSV; - prints it alone
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
+    /// Write the separate regions of the patch as CSV, a line a region: area, force, centroid, extent, largest pressure
+    #[arg(long, value_name = "FILE.csv")]
+    patches: Option<PathBuf>,
     /// Write the pressure field as NumPy array, [j, i] = cell (i, j); the JSON then names the file, unless "pressure" is in
     /// "output"
     #[arg(long, value_name = "FILE.npy")]
@@ -72,12 +76,13 @@ impl Solve {
             scene.settings.outputs.pressure = true;
             scene.settings.outputs.patch = true;
         }
-        let [json, csv, field, picture] = outputs(
+        let [json, csv, field, picture, patches] = outputs(
             [
                 ("--json", self.json.as_deref()),
                 ("--csv", self.csv.as_deref()),
                 ("--field", self.field.as_deref()),
                 ("--plot", self.plot.as_deref()),
+                ("--patches", self.patches.as_deref()),
             ],
             &inputs(&self.scene, &scene),
         )?;
@@ -107,7 +112,10 @@ impl Solve {
             })?;
         }
         if let Some((path, target)) = csv {
-            write(path, &target, |to| to.write_all(report::csv(&steps).as_bytes()))?;
+            write(path, &target, |to| to.write_all(report::csv_in(scene.units.as_ref(), &steps).as_bytes()))?;
+        }
+        if let Some((path, target)) = patches {
+            write(path, &target, |to| to.write_all(report::pieces_csv(scene.units.as_ref(), &steps).as_bytes()))?;
         }
         if let Some((path, target)) = field {
             // Without a state the verdict says why there is no field; without contact there is none.
@@ -116,7 +124,7 @@ impl Solve {
                 write(path, &target, |to| npy::write(to, field.grid.shape, &field.values))?;
             }
         }
-        if ![&self.json, &self.csv].into_iter().flatten().any(|p| p.as_os_str() == "-") {
+        if ![&self.json, &self.csv, &self.patches].into_iter().flatten().any(|p| p.as_os_str() == "-") {
             Target::Stdout.write(|to| to.write_all(report::table(&scene, &steps).as_bytes()))?;
         }
         Ok(if steps.iter().all(Result::is_ok) { ExitCode::SUCCESS } else { ExitCode::from(1) })
@@ -134,14 +142,15 @@ impl Solve {
 /// The pressure of one state, or the force of several; nothing when none was solved or the bodies do not touch.
 fn draw(scene: &Scene, steps: &[report::Step], path: &Path, target: &Target, format: Format) -> Result<(), Failure> {
     let title = scene.name.as_deref().unwrap_or("");
+    let units = scene.units.clone().unwrap_or_else(UnitLabels::kinds);
     let picture = match (scene.contact.loading(), steps) {
         (Loading::Single(_), [step]) => match report::numbers(step) {
-            Some(solution) => plot::pressure_map(title, solution, format),
+            Some(solution) => plot::pressure_map_in(&units, title, solution, format),
             None => return Ok(()),
         },
         _ => {
             let points: Vec<[f64; 2]> = steps.iter().filter_map(report::numbers).map(|s| [s.depth, s.force]).collect();
-            plot::force_depth(title, &points, &points, format)
+            plot::force_depth_in(&units, title, &points, &points, format)
         }
     };
     match picture {

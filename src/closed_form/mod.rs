@@ -87,6 +87,14 @@ impl Ellipse {
         (1.0 - rho) * (1.0 + rho)
     }
 
+    /// Lower left and upper right corner of the rectangle around it.
+    #[must_use]
+    pub fn extent(&self) -> [[f64; 2]; 2] {
+        let ([a, b], (sin, cos)) = (self.semi_axes, self.orientation.sin_cos());
+        let half = [(a * cos).hypot(b * sin), (a * sin).hypot(b * cos)];
+        [-1.0, 1.0].map(|sign| [0, 1].map(|m| self.centre[m] + sign * half[m]))
+    }
+
     /// `n` points of the boundary at equal eccentric angles, counter-clockwise, not closed.
     #[must_use]
     pub fn boundary(&self, n: usize) -> Vec<[f64; 2]> {

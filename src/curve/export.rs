@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use super::{Curve, Sample};
+use crate::units::UnitLabels;
 
 impl Curve {
     /// Depth and force at `steps` equal steps from first touch to the largest depth, both ends included.
@@ -20,7 +21,21 @@ impl Curve {
     /// the first of them and where the method does not give them.
     #[must_use]
     pub fn csv(&self, steps: usize) -> String {
-        let mut text = "depth,force,stiffness,area,pressure_max,centre_x,centre_y\n".to_owned();
+        self.csv_in(None, steps)
+    }
+
+    /// As [`Curve::csv`], with units in the heads of the columns: `depth [mm]`.
+    #[must_use]
+    pub fn csv_in(&self, units: Option<&UnitLabels>, steps: usize) -> String {
+        let mut text = match units {
+            None => "depth,force,stiffness,area,pressure_max,centre_x,centre_y\n".to_owned(),
+            Some(u) => {
+                let (l, f, s, a, p) = (u.length(), u.force(), u.stiffness(), u.area(), u.pressure());
+                format!(
+                    "depth [{l}],force [{f}],stiffness [{s}],area [{a}],pressure_max [{p}],centre_x [{l}],centre_y [{l}]\n"
+                )
+            }
+        };
         let number = |x: Option<f64>| x.filter(|x| x.is_finite()).map_or(String::new(), |x| format!("{x:e}"));
         for [depth, force] in self.table(steps).into_iter().skip(1) {
             let between = |of: &dyn Fn(&Sample) -> Option<f64>, power: bool| self.between(depth, of, power);
@@ -66,17 +81,23 @@ impl Curve {
             .samples
             .iter()
             .map(|s| {
+                let singular = s.singular.map_or("null".to_owned(), |s| format!("\"{}\"", s.word()));
                 let centre = s.centre.map_or("null".to_owned(), |[x, y]| format!("[{}, {}]", number(x), number(y)));
                 format!(
                     "{{\"depth\": {}, \"force\": {}, \"force_error\": {}, \"stiffness\": {}, \"area\": {}, \"pressure_max\": {}, \"centre\": {centre}, \
-                     \"energy\": {}}}",
+                     \"energy\": {}, \"pressure_singular\": {singular}, \"pressure_max_error\": {}, \"stiffness_error\": {}, \
+                     \"area_error\": {}, \"energy_error\": {}}}",
                     number(s.depth),
                     number(s.force),
                     maybe(s.force_error),
                     number(s.stiffness),
                     number(s.area),
                     maybe(s.max_pressure),
-                    maybe(s.energy)
+                    maybe(s.energy),
+                    maybe(s.max_pressure_error),
+                    maybe(s.stiffness_error),
+                    maybe(s.area_error),
+                    maybe(s.energy_error)
                 )
             })
             .collect();
@@ -113,8 +134,14 @@ impl Curve {
     /// A SPLINE statement in the manner of an Adams data set (.adm), lines of at most 80 characters.
     #[must_use]
     pub fn adams(&self, steps: usize, id: u32) -> String {
+        self.adams_in(None, steps, id)
+    }
+
+    /// As [`Curve::adams`], with the units in the comment at its head.
+    #[must_use]
+    pub fn adams_in(&self, units: Option<&UnitLabels>, steps: usize, id: u32) -> String {
         let table = self.table(steps);
-        let mut text = format!("! force over depth\nSPLINE/{id}\n");
+        let mut text = format!("! force{} over depth{}\nSPLINE/{id}\n", of_force(units), of_length(units));
         for (m, name) in ["X", "Y"].into_iter().enumerate() {
             for (k, four) in table.chunks(3).enumerate() {
                 let values: Vec<String> = four.iter().map(|row| format!("{:.15e}", row[m])).collect();
@@ -129,6 +156,12 @@ impl Curve {
     /// touch, NaN beyond the largest depth. Characters of `name` that C does not allow become underscores.
     #[must_use]
     pub fn c_header(&self, name: &str) -> String {
+        self.c_header_in(None, name)
+    }
+
+    /// As [`Curve::c_header`], with the units in the comment at its head.
+    #[must_use]
+    pub fn c_header_in(&self, units: Option<&UnitLabels>, name: &str) -> String {
         let mut n: String = name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
         if n.chars().next().is_none_or(|c| c.is_ascii_digit()) {
             n.insert(0, '_');
@@ -145,11 +178,21 @@ impl Curve {
             .replace("@KNOTS@", &rows.join(",\n"))
             .replace("@TOUCH@", &format!("{:e}", self.first_touch))
             .replace("@NAME@", &n)
+            .replace("@FORCE_UNIT@", &of_force(units))
+            .replace("@LENGTH_UNIT@", &of_length(units))
     }
 }
 
+fn of_force(units: Option<&UnitLabels>) -> String {
+    units.map_or(String::new(), |u| format!(" ({})", u.force()))
+}
+
+fn of_length(units: Option<&UnitLabels>) -> String {
+    units.map_or(String::new(), |u| format!(" ({})", u.length()))
+}
+
 /// The evaluator; the same steps as in `spline.rs`.
-const C_HEADER: &str = r"/* Force over depth: rational cubics (Delbourgo & Gregory 1985), increasing and convex. */
+const C_HEADER: &str = r"/* Force@FORCE_UNIT@ over depth@LENGTH_UNIT@: rational cubics (Delbourgo & Gregory 1985), increasing and convex. */
 #ifndef @GUARD@_SPRING_H
 #define @GUARD@_SPRING_H
 #include <math.h>

@@ -109,6 +109,11 @@ fn sample(state: &Solution) -> Sample {
         stiffness: state.stiffness,
         area: state.patch.area,
         max_pressure: state.pressure.max,
+        max_pressure_error: state.pressure.max_error,
+        singular: state.pressure.singular,
+        stiffness_error: state.stiffness_error,
+        area_error: state.area_error,
+        energy_error: state.energy_error,
         centre: centre.filter(|c| c.iter().all(|c| c.is_finite())),
         energy: state.energy,
     }

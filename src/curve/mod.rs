@@ -11,6 +11,7 @@ use crate::contact::Contact;
 use crate::error::{InputError, Unsolved, Verdict, positive};
 use crate::overlap::least;
 use crate::settings::Settings;
+use crate::solution::Singular;
 use family::Family;
 use law::Law;
 use spline::Spline;
@@ -54,6 +55,16 @@ pub struct Sample {
     pub area: f64,
     /// Largest pressure, where the method gives a finite one.
     pub max_pressure: Option<f64>,
+    /// Relative error of that.
+    pub max_pressure_error: Option<f64>,
+    /// Why the exact pressure is infinite somewhere, where it is known to be.
+    pub singular: Option<Singular>,
+    /// Relative error of the stiffness.
+    pub stiffness_error: Option<f64>,
+    /// Relative error of the area.
+    pub area_error: Option<f64>,
+    /// Relative error of the stored energy.
+    pub energy_error: Option<f64>,
     /// Centre of pressure.
     pub centre: Option<[f64; 2]>,
     /// Stored energy.

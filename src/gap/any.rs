@@ -6,6 +6,7 @@ use super::transform::{Transform, quarter_exact};
 use super::{Gap, Growth, Known, Material, Reach, Ridges, Taylor, enclosure, mean, range};
 use crate::error::{InputError, finite};
 use crate::geometry::Rect;
+use crate::grid::Grid;
 use crate::numeric::Interval;
 
 /// A gap behind a shared pointer, moved, turned, tilted or seen in other units, so that gaps of different kinds can stand side by side.
@@ -277,6 +278,21 @@ impl Gap for AnyGap {
             [a, b, self.transform.height_outward(p[0] * u + p[1] * v + p[2], [0.0; 2])]
         };
         self.inner.planes().map(|planes| planes.iter().map(outward).collect())
+    }
+
+    fn end_of_data(&self, x: f64, y: f64) -> Option<super::DataEdge> {
+        let [u, v] = self.transform.inward([x, y]);
+        self.inner.end_of_data(u, v)
+    }
+
+    fn nodes(&self) -> Option<Grid> {
+        let own = self.inner.nodes().filter(|_| self.transform.is_upright())?;
+        let [a, b] = [own.extent().min, own.extent().max].map(|p| self.transform.outward(p));
+        let rect = Rect::holding([a, b])?;
+        // A quarter turn takes columns to rows.
+        let across = self.transform.direction_outward([1.0, 0.0])[0] == 0.0;
+        let shape = if across { [own.shape[1], own.shape[0]] } else { own.shape };
+        Some(Grid::over(&rect, shape))
     }
 
     fn is_composed(&self) -> bool {

@@ -273,6 +273,15 @@ impl Gap for Minimum {
         None
     }
 
+    fn end_of_data(&self, x: f64, y: f64) -> Option<super::DataEdge> {
+        let none = |part: &AnyGap| part.gap(x, y) == f64::INFINITY;
+        if self.parts.iter().all(none) { self.parts.iter().find_map(|part| part.end_of_data(x, y)) } else { None }
+    }
+
+    fn nodes(&self) -> Option<crate::grid::Grid> {
+        self.parts.iter().find_map(Gap::nodes)
+    }
+
     fn planes(&self) -> Option<Vec<[f64; 3]>> {
         None
     }

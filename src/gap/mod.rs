@@ -50,6 +50,7 @@ use std::sync::Arc;
 
 use crate::error::InputError;
 use crate::geometry::Rect;
+use crate::grid::Grid;
 use crate::numeric::Interval;
 
 /// Where a gap is less than a given depth.
@@ -68,6 +69,29 @@ pub enum Reach {
     },
     /// Not known.
     Unknown,
+}
+
+/// An edge of what is known of a surface, which need not be an end of the body.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum DataEdge {
+    /// The outermost nodes of a height map.
+    Map,
+    /// A hole of a height map: a node without a value.
+    Hole,
+    /// The border of the region of a formula.
+    Region,
+}
+
+impl DataEdge {
+    /// The word in results.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Map => "map",
+            Self::Hole => "hole",
+            Self::Region => "region",
+        }
+    }
 }
 
 /// An initial gap. Only [`Gap::gap`] has to be given; the rest is what a method can use when it is known.
@@ -171,6 +195,17 @@ pub trait Gap: Send + Sync {
     /// All ridges of a gap that is the highest of several planes; `None` for any other. With them the integrals over an
     /// ellipse have a closed form ([`crate::ritz`]).
     fn ridges(&self) -> Option<Ridges> {
+        None
+    }
+
+    /// Which end of measured or declared data leaves the gap without a value at a point; `None` where it has one, and where the
+    /// material itself ends (the edge of a flat punch).
+    fn end_of_data(&self, _x: f64, _y: f64) -> Option<DataEdge> {
+        None
+    }
+
+    /// Cells around the nodes of the height map that the gap is made from: the centre of each is a node.
+    fn nodes(&self) -> Option<Grid> {
         None
     }
 

@@ -317,6 +317,14 @@ impl Gap for Sum {
         None
     }
 
+    fn end_of_data(&self, x: f64, y: f64) -> Option<super::DataEdge> {
+        self.parts.iter().find_map(|part| part.end_of_data(x, y))
+    }
+
+    fn nodes(&self) -> Option<crate::grid::Grid> {
+        self.parts.iter().find_map(Gap::nodes)
+    }
+
     fn planes(&self) -> Option<Vec<[f64; 3]>> {
         None
     }

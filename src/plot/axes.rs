@@ -43,11 +43,6 @@ pub(super) fn power_of_ten(largest: f64) -> i32 {
     }
 }
 
-/// What the numbers of an axis count. Units are the user's own, so they are named by their kind.
-pub(super) const LENGTH: &str = "length";
-pub(super) const FORCE: &str = "force";
-pub(super) const PRESSURE: &str = "force/length²";
-
 /// "depth (1e-6 length)": the quantity, the power taken out, the kind of unit unless it is the quantity itself.
 pub(super) fn named(quantity: &str, unit: &str, power: i32) -> String {
     match (quantity == unit, power) {

@@ -6,17 +6,26 @@ use plotters::prelude::*;
 use super::axes::{self, BOTTOM, EDGE, LABEL, LEFT, RIGHT, TOP, px};
 use super::{COLOURS, Error, FONT, Fault, Figure, Format, render};
 use crate::curve::Curve;
+use crate::units::UnitLabels;
 
 /// A solved curve: its interpolant as a line, its states as dots.
 ///
 /// # Errors
 /// When drawing fails.
 pub fn curve(title: &str, curve: &Curve, format: Format) -> Result<Vec<u8>, Error> {
+    curve_in(&UnitLabels::kinds(), title, curve, format)
+}
+
+/// As [`curve()`], with labels of units.
+///
+/// # Errors
+/// As [`curve()`].
+pub fn curve_in(units: &UnitLabels, title: &str, curve: &Curve, format: Format) -> Result<Vec<u8>, Error> {
     let overlap = curve.deepest() - curve.first_touch();
     let at = |k: i32| curve.first_touch() + overlap * f64::from(k) / 200.0;
     let line: Vec<[f64; 2]> = (0..=200).filter_map(|k| Some([at(k), curve.force(at(k))?])).collect();
     let solved: Vec<[f64; 2]> = curve.samples().iter().map(|s| [s.depth, s.force]).collect();
-    force_depth(title, &line, &solved, format)
+    force_depth_in(units, title, &line, &solved, format)
 }
 
 /// A line through points (depth, force), and dots on the states that were solved, both in any order.
@@ -24,6 +33,20 @@ pub fn curve(title: &str, curve: &Curve, format: Format) -> Result<Vec<u8>, Erro
 /// # Errors
 /// When there is no point, or drawing fails.
 pub fn force_depth(title: &str, line: &[[f64; 2]], solved: &[[f64; 2]], format: Format) -> Result<Vec<u8>, Error> {
+    force_depth_in(&UnitLabels::kinds(), title, line, solved, format)
+}
+
+/// As [`force_depth`], with labels of units.
+///
+/// # Errors
+/// As [`force_depth`].
+pub fn force_depth_in(
+    units: &UnitLabels,
+    title: &str,
+    line: &[[f64; 2]],
+    solved: &[[f64; 2]],
+    format: Format,
+) -> Result<Vec<u8>, Error> {
     let in_order = |points: &[[f64; 2]]| {
         let mut points: Vec<[f64; 2]> = points.iter().copied().filter(|p| p.iter().all(|x| x.is_finite())).collect();
         points.sort_by(|p, q| p[0].total_cmp(&q[0]));
@@ -33,10 +56,11 @@ pub fn force_depth(title: &str, line: &[[f64; 2]], solved: &[[f64; 2]], format: 
     if line.is_empty() && solved.is_empty() {
         return Err(Error::Empty("there is no point of the curve"));
     }
-    render(&Picture { title, line, solved }, format)
+    render(&Picture { units, title, line, solved }, format)
 }
 
 struct Picture<'a> {
+    units: &'a UnitLabels,
     title: &'a str,
     line: Vec<[f64; 2]>,
     solved: Vec<[f64; 2]>,
@@ -66,8 +90,8 @@ impl Figure for Picture<'_> {
             .build_cartesian_2d(range(0), range(1))?;
         chart
             .configure_mesh()
-            .x_desc(axes::named("depth", axes::LENGTH, power[0]))
-            .y_desc(axes::named("force", axes::FORCE, power[1]))
+            .x_desc(axes::named("depth", self.units.length(), power[0]))
+            .y_desc(axes::named("force", self.units.force(), power[1]))
             .x_label_formatter(&|x| axes::tick(*x))
             .y_label_formatter(&|y| axes::tick(*y))
             .label_style((FONT, LABEL))

@@ -2,7 +2,8 @@
 //! against depth, error against run time, width of a bracket against cells.
 //!
 //! Colours are those of Okabe & Ito (2008) for lines and viridis, light to dark, for fields: both can be told apart by the
-//! colour-blind and in a grey print. Units are the user's own, so axes name the kind of unit and the power of ten taken out.
+//! colour-blind and in a grey print. Units are the user's own: axes carry the labels given to the functions that end in
+//! `_in`, or else name the kind of unit, and the power of ten taken out.
 
 mod axes;
 mod curve;
@@ -14,11 +15,11 @@ mod width;
 
 #[cfg(feature = "scene")]
 pub(crate) use axes::is_text;
-pub use curve::{curve, force_depth};
+pub use curve::{curve, curve_in, force_depth, force_depth_in};
 pub use error_time::error_against_time;
-pub use outlines::{Outline, outlines};
-pub use pressure::pressure_map;
-pub use section::{Section, section};
+pub use outlines::{Outline, outlines, outlines_in};
+pub use pressure::{pressure_map, pressure_map_in};
+pub use section::{Section, section, section_in};
 pub use width::{Refinement, width_against_cells};
 
 use std::path::Path;

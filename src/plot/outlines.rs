@@ -6,6 +6,7 @@ use plotters::prelude::*;
 use super::axes::{self, BOTTOM, EDGE, LABEL, LEFT, RIGHT, TOP, Window, at, px};
 use super::{COLOURS, Error, FONT, Fault, Figure, Format, render};
 use crate::geometry::Rect;
+use crate::units::UnitLabels;
 
 /// Closed polylines with a name.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,12 +32,21 @@ pub struct Outline {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn outlines(title: &str, outlines: &[Outline], format: Format) -> Result<Vec<u8>, Error> {
+    outlines_in(&UnitLabels::kinds(), title, outlines, format)
+}
+
+/// As [`outlines`], with labels of units.
+///
+/// # Errors
+/// As [`outlines`].
+pub fn outlines_in(units: &UnitLabels, title: &str, outlines: &[Outline], format: Format) -> Result<Vec<u8>, Error> {
     let points = outlines.iter().flat_map(|o| &o.loops).flatten().copied();
     let seen = Rect::holding(points).ok_or(Error::Empty("there is no patch"))?;
-    render(&Picture { title, outlines, window: Window::onto(&seen) }, format)
+    render(&Picture { units, title, outlines, window: Window::onto(&seen) }, format)
 }
 
 struct Picture<'a> {
+    units: &'a UnitLabels,
     title: &'a str,
     outlines: &'a [Outline],
     window: Window,
@@ -64,7 +74,7 @@ impl Figure for Picture<'_> {
             .x_label_area_size(BOTTOM)
             .y_label_area_size(LEFT)
             .build_cartesian_2d(min[0]..max[0], min[1]..max[1])?;
-        frame(&mut chart.configure_mesh(), self.window.power)?;
+        frame(&mut chart.configure_mesh(), self.units, self.window.power)?;
         for (k, outline) in self.outlines.iter().enumerate() {
             let (colour, [dash, space]) = (COLOURS[k % COLOURS.len()], DASHES[k % DASHES.len()]);
             for points in &outline.loops {
@@ -104,10 +114,11 @@ pub(super) fn frame<'b, DB: DrawingBackend + 'b>(
         plotters::coord::types::RangedCoordf64,
         DB,
     >,
+    units: &UnitLabels,
     power: i32,
 ) -> Result<(), Fault<DB>> {
-    mesh.x_desc(axes::named("x", axes::LENGTH, power))
-        .y_desc(axes::named("y", axes::LENGTH, power))
+    mesh.x_desc(axes::named("x", units.length(), power))
+        .y_desc(axes::named("y", units.length(), power))
         .x_label_formatter(&|x| axes::tick(*x))
         .y_label_formatter(&|y| axes::tick(*y))
         .label_style((FONT, LABEL))

@@ -9,28 +9,57 @@ use super::{Error, FONT, Fault, Figure, Format, render, shade};
 use crate::geometry::Rect;
 use crate::grid::{Grid, Pressure};
 use crate::solution::Solution;
+use crate::units::UnitLabels;
 
 /// The pressure field and the patch boundary of a solution, as far as it has them (`outputs.pressure`, `outputs.patch`).
+///
+/// Where the exact pressure is infinite the scale of colours ends at a quantile of the cells, with an arrow.
 ///
 /// Fields of more than 140 cells along the longer side are drawn as means over blocks of cells.
 ///
 /// # Errors
 /// When the solution has neither field nor boundary, or drawing fails.
 pub fn pressure_map(title: &str, solution: &Solution, format: Format) -> Result<Vec<u8>, Error> {
+    pressure_map_in(&UnitLabels::kinds(), title, solution, format)
+}
+
+/// As [`pressure_map`], with labels of units.
+///
+/// # Errors
+/// As [`pressure_map`].
+pub fn pressure_map_in(units: &UnitLabels, title: &str, solution: &Solution, format: Format) -> Result<Vec<u8>, Error> {
     let boundary = solution.patch.boundary.as_deref().unwrap_or_default();
     let field = solution.pressure.field.as_ref().map(coarsened);
     let patch = Rect::holding(boundary.iter().flatten().copied());
     let seen = patch.or(field.as_ref().map(|f| f.grid.extent()));
     let seen = seen.ok_or(Error::Empty("the solution has no patch boundary and no pressure field"))?;
-    let highest = field.iter().flat_map(|f| &f.values).copied().fold(0.0, f64::max);
-    render(&Picture { title, boundary, field, highest, window: Window::onto(&seen) }, format)
+    let without_end = solution.pressure.singular.is_some();
+    let highest = field.as_ref().map_or(0.0, |f| top(&f.values, without_end));
+    render(&Picture { units, title, boundary, field, highest, without_end, window: Window::onto(&seen) }, format)
+}
+
+/// Share of the loaded cells whose pressures are on a scale of colours that has no end.
+const ON_SCALE: f64 = 0.98;
+
+/// The largest pressure, or the quantile at which a scale without end is cut.
+fn top(values: &[f64], without_end: bool) -> f64 {
+    let mut loaded: Vec<f64> = values.iter().copied().filter(|p| *p > 0.0).collect();
+    if loaded.is_empty() {
+        return 0.0;
+    }
+    loaded.sort_by(f64::total_cmp);
+    let last = loaded.len() - 1;
+    loaded[if without_end { (ON_SCALE * last as f64) as usize } else { last }]
 }
 
 struct Picture<'a> {
+    units: &'a UnitLabels,
     title: &'a str,
     boundary: &'a [Vec<[f64; 2]>],
     field: Option<Pressure>,
     highest: f64,
+    /// Whether pressures go on beyond that, to infinity.
+    without_end: bool,
     window: Window,
 }
 
@@ -81,7 +110,7 @@ impl Figure for Picture<'_> {
             .x_label_area_size(BOTTOM)
             .y_label_area_size(LEFT)
             .build_cartesian_2d(min[0]..max[0], min[1]..max[1])?;
-        frame(&mut chart.configure_mesh(), self.window.power)?;
+        frame(&mut chart.configure_mesh(), self.units, self.window.power)?;
         if let Some(Pressure { grid, values }) = &self.field {
             let [nx, ny] = grid.shape;
             for j in 0..ny {
@@ -116,16 +145,21 @@ impl Picture<'_> {
     fn scale<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), Fault<DB>> {
         let (width, _) = area.dim_in_pixel();
         let (left, height) = ((width - BESIDE) as i32, self.window.pixels[1] as i32);
-        let (top, bottom) = (TOP as i32 + at(24), TOP as i32 + height);
+        let (top, bottom) = (TOP as i32 + at(if self.without_end { 38 } else { 24 }), TOP as i32 + height);
         let level = |k: u32| bottom - (bottom - top) * k as i32 / SHADES as i32;
         for k in 0..SHADES {
             area.draw(&Rectangle::new([(left, level(k + 1)), (left + at(20), level(k))], colour(k).filled()))?;
         }
         area.draw(&Rectangle::new([(left, top), (left + at(20), bottom)], BLACK.stroke_width(px(1))))?;
+        if self.without_end {
+            let points = vec![(left, top), (left + at(10), top - at(14)), (left + at(20), top)];
+            area.draw(&Polygon::new(points.clone(), colour(SHADES - 1).filled()))?;
+            area.draw(&PathElement::new(points, BLACK.stroke_width(px(1))))?;
+        }
         let power = axes::power_of_ten(self.highest);
         let style = (FONT, LABEL).into_font().into_text_style(area);
         area.draw_text("pressure", &style, (left, TOP as i32 - at(22)))?;
-        area.draw_text(&axes::scaled(axes::PRESSURE, power), &style, (left, TOP as i32 - at(2)))?;
+        area.draw_text(&axes::scaled(&self.units.pressure(), power), &style, (left, TOP as i32 - at(2)))?;
         let largest = self.highest / 10f64.powi(power);
         let step = axes::round_step(largest);
         let mut value = 0.0;

@@ -10,6 +10,7 @@ use crate::contact::Contact;
 use crate::gap::Gap;
 use crate::grid::Pressure;
 use crate::solution::Solution;
+use crate::units::UnitLabels;
 
 /// Heights along a straight line through the contact, and the pressure there.
 #[derive(Debug, Clone, PartialEq)]
@@ -115,14 +116,23 @@ fn displacement(loaded: &[([f64; 2], f64)], [h, v]: [f64; 2], [x, y]: [f64; 2]) 
 /// # Errors
 /// When drawing fails.
 pub fn section(title: &str, section: &Section, format: Format) -> Result<Vec<u8>, Error> {
+    section_in(&UnitLabels::kinds(), title, section, format)
+}
+
+/// As [`section`], with labels of units.
+///
+/// # Errors
+/// As [`section`].
+pub fn section_in(units: &UnitLabels, title: &str, section: &Section, format: Format) -> Result<Vec<u8>, Error> {
     let deepest = section.surface.iter().copied().fold(0.0, f64::min);
     if !(deepest < 0.0) {
         return Err(Error::Empty("nothing is displaced along the section"));
     }
-    render(&Picture { title, section, deepest }, format)
+    render(&Picture { units, title, section, deepest }, format)
 }
 
 struct Picture<'a> {
+    units: &'a UnitLabels,
     title: &'a str,
     section: &'a Section,
     /// Lowest point of the surface.
@@ -161,7 +171,7 @@ impl Figure for Picture<'_> {
             .build_cartesian_2d(x.clone(), low / height..high / height)?;
         chart
             .configure_mesh()
-            .y_desc(axes::named("height", axes::LENGTH, powers[1]))
+            .y_desc(axes::named("height", self.units.length(), powers[1]))
             .y_label_formatter(&|y| axes::tick(*y))
             .x_labels(9)
             .y_labels(7)
@@ -202,8 +212,8 @@ impl Figure for Picture<'_> {
             .build_cartesian_2d(x, 0.0..1.08 * strongest.max(f64::MIN_POSITIVE) / load)?;
         chart
             .configure_mesh()
-            .x_desc(axes::named("position along the section", axes::LENGTH, powers[0]))
-            .y_desc(axes::named("pressure", axes::PRESSURE, powers[2]))
+            .x_desc(axes::named("position along the section", self.units.length(), powers[0]))
+            .y_desc(axes::named("pressure", &self.units.pressure(), powers[2]))
             .x_label_formatter(&|x| axes::tick(*x))
             .y_label_formatter(&|y| axes::tick(*y))
             .x_labels(9)

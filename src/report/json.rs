@@ -13,12 +13,15 @@
 //! | `origin` | how the force was found: `{kind, grids?, count?}`, `kind` one of `closed_form`, `approximate`, `one_grid`, `many_grids`, `separate_contacts`, `edge_fitted`, `no_contact` |
 //! | `grid` | `{shape, spacing}` of the finest grid |
 //! | `depth`, `force`, `stiffness` | approach, normal force, dP/dd |
-//! | `force_error` | relative error of the force |
-//! | `evidence` | what that is: `exact` (rounding), `proved` (of a bracket), `sampled`, `estimated` |
+//! | `force_error`, `depth_error`, `stiffness_error`, `energy_error`, `area_error` | relative error of each; 0 for what was prescribed, `null` where nothing is known |
+//! | `evidence` | what the error of the force is, of the depth under a force: `exact` (rounding), `proved` (of a bracket), `sampled`, `estimated` |
 //! | `energy`, `moment`, `tilt`, `stiffness_matrix`, `centre_of_pressure` | where the method gives them |
 //! | `bracket` | `{lower, upper, evidence, points_per_cell_side?, depth?, below, above}`: see below |
-//! | `patch` | `{area, centroid, regions, max_radius, boundary?}`, boundaries counter-clockwise, holes clockwise |
-//! | `pressure` | `{max, mean, at, field?}` |
+//! | `patch` | `{area, centroid, regions, max_radius, semi_axes?, angle?, pieces, boundary?}`, boundaries counter-clockwise, holes clockwise; semi-axes and the angle from x (degrees) of ellipses |
+//! | `patch.pieces` | `[{area, force, centroid, extent: [[x0, y0], [x1, y1]], max_pressure}]`, largest force first |
+//! | `touches_edge` | `null`, or `{edge, share}`: the edge of the data (`map`, `hole`, `region`) that the patch meets, the share of the force on the cells beside it |
+//! | `validity` | `{slope, size_over_radius?, pressure_over_modulus}`: small where small-strain half-space theory holds |
+//! | `pressure` | `{max, max_error \| singular, mean, at, field?}`: `max` is `null` where the exact one is infinite, at an `edge` or a `tip`, or not given |
 //! | `gap` | `{field}`: the gap after loading, when asked for |
 //! | `verdict`, `reason`, `hint` | `solved`, or what is wrong in one word and in a sentence, and what to try |
 //! | `checks` | `{complementarity, tension, penetration}`, relative, recomputed |
@@ -45,7 +48,7 @@ use crate::curve::Curve;
 use crate::grid::Grid;
 use crate::scene::Scene;
 use crate::settings::Settings;
-use crate::solution::{Origin, Solution};
+use crate::solution::{Origin, Piece, Solution, TouchesEdge, Validity};
 
 /// A scene with its answers, ready to be written.
 #[derive(Clone)]
@@ -104,8 +107,12 @@ impl Serialize for Outcome<'_> {
         map.each("grid", |s| s.grid.map(GridOf))?;
         map.each("depth", |s| finite(s.depth))?;
         map.each("force", |s| finite(s.force))?;
-        map.each("force_error", |s| s.force_error.and_then(finite))?;
-        map.each("evidence", |s| s.force_error.map(|_| s.evidence().word()))?;
+        map.each("force_error", |s| Some(s.force_error.and_then(finite)))?;
+        map.each("depth_error", |s| Some(s.depth_error.and_then(finite)))?;
+        map.each("stiffness_error", |s| Some(s.stiffness_error.and_then(finite)))?;
+        map.each("energy_error", |s| Some(s.energy_error.and_then(finite)))?;
+        map.each("area_error", |s| Some(s.area_error.and_then(finite)))?;
+        map.each("evidence", |s| s.error().map(|_| s.evidence().word()))?;
         map.each("bracket", |s| {
             let with_fields = s.pressure.field.is_some();
             s.bracket.as_ref().map(|bracket| BracketOf { bracket, depth: s.depth_bracket.as_ref(), with_fields })
@@ -117,6 +124,8 @@ impl Serialize for Outcome<'_> {
         map.each("moment", |s| s.moment.filter(|m| m.iter().all(|x| x.is_finite())))?;
         map.each("centre_of_pressure", centre_of_pressure)?;
         map.each("patch", |s| Some(PatchOf(s)))?;
+        map.each("touches_edge", |s| Some(s.touches_edge.map(TouchesOf)))?;
+        map.each("validity", |s| s.validity.map(ValidityOf))?;
         map.each("pressure", |s| Some(PressureOf { solution: s, field_in: self.field_in }))?;
         map.each("gap", |s| s.pressure.gap.as_ref().map(|(grid, values)| GapOf { grid: *grid, values }))?;
         if let Some(curve) = &self.curve {
@@ -231,9 +240,53 @@ impl Serialize for PatchOf<'_> {
         map.serialize_entry("centroid", &patch.centroid)?;
         map.serialize_entry("regions", &patch.regions)?;
         map.serialize_entry("max_radius", &finite(patch.max_radius))?;
+        if let (Some(axes), Some(angle)) = (patch.semi_axes, patch.angle) {
+            map.serialize_entry("semi_axes", &axes)?;
+            map.serialize_entry("angle", &angle.to_degrees())?;
+        }
+        map.serialize_entry("pieces", &patch.pieces.iter().map(PieceOf).collect::<Vec<_>>())?;
         if let Some(boundary) = &patch.boundary {
             map.serialize_entry("boundary", boundary)?;
         }
+        map.end()
+    }
+}
+
+struct PieceOf<'a>(&'a Piece);
+
+impl Serialize for PieceOf<'_> {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        let mut map = to.serialize_map(Some(5))?;
+        map.serialize_entry("area", &self.0.area)?;
+        map.serialize_entry("force", &self.0.force)?;
+        map.serialize_entry("centroid", &self.0.centroid)?;
+        map.serialize_entry("extent", &self.0.extent)?;
+        map.serialize_entry("max_pressure", &self.0.max_pressure.and_then(finite))?;
+        map.end()
+    }
+}
+
+struct TouchesOf(TouchesEdge);
+
+impl Serialize for TouchesOf {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        let mut map = to.serialize_map(Some(2))?;
+        map.serialize_entry("edge", self.0.edge.word())?;
+        map.serialize_entry("share", &self.0.share.and_then(finite))?;
+        map.end()
+    }
+}
+
+struct ValidityOf(Validity);
+
+impl Serialize for ValidityOf {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        let mut map = to.serialize_map(None)?;
+        map.serialize_entry("slope", &finite(self.0.slope))?;
+        if let Some(size) = self.0.size_over_radius {
+            map.serialize_entry("size_over_radius", &finite(size))?;
+        }
+        map.serialize_entry("pressure_over_modulus", &finite(self.0.pressure_over_modulus))?;
         map.end()
     }
 }
@@ -319,6 +372,11 @@ impl Serialize for PressureOf<'_> {
         let pressure = &self.solution.pressure;
         let mut map = to.serialize_map(None)?;
         map.serialize_entry("max", &pressure.max.and_then(finite))?;
+        if let Some(singular) = pressure.singular {
+            map.serialize_entry("singular", singular.word())?;
+        } else if pressure.max.is_some() {
+            map.serialize_entry("max_error", &pressure.max_error.and_then(finite))?;
+        }
         map.serialize_entry("mean", &pressure.mean.and_then(finite))?;
         map.serialize_entry("at", &pressure.at)?;
         if let Some(field) = &pressure.field {

@@ -16,7 +16,7 @@ pub(crate) mod table;
 pub(crate) mod write;
 
 pub use comparison::{comparison_csv, comparison_json, comparison_table};
-pub use csv::csv;
+pub use csv::{csv, csv_in, pieces_csv};
 pub use json::{Outcome, json};
 #[cfg(feature = "plot")]
 pub use page::{Page, page};

@@ -5,8 +5,8 @@ use std::fmt::Write;
 use super::comparison::{COLUMNS, in_words, row};
 use super::evidence::{Detail, Evidence};
 use super::html::{escaped, facts, figure as picture, list, table, typeset};
-use super::table::figure;
-use super::{Step, centre_of_pressure, numbers, said_once};
+use super::table::{facts as state_facts, figure, peak};
+use super::{Step, numbers, said_once};
 use crate::bracket::Evidence as Proof;
 use crate::compare;
 use crate::contact::Load;
@@ -14,6 +14,7 @@ use crate::plot::{self, Format, Outline, Refinement};
 use crate::scene::Scene;
 use crate::settings::Method;
 use crate::solution::Solution;
+use crate::units::UnitLabels;
 
 /// A page, and whether every state of the scene was solved.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,13 +46,15 @@ pub fn page(scene: &Scene, runs: &compare::Plan, say: &mut dyn FnMut(&str)) -> P
          <link rel=\"icon\" href=\"data:,\">\n<title>{name}</title>\n<style>\n{}</style>\n</head>\n<body>\n<main>\n",
         include_str!("page.css")
     );
+    let units = scene.units.as_ref();
+    let labels = units.cloned().unwrap_or_else(UnitLabels::kinds);
     let sections = [
-        head(&name, &evidence),
+        head(&name, &evidence, units),
         problem(scene),
         plan(&evidence),
-        result(&evidence),
-        evidence.detail.as_ref().map_or(String::new(), |d| pictures(d, evidence.steps.len())),
-        curve(&evidence),
+        result(&evidence, units),
+        evidence.detail.as_ref().map_or(String::new(), |d| pictures(d, evidence.steps.len(), &labels)),
+        curve(&evidence, &labels),
         evidence.detail.as_ref().map_or(String::new(), comparison),
         evidence.detail.as_ref().map_or(String::new(), brackets),
         cost(&evidence),
@@ -59,14 +62,14 @@ pub fn page(scene: &Scene, runs: &compare::Plan, say: &mut dyn FnMut(&str)) -> P
     sections.iter().for_each(|section| html.push_str(section));
     let _ = writeln!(
         html,
-        "<footer>contact-patch {}. Units are those of the scene; angles there are in degrees.</footer>\n</main>\n</body>\n\
+        "<footer>contact-patch {}. Numbers are in the units of the scene; angles there are in degrees.</footer>\n</main>\n</body>\n\
          </html>",
         env!("CARGO_PKG_VERSION")
     );
     Page { html, solved: evidence.steps.iter().all(Result::is_ok) }
 }
 
-fn head(name: &str, evidence: &Evidence) -> String {
+fn head(name: &str, evidence: &Evidence, units: Option<&UnitLabels>) -> String {
     let mut html = format!("<header>\n<h1>{name}</h1>\n");
     match evidence.steps.iter().find_map(|step| step.as_ref().err()) {
         None => html.push_str("<p class=\"verdict\">solved</p>\n"),
@@ -85,9 +88,19 @@ fn head(name: &str, evidence: &Evidence) -> String {
     if let [step] = &evidence.steps[..]
         && let Some(s) = numbers(step)
     {
-        let mut keys = vec![("force", figure(s.force)), ("depth", figure(s.depth)), ("stiffness", figure(s.stiffness))];
-        keys.push(("patch area", figure(s.patch.area)));
-        keys.extend(s.pressure.max.map(|p| ("largest pressure", figure(p))));
+        let with = |value: String, of: fn(&UnitLabels) -> String| {
+            units.map_or(value.clone(), |u| format!("{value} {}", of(u)))
+        };
+        let mut keys = vec![
+            ("force", with(figure(s.force), |u| u.force().to_owned())),
+            ("depth", with(figure(s.depth), |u| u.length().to_owned())),
+            ("stiffness", with(figure(s.stiffness), UnitLabels::stiffness)),
+            ("patch area", with(figure(s.patch.area), UnitLabels::area)),
+        ];
+        keys.extend(peak(s).map(|p| {
+            let value = if s.pressure.singular.is_some() { p } else { with(p, UnitLabels::pressure) };
+            ("largest pressure", value)
+        }));
         keys.push(("method", s.method.name().to_owned()));
         html.push_str("<ul class=\"key\">");
         for (what, value) in keys {
@@ -148,10 +161,10 @@ fn plan(evidence: &Evidence) -> String {
     format!("<section>\n<h2>Plan</h2>\n{told}</section>\n")
 }
 
-fn result(evidence: &Evidence) -> String {
+fn result(evidence: &Evidence, units: Option<&UnitLabels>) -> String {
     let told = match &evidence.steps[..] {
-        [step] => numbers(step).map_or(String::new(), single),
-        steps => several(steps),
+        [step] => numbers(step).map_or(String::new(), |s| single(s, units)),
+        steps => several(steps, units),
     };
     let remarks = said_once(&evidence.steps, |s| &s.remarks);
     let left_out = said_once(&evidence.steps, |s| &s.left_out);
@@ -172,38 +185,28 @@ fn pair(values: [f64; 2], size: f64) -> String {
     format!("({x}, {y})")
 }
 
-fn single(s: &Solution) -> String {
-    let size = s.patch.max_radius;
-    let mut rows = vec![("method", s.method.name().to_owned()), ("depth", figure(s.depth))];
-    if s.tilt != [0.0; 2] {
-        rows.push(("tilt", pair(s.tilt, 0.0)));
-    }
-    rows.push(("force", figure(s.force)));
-    rows.extend(s.force_error.map(|e| ("relative error of the force, estimate", format!("{e:.1e}"))));
-    rows.extend(s.bracket.as_ref().map(|b| ("bounds of the force", in_words(b))));
-    rows.push(("stiffness", figure(s.stiffness)));
-    rows.extend(s.moment.map(|m| ("moments about the origin", pair(m, size * s.force))));
-    rows.extend(centre_of_pressure(s).map(|c| ("centre of pressure", pair(c, size))));
-    rows.extend(s.energy.map(|e| ("stored energy", figure(e))));
-    rows.push(("patch area", figure(s.patch.area)));
-    rows.push(("patch regions", s.patch.regions.to_string()));
-    rows.push(("largest radius", figure(s.patch.max_radius)));
-    rows.extend(s.pressure.mean.map(|p| ("mean pressure", figure(p))));
-    if let Some(max) = s.pressure.max {
-        let at = s.pressure.at.map_or(String::new(), |at| format!(" at {}", pair(at, size)));
-        rows.push(("largest pressure", format!("{}{at}", figure(max))));
-    }
-    if let Some(r) = s.residuals {
-        rows.push(("complementarity, recomputed", format!("{:.1e}", r.complementarity)));
-        rows.push(("tension, recomputed", format!("{:.1e}", r.tension)));
-        rows.push(("penetration, recomputed", format!("{:.1e}", r.penetration)));
-    }
-    facts(&rows)
+fn single(s: &Solution, units: Option<&UnitLabels>) -> String {
+    let rows = state_facts(s, units);
+    // What it took has a section of its own.
+    let shown = rows.iter().filter(|[name, _]| name != "cost");
+    facts(&shown.map(|[name, value]| (name.as_str(), value.clone())).collect::<Vec<_>>())
 }
 
-fn several(steps: &[Step]) -> String {
-    let heads =
-        ["state", "depth", "force", "stiffness", "area", "regions", "mean pressure", "largest pressure", "method"];
+fn several(steps: &[Step], units: Option<&UnitLabels>) -> String {
+    let named =
+        |name: &str, of: fn(&UnitLabels) -> String| units.map_or(name.to_owned(), |u| format!("{name} [{}]", of(u)));
+    let heads = [
+        "state".to_owned(),
+        named("depth", |u| u.length().to_owned()),
+        named("force", |u| u.force().to_owned()),
+        named("stiffness", UnitLabels::stiffness),
+        named("area", UnitLabels::area),
+        "regions".to_owned(),
+        named("mean pressure", UnitLabels::pressure),
+        named("largest pressure", UnitLabels::pressure),
+        "method".to_owned(),
+    ];
+    let heads: [&str; 9] = std::array::from_fn(|k| heads[k].as_str());
     let rows = steps.iter().enumerate().map(|(k, step)| match numbers(step) {
         Some(s) => vec![
             (k + 1).to_string(),
@@ -213,7 +216,7 @@ fn several(steps: &[Step]) -> String {
             figure(s.patch.area),
             s.patch.regions.to_string(),
             s.pressure.mean.map_or("-".to_owned(), figure),
-            s.pressure.max.map_or("-".to_owned(), figure),
+            peak(s).unwrap_or_else(|| "-".to_owned()),
             s.method.name().to_owned(),
         ],
         None => {
@@ -234,7 +237,7 @@ fn drawn(picture_of: Result<Vec<u8>, plot::Error>, caption: &str) -> String {
     }
 }
 
-fn pictures(detail: &Detail, states: usize) -> String {
+fn pictures(detail: &Detail, states: usize, units: &UnitLabels) -> String {
     let mut html = "<section>\n<h2>Patch, pressure, section</h2>\n".to_owned();
     if states > 1 {
         let _ = writeln!(html, "<p>State {} of {states}.</p>", detail.index + 1);
@@ -252,12 +255,12 @@ fn pictures(detail: &Detail, states: usize) -> String {
         .collect();
     html.push_str("<div class=\"pair\">\n");
     html.push_str(&drawn(
-        plot::outlines("Contact patch", &drawn_boundaries, Format::Svg),
+        plot::outlines_in(units, "Contact patch", &drawn_boundaries, Format::Svg),
         "The contact patch by every method that gives its boundary.",
     ));
     match &detail.grid {
         Ok(solution) => html.push_str(&drawn(
-            plot::pressure_map("Pressure", solution, Format::Svg),
+            plot::pressure_map_in(units, "Pressure", solution, Format::Svg),
             "Pressure in the cells of the grid, with the boundary of the patch.",
         )),
         Err(e) => {
@@ -270,7 +273,7 @@ fn pictures(detail: &Detail, states: usize) -> String {
         let centre = pair(section.centre, reach);
         let angle = section.direction[1].atan2(section.direction[0]).to_degrees();
         html.push_str(&drawn(
-            plot::section("Section", section, Format::Svg),
+            plot::section_in(units, "Section", section, Format::Svg),
             &format!(
                 "Section through the centre of pressure {centre} at {angle:.1} degrees to x, where the pressure is spread \
                  widest. Heights count from the undeformed surface."
@@ -280,7 +283,7 @@ fn pictures(detail: &Detail, states: usize) -> String {
     html + "</section>\n"
 }
 
-fn curve(evidence: &Evidence) -> String {
+fn curve(evidence: &Evidence, units: &UnitLabels) -> String {
     let told = match &evidence.curve {
         Ok(curve) => {
             let law = curve.power_law();
@@ -288,7 +291,7 @@ fn curve(evidence: &Evidence) -> String {
                 "{}<p>{} solved; error of interpolation about {}. Least squares over the range: force = {} · \
                  overlap<sup>{:.4}</sup>, within {:.2} %.</p>\n",
                 drawn(
-                    plot::curve("Force against depth", curve, Format::Svg),
+                    plot::curve_in(units, "Force against depth", curve, Format::Svg),
                     "The contact as a non-linear spring; dots are states that were solved or follow from one by similarity."
                 ),
                 match curve.solves() {

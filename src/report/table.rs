@@ -1,10 +1,11 @@
-//! The result as a short table for people. Units are the user's own, so none are named.
+//! The result as a short table for people, with the units that the scene names.
 
-use super::{Step, numbers, said_once};
+use super::{Step, centre_of_pressure, numbers, said_once};
 use crate::bracket::Evidence;
-use crate::contact::Loading;
+use crate::contact::{Load, Loading};
 use crate::scene::Scene;
-use crate::solution::Solution;
+use crate::solution::{Singular, Solution};
+use crate::units::UnitLabels;
 
 /// A table of the answers: a line a quantity for one state of loading, a line a state for several.
 #[must_use]
@@ -17,10 +18,10 @@ pub fn table(scene: &Scene, steps: &[Step]) -> String {
                 rows = vec![["verdict".into(), e.verdict.to_string()], ["reason".into(), e.reason.clone()]];
                 rows.extend(e.hint.iter().map(|hint| ["hint".into(), hint.clone()]));
             }
-            rows.extend(numbers(step).map(single).unwrap_or_default());
+            rows.extend(numbers(step).map(|s| facts(s, scene.units.as_ref())).unwrap_or_default());
             lines.extend(aligned(&rows));
         }
-        _ => several(steps, &mut lines),
+        _ => several(scene, steps, &mut lines),
     }
     lines.extend(said_once(steps, |s| &s.remarks).iter().map(|remark| format!("note: {remark}")));
     lines.extend(said_once(steps, |s| &s.left_out).iter().map(|what| format!("left out: {what}")));
@@ -28,13 +29,29 @@ pub fn table(scene: &Scene, steps: &[Step]) -> String {
     lines.join("\n")
 }
 
-fn single(s: &Solution) -> Vec<[String; 2]> {
-    let mut rows = vec![["method".into(), s.method.name().to_owned()], ["depth".into(), figure(s.depth)]];
+/// Pieces of a patch that a table names.
+const MOST_PIECES: usize = 5;
+
+/// One state as lines of a name and a value.
+pub(super) fn facts(s: &Solution, units: Option<&UnitLabels>) -> Vec<[String; 2]> {
+    let length = units.map_or(String::new(), |u| format!(" {}", u.length()));
+    let unit = |of: fn(&UnitLabels) -> String| units.map_or(String::new(), |u| format!(" {}", of(u)));
+    let (force, pressure) = (unit(|u| u.force().to_owned()), unit(UnitLabels::pressure));
+    let size = s.patch.max_radius;
+    // Rounding against the size of the patch is zero.
+    let point = |p: [f64; 2]| pair(p.map(|x| if x.abs() < 1e-9 * size { 0.0 } else { x }));
+    let prescribed = |error: Option<f64>, other: Option<f64>| match (error, other) {
+        (Some(0.0), other) if other != Some(0.0) && s.force > 0.0 => "  (prescribed)".to_owned(),
+        (error, _) => off_by(error),
+    };
+    let mut rows: Vec<[String; 2]> = Vec::new();
+    let mut row = |name: &str, value: String| rows.push([name.to_owned(), value]);
+    row("method", s.method.name().to_owned());
+    row("depth", format!("{}{length}{}", figure(s.depth), prescribed(s.depth_error, s.force_error)));
     if s.tilt != [0.0; 2] {
-        rows.push(["tilt".into(), pair(s.tilt)]);
+        row("tilt", pair(s.tilt));
     }
-    let error = s.force_error.map_or(String::new(), |e| format!("  (relative error about {e:.1e})"));
-    rows.push(["force".into(), format!("{}{error}", figure(s.force))]);
+    row("force", format!("{}{force}{}", figure(s.force), prescribed(s.force_error, s.depth_error)));
     if let Some(b) = &s.bracket {
         let evidence = match b.evidence() {
             Evidence::Proved => "proved".to_owned(),
@@ -43,47 +60,122 @@ fn single(s: &Solution) -> Vec<[String; 2]> {
             }
             Evidence::Sampled { per_cell } => format!("sampled at {per_cell} x {per_cell} points a cell"),
         };
-        rows.push(["bracket".into(), format!("{:.8e} to {:.8e}  ({evidence})", b.lower(), b.upper())]);
+        row("bracket", format!("{:.8e} to {:.8e}{force}  ({evidence})", b.lower(), b.upper()));
     }
     if let Some(d) = &s.depth_bracket {
         let upper = d.upper().map_or("any".to_owned(), |upper| format!("{upper:.8e}"));
-        rows.push(["bracket of the depth".into(), format!("{:.8e} to {upper}", d.lower())]);
+        row("bracket of the depth", format!("{:.8e} to {upper}{length}", d.lower()));
     }
-    rows.push(["stiffness".into(), figure(s.stiffness)]);
-    if let Some(moment) = s.moment.filter(|m| m.iter().any(|m| *m != 0.0)) {
-        rows.push(["moments about the origin".into(), pair(moment)]);
+    let stiffness = unit(UnitLabels::stiffness);
+    row("stiffness", format!("{}{stiffness}{}", figure(s.stiffness), off_by(s.stiffness_error)));
+    let rounding = 1e-9 * size * s.force;
+    if let Some(moment) = s.moment.filter(|m| m.iter().any(|m| m.abs() > rounding)) {
+        let moment = moment.map(|m| if m.abs() > rounding { m } else { 0.0 });
+        row("moments about the origin", format!("{}{}", pair(moment), unit(UnitLabels::work)));
     }
     if let Some(energy) = s.energy {
-        rows.push(["energy".into(), figure(energy)]);
+        row("energy", format!("{}{}{}", figure(energy), unit(UnitLabels::work), off_by(s.energy_error)));
     }
-    rows.push(["patch area".into(), figure(s.patch.area)]);
-    rows.push(["patch regions".into(), s.patch.regions.to_string()]);
-    rows.push(["largest radius".into(), figure(s.patch.max_radius)]);
+    row("patch area", format!("{}{}{}", figure(s.patch.area), unit(UnitLabels::area), off_by(s.area_error)));
+    if let (Some([a, b]), Some(angle)) = (s.patch.semi_axes, s.patch.angle) {
+        let turned =
+            if a == b { String::new() } else { format!(", the longer at {:.4} degrees to x", angle.to_degrees()) };
+        row("semi-axes", format!("{} and {}{length}{turned}", figure(a), figure(b)));
+    }
+    if let Some([low, high]) = s.patch.extent() {
+        row("patch extent", format!("{} to {}{length}", point(low), point(high)));
+    }
+    if let Some(centroid) = s.patch.centroid {
+        row("patch centroid", format!("{}{length}", point(centroid)));
+    }
+    if let Some(centre) = centre_of_pressure(s) {
+        row("centre of pressure", format!("{}{length}", point(centre)));
+    }
+    row("patch regions", s.patch.regions.to_string());
+    row("largest radius", format!("{}{length}", figure(s.patch.max_radius)));
     if let Some(mean) = s.pressure.mean {
-        rows.push(["mean pressure".into(), figure(mean)]);
+        row("mean pressure", format!("{}{pressure}", figure(mean)));
     }
-    if let Some(max) = s.pressure.max {
-        let at = s.pressure.at.map_or(String::new(), |at| format!("  at {}", pair(at)));
-        rows.push(["largest pressure".into(), format!("{}{at}", figure(max))]);
+    if let Some(peak) = peak(s) {
+        let at = s.pressure.at.filter(|_| s.force > 0.0).map_or(String::new(), |at| format!("  at {}", point(at)));
+        let (unit, error) = if s.pressure.singular.is_some() {
+            ("", String::new())
+        } else {
+            (pressure.as_str(), off_by(s.pressure.max_error))
+        };
+        row("largest pressure", format!("{peak}{unit}{error}{at}"));
+    }
+    for (k, piece) in s.patch.pieces.iter().enumerate().take(MOST_PIECES).filter(|_| s.patch.pieces.len() > 1) {
+        let peak = match (piece.max_pressure, s.pressure.singular) {
+            (Some(p), _) => format!(", largest pressure {}{pressure}", figure(p)),
+            (None, Some(_)) => ", largest pressure infinite".to_owned(),
+            (None, None) => String::new(),
+        };
+        let area = unit(UnitLabels::area);
+        let (own_force, own_area) = (figure(piece.force), figure(piece.area));
+        let at = point(piece.centroid);
+        row(&format!("piece {}", k + 1), format!("force {own_force}{force}, area {own_area}{area}, at {at}{peak}"));
+    }
+    if s.patch.pieces.len() > MOST_PIECES {
+        let rest: f64 = s.patch.pieces[MOST_PIECES..].iter().map(|piece| piece.force).sum();
+        let count = s.patch.pieces.len() - MOST_PIECES;
+        row("other pieces", format!("{count}, with {:.2} % of the force", 100.0 * rest / s.force));
+    }
+    if let Some(touched) = s.touches_edge {
+        let share = touched
+            .share
+            .map_or(String::new(), |share| format!(", {:.2} % of the force on the cells beside it", 100.0 * share));
+        row("touches the edge of the", format!("{}{share}", touched.edge.word()));
+    }
+    if let Some(v) = &s.validity {
+        let size = v.size_over_radius.map_or(String::new(), |size| format!("size over radius {size:.1e}, "));
+        let (slope, hard) = (v.slope, v.pressure_over_modulus);
+        row("small against 1", format!("slope {slope:.1e}, {size}mean pressure over E* {hard:.1e}"));
     }
     if let Some(r) = s.residuals {
         let [c, t, p] = [r.complementarity, r.tension, r.penetration];
-        rows.push(["checks".into(), format!("complementarity {c:.1e}, tension {t:.1e}, penetration {p:.1e}")]);
+        row("checks", format!("complementarity {c:.1e}, tension {t:.1e}, penetration {p:.1e}"));
     }
     let cost = &s.cost;
-    rows.push([
-        "cost".into(),
-        format!(
-            "{:.3} s, {} unknowns, {} iterations, {} products",
-            cost.seconds, cost.unknowns, cost.iterations, cost.operator_products
-        ),
-    ]);
+    let [seconds, unknowns] = [format!("{:.3}", cost.seconds), cost.unknowns.to_string()];
+    let (iterations, products) = (cost.iterations, cost.operator_products);
+    row("cost", format!("{seconds} s, {unknowns} unknowns, {iterations} iterations, {products} products"));
     rows
 }
 
-fn several(steps: &[Step], lines: &mut Vec<String>) {
-    let heads = ["depth", "force", "stiffness", "area", "regions", "largest radius", "mean pressure", "method", "s"];
-    let mut rows = vec![heads.map(str::to_owned)];
+/// The relative error of a number, in brackets; nothing where it is exactly zero or not known.
+fn off_by(error: Option<f64>) -> String {
+    error.filter(|error| *error > 0.0).map_or(String::new(), |error| format!("  (relative error about {error:.1e})"))
+}
+
+/// The largest pressure as it is printed; `None` where the method gives none.
+pub(super) fn peak(s: &Solution) -> Option<String> {
+    match (s.pressure.singular, s.pressure.max) {
+        (Some(Singular::Edge), _) => Some("infinite (edge)".to_owned()),
+        (Some(Singular::Tip), _) => Some("infinite (tip)".to_owned()),
+        (None, max) => max.map(figure),
+    }
+}
+
+fn several(scene: &Scene, steps: &[Step], lines: &mut Vec<String>) {
+    let units = scene.units.as_ref();
+    let head =
+        |name: &str, of: fn(&UnitLabels) -> String| units.map_or(name.to_owned(), |u| format!("{name} [{}]", of(u)));
+    let length: fn(&UnitLabels) -> String = |u| u.length().to_owned();
+    let heads = [
+        head("depth", length),
+        head("force", |u| u.force().to_owned()),
+        head("stiffness", UnitLabels::stiffness),
+        head("area", UnitLabels::area),
+        "regions".to_owned(),
+        head("largest radius", length),
+        head("mean pressure", UnitLabels::pressure),
+        head("largest pressure", UnitLabels::pressure),
+        "error".to_owned(),
+        "method".to_owned(),
+        "s".to_owned(),
+    ];
+    let mut rows = vec![heads];
     rows.extend(steps.iter().map(|step| match numbers(step) {
         Some(s) => [
             figure(s.depth),
@@ -93,16 +185,20 @@ fn several(steps: &[Step], lines: &mut Vec<String>) {
             s.patch.regions.to_string(),
             figure(s.patch.max_radius),
             s.pressure.mean.map_or("-".into(), figure),
+            peak(s).unwrap_or_else(|| "-".into()),
+            s.error().map_or("-".into(), |error| format!("{error:.1e}")),
             s.method.name().to_owned(),
             format!("{:.3}", s.cost.seconds),
         ],
         None => {
-            let mut row: [String; 9] = std::array::from_fn(|_| "-".to_owned());
-            row[7] = step.as_ref().err().map_or(String::new(), |e| e.verdict.to_string());
+            let mut row: [String; 11] = std::array::from_fn(|_| "-".to_owned());
+            row[9] = step.as_ref().err().map_or(String::new(), |e| e.verdict.to_string());
             row
         }
     }));
     lines.extend(aligned(&rows));
+    let forces = scene.contact.loading().loads().iter().any(|load| matches!(load, Load::Force(_)));
+    lines.push(format!("error: relative, of the {}", if forces { "depth" } else { "force" }));
     for (k, step) in steps.iter().enumerate() {
         if let Err(e) = step {
             lines.push(format!("step {}: {e}", k + 1));

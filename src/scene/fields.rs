@@ -8,9 +8,11 @@ use super::decode::{decode, unknown};
 use super::document::{Json, key_in_path, quoted};
 use crate::contact::{Load, Loading};
 use crate::error::{InputError, finite};
+use crate::gap::{AnyGap, Gap};
 use crate::grid::Kernel;
 use crate::material::{Body, EffectiveModulus};
 use crate::settings::{BoundaryFamily, ErrorBar, Method, Outputs, Settings};
+use crate::units::UnitLabels;
 
 /// States of loading in one scene: more than any curve needs. Each one is a solve, unless the gap is homogeneous.
 const MOST_STEPS: usize = 100_000;
@@ -254,6 +256,71 @@ fn several(path: &str, loads: Vec<Load>) -> Result<Loading, InputError> {
     Ok(Loading::Steps(loads))
 }
 
+/// Labels of the units that the numbers of a scene are in.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+pub(super) struct UnitsForm {
+    /// Unit of length, such as "mm".
+    length: String,
+    /// Unit of force, such as "N".
+    force: String,
+}
+
+pub(super) fn units(form: UnitsForm) -> Result<UnitLabels, InputError> {
+    UnitLabels::new(&form.length, &form.force).map_err(|e| e.within("units"))
+}
+
+/// A number of cells, or those of a height map.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum CellsForm {
+    Along(usize),
+    Map,
+}
+
+impl<'de> Deserialize<'de> for CellsForm {
+    fn deserialize<D: serde::Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        struct Cells;
+        impl serde::de::Visitor<'_> for Cells {
+            type Value = CellsForm;
+
+            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.write_str("a whole number, or \"map\"")
+            }
+
+            fn visit_u64<E: serde::de::Error>(self, cells: u64) -> Result<CellsForm, E> {
+                Ok(CellsForm::Along(usize::try_from(cells).unwrap_or(usize::MAX)))
+            }
+
+            fn visit_str<E: serde::de::Error>(self, word: &str) -> Result<CellsForm, E> {
+                if word == "map" {
+                    return Ok(CellsForm::Map);
+                }
+                Err(E::invalid_value(serde::de::Unexpected::Str(word), &self))
+            }
+        }
+        from.deserialize_u64(Cells)
+    }
+}
+
+/// Cells along the longer side, or "map".
+#[cfg(feature = "cli")]
+#[derive(schemars::JsonSchema)]
+#[schemars(untagged)]
+#[expect(dead_code, reason = "this form is only for the JSON Schema")]
+enum CellsSchema {
+    Along(usize),
+    Named(CellsName),
+}
+
+#[cfg(feature = "cli")]
+#[derive(schemars::JsonSchema)]
+#[schemars(rename_all = "snake_case")]
+#[expect(dead_code, reason = "this form is only for the JSON Schema")]
+enum CellsName {
+    Map,
+}
+
 /// Names of the methods.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -349,8 +416,10 @@ pub(super) enum BoundaryForm {
 pub(super) struct SolveForm {
     /// Which method; by default the cheapest that reaches the tolerance.
     method: Option<MethodName>,
-    /// Cells along the longer side, 1 to 16384; by default as many as the tolerance asks for.
-    cells: Option<usize>,
+    /// Cells along the longer side, 1 to 16384, or "map": the nodes of the height map are the cells; by default as many as the
+    /// tolerance asks for.
+    #[cfg_attr(feature = "cli", schemars(with = "Option<CellsSchema>"))]
+    cells: Option<CellsForm>,
     /// Means over cells (the default) or values at their centres.
     kernel: Option<KernelName>,
     /// Relative error of the force that is good enough, between 0 and 1; by default 0.001.
@@ -407,13 +476,22 @@ pub(crate) fn checked_seconds(path: &str, seconds: f64) -> Result<f64, InputErro
     Err(InputError::new(path, seconds, "CPU seconds, 0 or more; 0: no limit"))
 }
 
-pub(super) fn settings(solve: SolveForm, output: &[OutputName]) -> Result<Settings, InputError> {
+pub(super) fn settings(solve: SolveForm, output: &[OutputName], gap: &AnyGap) -> Result<Settings, InputError> {
     let mut settings = Settings::default();
     if let Some(method) = solve.method {
         settings.method = method.into();
     }
-    if let Some(cells) = solve.cells {
-        settings.cells = Some(checked_cells("solve.cells", cells)?);
+    match solve.cells {
+        None => {}
+        Some(CellsForm::Along(cells)) => settings.cells = Some(checked_cells("solve.cells", cells)?),
+        Some(CellsForm::Map) => {
+            let nodes = gap.nodes().ok_or_else(|| {
+                let given = "\"map\", where the gap has no height map whose rows run along x or y";
+                InputError::new("solve.cells", given, "a whole number of cells, or a gap of kind height_map")
+            })?;
+            settings.cells = Some(checked_cells("solve.cells", nodes.shape[0].max(nodes.shape[1]))?);
+            settings.nodes = true;
+        }
     }
     if let Some(kernel) = solve.kernel {
         settings.kernel = kernel.into();

@@ -30,11 +30,12 @@ pub use document::Json;
 #[cfg(feature = "cli")]
 pub use schema::schema;
 
-use crate::contact::Contact;
+use crate::contact::{Contact, Load};
 use crate::error::InputError;
 use crate::files;
 use crate::files::named::Directory;
 use crate::settings::Settings;
+use crate::units::UnitLabels;
 use decode::decode;
 use document::ROOT;
 
@@ -50,6 +51,8 @@ pub struct Scene {
     pub contact: Contact,
     /// Method, resolution, outputs.
     pub settings: Settings,
+    /// Labels of the units that its numbers are in.
+    pub units: Option<UnitLabels>,
     /// The document as it was written.
     pub document: Json,
     /// The files that it names and that were read.
@@ -77,6 +80,8 @@ struct SceneForm {
     #[cfg_attr(feature = "cli", schemars(with = "fields::LoadingForm"))]
     #[serde(rename = "loading")]
     _loading: Any,
+    /// Labels of units for tables, pictures and exports; numbers are not converted.
+    units: Option<fields::UnitsForm>,
     /// How to solve.
     solve: Option<fields::SolveForm>,
     /// What else to compute and write.
@@ -136,9 +141,14 @@ impl Scene {
         let absent = Json::Null;
         let gap = gap::whole(document.get("gap").unwrap_or(&absent), "gap", &directory)?;
         let loading = fields::loading(document.get("loading").unwrap_or(&absent))?;
-        let settings = fields::settings(form.solve.unwrap_or_default(), &form.output.unwrap_or_default())?;
+        let units = form.units.map(fields::units).transpose()?;
+        let settings = fields::settings(form.solve.unwrap_or_default(), &form.output.unwrap_or_default(), &gap)?;
+        if settings.nodes && loading.loads().iter().any(|load| matches!(load, Load::ForceMoment { .. })) {
+            let allowed = "a number of cells: the grid of a punch free to tilt is found with its tilt";
+            return Err(InputError::new("solve.cells", "\"map\" for a punch free to tilt", allowed));
+        }
         let contact = Contact::new(modulus, gap, loading)?;
-        Ok(Self { name: form.name, contact, settings, document, files: directory.into_read() })
+        Ok(Self { name: form.name, contact, settings, units, document, files: directory.into_read() })
     }
 }
 

@@ -85,6 +85,17 @@ fn outcome(text: &[u8], maps: &Path) -> Result<String, String> {
             ("max", s.pressure.max.is_none_or(|p| p.is_finite() && p >= 0.0)),
             ("field", s.pressure.field.iter().flat_map(|f| &f.values).all(|p| p.is_finite() && *p >= 0.0)),
             ("error", s.force_error.is_none_or(|e| e.is_finite() && e >= 0.0)),
+            (
+                "other errors",
+                [s.depth_error, s.stiffness_error, s.energy_error, s.area_error, s.pressure.max_error]
+                    .into_iter()
+                    .flatten()
+                    .all(|e| e.is_finite() && e >= 0.0),
+            ),
+            ("pieces", {
+                let sum: f64 = s.patch.pieces.iter().map(|piece| piece.force).sum();
+                (sum - s.force).abs() <= 1e-9 * s.force
+            }),
             ("tolerance", verdict != "solved" || s.force_error.is_none_or(|e| e <= settings.tolerance)),
         ];
         if let Some((part, _)) = parts.iter().find(|(_, holds)| !holds) {

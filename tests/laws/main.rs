@@ -65,7 +65,7 @@ fn states(scene: &Value, maps: &Path, run: Run) -> Result<Vec<Result<Solution, U
 /// The state, or the best that there is, when it states an error.
 fn best(answer: Result<Solution, Unsolved>) -> Result<Solution, String> {
     let state = answer.or_else(|e| e.best.map(|best| *best).ok_or_else(|| e.verdict.word().to_owned()))?;
-    if state.force_error.is_some() { Ok(state) } else { Err("no error stated".to_owned()) }
+    if state.error().is_some() { Ok(state) } else { Err("no error stated".to_owned()) }
 }
 
 /// The number that starts the generator of a scene; not by its step, which would make one scene's numbers the next one's.
@@ -146,7 +146,12 @@ fn judge(number: u64, run: Run, maps: &Path, tally: &Mutex<Tally>) {
 
 /// What is unequal in two states of one contact.
 fn unequal(first: &Solution, second: &Solution, factor: f64, given_back: bool) -> Option<String> {
-    let [e1, e2] = [first, second].map(|s| s.force_error.unwrap_or(f64::INFINITY));
+    // Under a force the error is that of the depth: times the stiffness, that of the force at the depth.
+    let of_force = |s: &Solution| {
+        let share = if s.depth_error == Some(0.0) { 1.0 } else { (s.depth * s.stiffness / s.force).abs() };
+        s.error().map_or(f64::INFINITY, |error| error * share)
+    };
+    let [e1, e2] = [first, second].map(of_force);
     let force = second.force / factor;
     // A depth that answers the same force is compared by the force that it stands for.
     let off = if given_back { (second.depth - first.depth) * first.stiffness } else { force - first.force };

@@ -452,6 +452,11 @@ impl Gap for Formula {
         self.polyhedron.as_ref().and_then(Gap::planes)
     }
 
+    fn end_of_data(&self, x: f64, y: f64) -> Option<super::DataEdge> {
+        let outside = self.region.as_ref().is_some_and(|region| !region.contains([x, y]));
+        outside.then_some(super::DataEdge::Region)
+    }
+
     fn ray_kinks(&self, from: [f64; 2], direction: [f64; 2], kinks: &mut Vec<f64>) {
         if let Some(polyhedron) = &self.polyhedron {
             polyhedron.ray_kinks(from, direction, kinks);

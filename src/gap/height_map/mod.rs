@@ -7,9 +7,10 @@ mod text;
 
 pub use heights::{Heights, MapFormat};
 
-use super::{Gap, Growth, Known, Material, Reach, Taylor};
+use super::{DataEdge, Gap, Growth, Known, Material, Reach, Taylor};
 use crate::error::InputError;
 use crate::geometry::Rect;
+use crate::grid::Grid;
 use crate::numeric::Interval;
 use extremes::Extremes;
 
@@ -461,6 +462,18 @@ impl Gap for HeightMap {
         let steep = slope.iter().zip(rect.size()).map(|(s, w)| (s * w).abs()).sum::<f64>();
         let rounding = 1e-13 * (size + steep);
         Some([low - rounding, high.max(low) + rounding])
+    }
+
+    fn end_of_data(&self, x: f64, y: f64) -> Option<DataEdge> {
+        if !self.extent().contains([x, y]) {
+            return Some(DataEdge::Map);
+        }
+        (self.gap(x, y) == f64::INFINITY).then_some(DataEdge::Hole)
+    }
+
+    fn nodes(&self) -> Option<Grid> {
+        let origin = [0, 1].map(|m| self.origin[m] - 0.5 * self.spacing[m]);
+        Some(Grid { origin, spacing: self.spacing, shape: self.shape })
     }
 
     fn ray_kinks(&self, from: [f64; 2], direction: [f64; 2], kinks: &mut Vec<f64>) {

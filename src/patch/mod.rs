@@ -1,5 +1,7 @@
 //! From cells to a patch: the boundary between cells, its area, centroid and regions.
 
+mod pieces;
+
 use crate::discrete::{Discrete, DiscreteSolution};
 use crate::geometry::{area, centroid};
 use crate::grid::Grid;
@@ -23,7 +25,12 @@ use crate::solution::Patch;
 /// ```
 #[must_use]
 pub fn of(problem: &Discrete, solution: &DiscreteSolution, reference: [f64; 2]) -> Patch {
-    let loops = boundary(problem, solution);
+    with_peaks(problem, solution, reference).0
+}
+
+/// The patch, and the cell of the largest pressure of each of its pieces.
+pub(crate) fn with_peaks(problem: &Discrete, solution: &DiscreteSolution, reference: [f64; 2]) -> (Patch, Vec<usize>) {
+    let (starts, loops): (Vec<usize>, Vec<Vec<[f64; 2]>>) = boundary(problem, solution).into_iter().unzip();
     let areas: Vec<f64> = loops.iter().map(|l| area(l)).collect();
     let total: f64 = areas.iter().sum();
     let mut moment = [0.0; 2];
@@ -32,18 +39,23 @@ pub fn of(problem: &Discrete, solution: &DiscreteSolution, reference: [f64; 2]) 
         moment[0] += share * c[0];
         moment[1] += share * c[1];
     }
+    let (pieces, peaks) = pieces::of(&problem.grid, &solution.pressure, &starts, &loops).into_iter().unzip();
     let distance = |p: &[f64; 2]| (p[0] - reference[0]).hypot(p[1] - reference[1]);
-    Patch {
+    let patch = Patch {
         area: total,
         centroid: (total > 0.0).then(|| moment.map(|m| m / total)),
         regions: areas.iter().filter(|&&a| a > 0.0).count(),
         max_radius: loops.iter().flatten().map(distance).fold(0.0, f64::max),
+        pieces,
         boundary: Some(loops),
-    }
+        semi_axes: None,
+        angle: None,
+    };
+    (patch, peaks)
 }
 
-/// Closed polylines around the cells under pressure, contact on the left.
-fn boundary(problem: &Discrete, solution: &DiscreteSolution) -> Vec<Vec<[f64; 2]>> {
+/// Closed polylines around the cells under pressure, contact on the left, each with a cell that it goes around.
+fn boundary(problem: &Discrete, solution: &DiscreteSolution) -> Vec<(usize, Vec<[f64; 2]>)> {
     let grid = &problem.grid;
     let whole = displacement_around(problem, solution);
     let displacement = whole.as_deref().unwrap_or(&solution.displacement);
@@ -108,7 +120,7 @@ fn edge_between(p: f64, gap: f64, h: f64) -> f64 {
 
 /// Marching squares on the lattice of cell centres, with one ring of free cells around it. Contact cells that meet at a
 /// corner belong together: the tip of a patch along a ridge is a diagonal of cells.
-fn march(grid: &Grid, inside: &[bool], share: impl Fn(usize, Option<usize>) -> f64) -> Vec<Vec<[f64; 2]>> {
+fn march(grid: &Grid, inside: &[bool], share: impl Fn(usize, Option<usize>) -> f64) -> Vec<(usize, Vec<[f64; 2]>)> {
     let [nx, ny] = grid.shape.map(|n| n as i64);
     let index = |i: i64, j: i64| ((0..nx).contains(&i) && (0..ny).contains(&j)).then(|| (j * nx + i) as usize);
     let is_inside = |i: i64, j: i64| index(i, j).is_some_and(|k| inside[k]);
@@ -163,8 +175,8 @@ fn march(grid: &Grid, inside: &[bool], share: impl Fn(usize, Option<usize>) -> f
                     polygon.push(point(at));
                     at = next(at);
                 }
-                if !polygon.is_empty() {
-                    loops.push(polygon);
+                if let Some(cell) = index(i, j).filter(|_| !polygon.is_empty()) {
+                    loops.push((cell, polygon));
                 }
             }
         }
@@ -180,7 +192,7 @@ mod tests {
         let shape = [rows[0].len(), rows.len()];
         let inside: Vec<bool> = rows.concat().chars().map(|c| c == '#').collect();
         let grid = Grid { origin: [0.0; 2], spacing: [1.0; 2], shape };
-        march(&grid, &inside, |_, _| 0.5)
+        march(&grid, &inside, |_, _| 0.5).into_iter().map(|(_, polygon)| polygon).collect()
     }
 
     #[test]
