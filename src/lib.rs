@@ -94,9 +94,11 @@ mod solve;
 #[cfg(all(feature = "scene", feature = "qp", feature = "formula"))]
 pub mod stability;
 pub mod symmetry;
+#[cfg(feature = "scene")]
+pub mod table;
 mod tilting;
 
-pub use clock::Deadline;
+pub use clock::{Deadline, Interrupt};
 pub use contact::{Contact, Load, Loading};
 pub use curve::{Curve, CurveRange};
 pub use discrete::{Discrete, DiscreteSolution, Residuals};

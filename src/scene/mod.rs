@@ -19,6 +19,7 @@ mod decode;
 mod document;
 pub(crate) mod fields;
 mod gap;
+mod given;
 #[cfg(feature = "cli")]
 mod schema;
 
@@ -27,6 +28,8 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 
 pub use document::Json;
+pub(crate) use document::{key_in_path, quoted};
+pub use given::Given;
 #[cfg(feature = "cli")]
 pub use schema::schema;
 
@@ -34,9 +37,11 @@ use crate::contact::Contact;
 use crate::error::InputError;
 use crate::files;
 use crate::files::named::Directory;
+use crate::material::EffectiveModulus;
 use crate::settings::Settings;
 use decode::decode;
 use document::ROOT;
+use given::Sources;
 
 /// Longest scene that is read, in bytes; as a document it takes up to twenty times that.
 pub(crate) const LONGEST: u64 = 1 << 26;
@@ -121,25 +126,91 @@ impl Scene {
         Self::from_json_in(text, Directory::closed(root))
     }
 
+    /// Reads a scene of which a program holds a part: heights, gaps.
+    ///
+    /// # Errors
+    /// As [`Scene::from_json`]; also when a given gap is named that there is none of.
+    pub fn from_json_with(text: &[u8], given: &Given) -> Result<Self, InputError> {
+        Self::from_document(document(text)?, given.place(), Some(given))
+    }
+
     /// Reads a scene; files that it names are looked for in `directory`.
     fn from_json_in(text: &[u8], directory: Directory) -> Result<Self, InputError> {
-        if text.len() as u64 > LONGEST {
-            return Err(InputError::new(ROOT, "a longer text", format!("at most {LONGEST} bytes")));
-        }
-        let document = Json::parse(text)?;
+        Self::from_document(document(text)?, directory, None)
+    }
+
+    /// Reads a scene from a document.
+    pub(crate) fn from_document(
+        document: Json,
+        directory: Directory,
+        given: Option<&Given>,
+    ) -> Result<Self, InputError> {
         if !matches!(document, Json::Object(_)) {
             return Err(InputError::new(ROOT, document.brief(), "an object with gap, loading and bodies"));
         }
         let form: SceneForm = decode(&document, ROOT)?;
-        let bodies = form.bodies.as_ref().and_then(|_| document.get("bodies"));
-        let modulus = fields::modulus(bodies, form.effective_modulus)?;
-        let absent = Json::Null;
-        let gap = gap::whole(document.get("gap").unwrap_or(&absent), "gap", &directory)?;
-        let loading = fields::loading(document.get("loading").unwrap_or(&absent))?;
+        let modulus = form.modulus(&document)?;
+        let gap = gap::whole(section(&document, "gap"), "gap", &Sources::new(&directory, given))?;
+        let loading = fields::loading(section(&document, "loading"))?;
         let settings = fields::settings(form.solve.unwrap_or_default(), &form.output.unwrap_or_default())?;
         let contact = Contact::new(modulus, gap, loading)?;
         Ok(Self { name: form.name, contact, settings, document, files: directory.into_read() })
     }
+
+    /// Reads these parts of the document once more, after it was changed there.
+    ///
+    /// # Errors
+    /// As [`Scene::from_json`]; the parts are then as they were.
+    pub(crate) fn read_again(&mut self, parts: Parts, given: &Given) -> Result<(), InputError> {
+        let (mut modulus, mut settings) = (self.contact.modulus(), self.settings);
+        if parts.others {
+            let form: SceneForm = decode(&self.document, ROOT)?;
+            modulus = form.modulus(&self.document)?;
+            settings = fields::settings(form.solve.unwrap_or_default(), &form.output.unwrap_or_default())?;
+        }
+        let gap = if parts.gap {
+            let directory = given.place();
+            gap::whole(section(&self.document, "gap"), "gap", &Sources::new(&directory, Some(given)))?
+        } else {
+            self.contact.gap().clone()
+        };
+        let loading = match parts.loading {
+            true => fields::loading(section(&self.document, "loading"))?,
+            false => self.contact.loading().clone(),
+        };
+        self.contact = Contact::new(modulus, gap, loading)?;
+        self.settings = settings;
+        Ok(())
+    }
+}
+
+/// Parts of a document that are read apart from each other.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(crate) struct Parts {
+    pub gap: bool,
+    pub loading: bool,
+    /// Bodies, settings, names.
+    pub others: bool,
+}
+
+impl SceneForm {
+    fn modulus(&self, document: &Json) -> Result<EffectiveModulus, InputError> {
+        let bodies = self.bodies.as_ref().and_then(|_| document.get("bodies"));
+        fields::modulus(bodies, self.effective_modulus)
+    }
+}
+
+/// What stands under this key; null where nothing does.
+fn section<'a>(document: &'a Json, key: &str) -> &'a Json {
+    document.get(key).unwrap_or(&Json::Null)
+}
+
+/// The document of a scene.
+pub(crate) fn document(text: &[u8]) -> Result<Json, InputError> {
+    if text.len() as u64 > LONGEST {
+        return Err(InputError::new(ROOT, "a longer text", format!("at most {LONGEST} bytes")));
+    }
+    Json::parse(text)
 }
 
 /// Everything there is, up to one byte more than a scene may have.
