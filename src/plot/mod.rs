@@ -17,7 +17,7 @@ pub(crate) use axes::is_text;
 pub use curve::{curve, force_depth};
 pub use error_time::error_against_time;
 pub use outlines::{Outline, outlines};
-pub use pressure::pressure_map;
+pub use pressure::{field_map, pressure_map};
 pub use section::{Section, section};
 pub use width::{Refinement, width_against_cells};
 

@@ -17,8 +17,20 @@ use crate::solution::Solution;
 /// # Errors
 /// When the solution has neither field nor boundary, or drawing fails.
 pub fn pressure_map(title: &str, solution: &Solution, format: Format) -> Result<Vec<u8>, Error> {
-    let boundary = solution.patch.boundary.as_deref().unwrap_or_default();
-    let field = solution.pressure.field.as_ref().map(coarsened);
+    field_map(title, solution.patch.boundary.as_deref().unwrap_or_default(), solution.pressure.field.as_ref(), format)
+}
+
+/// A pressure field and closed polylines around where it acts, as far as they are there: as [`pressure_map`].
+///
+/// # Errors
+/// As [`pressure_map`].
+pub fn field_map(
+    title: &str,
+    boundary: &[Vec<[f64; 2]>],
+    field: Option<&Pressure>,
+    format: Format,
+) -> Result<Vec<u8>, Error> {
+    let field = field.map(coarsened);
     let patch = Rect::holding(boundary.iter().flatten().copied());
     let seen = patch.or(field.as_ref().map(|f| f.grid.extent()));
     let seen = seen.ok_or(Error::Empty("the solution has no patch boundary and no pressure field"))?;
