@@ -1,8 +1,11 @@
 //! A gap given by a function of Python: f(x, y) of arrays, called with many points at a time.
 
+use std::collections::HashMap;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
 use contact_patch::gap::Gap;
 use contact_patch::geometry::Rect;
-use numpy::{IntoPyArray, PyArray1, PyArrayMethods};
+use numpy::{IntoPyArray, PyArray1, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -13,11 +16,20 @@ use crate::work::Watch;
 pub(crate) struct Function {
     function: Py<PyAny>,
     watch: Watch,
+    /// Values at single points, by the bits of the coordinates: the search for the place of contact asks for the same ones again.
+    known: Mutex<HashMap<[u64; 2], f64>>,
 }
+
+/// Most values that are kept; then they are forgotten.
+const MOST_KNOWN: usize = 1 << 18;
 
 impl Function {
     pub fn new(function: Py<PyAny>, watch: Watch) -> Self {
-        Self { function, watch }
+        Self { function, watch, known: Mutex::default() }
+    }
+
+    fn known(&self) -> MutexGuard<'_, HashMap<[u64; 2], f64>> {
+        self.known.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// The values at these points. What the function raises ends the work; until it has, there is no material anywhere.
@@ -34,6 +46,11 @@ impl Function {
     fn call(&self, py: Python<'_>, points: &[[f64; 2]]) -> PyResult<Vec<f64>> {
         let axis = |m: usize| points.iter().map(|p| p[m]).collect::<Vec<f64>>().into_pyarray(py);
         let answer = self.function.bind(py).call1((axis(0), axis(1)))?;
+        if let Ok(array) = answer.cast::<PyArray1<f64>>()
+            && array.len() == points.len()
+        {
+            return numbers(points, array.to_vec()?);
+        }
         let numpy = py.import("numpy")?;
         let float = PyDict::new(py);
         float.set_item("dtype", "float64")?;
@@ -51,21 +68,38 @@ impl Function {
                 return Err(PyValueError::new_err(told));
             }
         };
-        let values = array.cast::<PyArray1<f64>>()?.to_vec()?;
-        if let Some(k) = values.iter().position(|value| value.is_nan()) {
+        numbers(points, array.cast::<PyArray1<f64>>()?.to_vec()?)
+    }
+}
+
+/// # Errors
+/// ValueError where one of them is NaN.
+fn numbers(points: &[[f64; 2]], values: Vec<f64>) -> PyResult<Vec<f64>> {
+    match values.iter().position(|value| value.is_nan()) {
+        None => Ok(values),
+        Some(k) => {
             let [x, y] = points[k];
             let told = format!(
                 "gap: the function returned NaN at ({x}, {y}); allowed: a number, or inf where there is no material"
             );
-            return Err(PyValueError::new_err(told));
+            Err(PyValueError::new_err(told))
         }
-        Ok(values)
     }
 }
 
 impl Gap for Function {
     fn gap(&self, x: f64, y: f64) -> f64 {
-        self.values(&[[x, y]])[0]
+        let key = [x.to_bits(), y.to_bits()];
+        if let Some(value) = self.known().get(&key) {
+            return *value;
+        }
+        let value = self.values(&[[x, y]])[0];
+        let mut known = self.known();
+        if known.len() == MOST_KNOWN {
+            known.clear();
+        }
+        known.insert(key, value);
+        value
     }
 
     /// As the mean of any closure (three-point Gauss, halved where it disagrees with itself), one call for each halving.
