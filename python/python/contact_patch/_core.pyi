@@ -14,6 +14,7 @@ _Source = tuple[bytes, Path, Sequence[_Heights], Sequence[tuple[str, _Function]]
 # Origin, spacing, shape.
 _Grid = tuple[Sequence[float], Sequence[float], Sequence[int]]
 
+__all__: list[str]
 __version__: str
 
 @final

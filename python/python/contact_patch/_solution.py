@@ -60,11 +60,13 @@ class FieldRecord(Record):
 
     def _missing(self, name: str) -> str:
         asked = "ask for it by outputs=['pressure'] or ['gap']"
-        return f"this result has no field; {asked}" if name == "field" else super()._missing(name)
+        of_field = ("field", "values", "extent", "x", "y")
+        return f"this result has no field; {asked}" if name in of_field else super()._missing(name)
 
     def __eq__(self, other: object) -> bool:
-        same = isinstance(other, FieldRecord) and self._keys == other._keys
-        return same and np.array_equal(*(_or_empty(f._values) for f in (self, other)), equal_nan=True)  # type: ignore[union-attr]
+        if not isinstance(other, FieldRecord) or self._keys != other._keys:
+            return False
+        return np.array_equal(_or_empty(self._values), _or_empty(other._values), equal_nan=True)
 
     @property
     def values(self) -> npt.NDArray[np.float64]:
@@ -170,8 +172,6 @@ class Solution(Record):
             return False
         pairs = ((a, b) for mine, its in zip(self._fields, other._fields, strict=True) for a, b in zip(mine, its, strict=True))
         return all(np.array_equal(_or_empty(a), _or_empty(b), equal_nan=True) for a, b in pairs)
-
-    __hash__ = None  # type: ignore[assignment]
 
     def to_dict(self) -> dict[str, Any]:
         """The result as ``contact-patch solve -o result.json`` writes it."""

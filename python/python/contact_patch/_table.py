@@ -63,6 +63,9 @@ def solve_table(
 def _cells(name: str, column: Any) -> npt.NDArray[np.float64] | list[str]:
     """Numbers as they are, everything else as JSON."""
     array = np.ma.filled(column.astype(float), np.nan) if isinstance(column, np.ma.MaskedArray) else np.asarray(column)
+    if array.dtype.kind in "US" and not isinstance(column, np.ndarray):
+        # Numbers and words in one list: each stays what it is.
+        array = np.array([*column, None], dtype=object)[:-1]
     if array.ndim == 1 and array.dtype.kind in "fiu":
         return np.ascontiguousarray(array, dtype=np.float64)
     if array.ndim == 0:

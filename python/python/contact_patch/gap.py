@@ -183,7 +183,7 @@ class HeightMap(Gap):
         ``unit``. Lengths are converted from its unit to ``unit``; None leaves the numbers as they are. Periodic ones are refused."""
         if getattr(topography, "is_periodic", False):
             raise SceneError("gap", "a periodic topography", "one that is not periodic: detrend it, or cut it out")
-        heights = np.ma.filled(np.ma.asarray(topography.heights(), dtype=float), np.nan)
+        heights: _Values = np.ma.filled(np.ma.asarray(topography.heights(), dtype=float), np.nan)
         if heights.ndim != 2:
             raise SceneError("gap", f"heights of shape {heights.shape}", "heights of two dimensions")
         given = getattr(topography, "unit", None)
