@@ -4,7 +4,7 @@ use contact_patch::{Curve as Spring, Deadline, Load, Loading, Settings, Unsolved
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 
-use crate::scene::{Source, wrong};
+use crate::scene::{Source, unsolved, wrong};
 use crate::work::interruptible;
 
 /// Force over depth: values of arrays, NaN beyond the range.
@@ -48,17 +48,9 @@ impl Curve {
     }
 }
 
-/// Verdict and reason of what has no answer.
-type Stopped = (&'static str, String);
-
-/// The curve of a scene up to its largest load: a curve, or verdict and reason.
+/// The curve of a scene up to its largest load; raises Unsolved.
 #[pyfunction]
-pub(crate) fn curve(
-    py: Python<'_>,
-    source: Source,
-    accuracy: f64,
-    threads: usize,
-) -> PyResult<(Option<Curve>, Option<Stopped>)> {
+pub(crate) fn curve(py: Python<'_>, source: Source, accuracy: f64, threads: usize) -> PyResult<Curve> {
     let (scene, watch) = source.scene(py)?;
     let tilted = |load: &Load| matches!(load, Load::Tilted { .. } | Load::ForceMoment { .. });
     if scene.contact.loading().loads().iter().any(tilted) {
@@ -84,8 +76,5 @@ pub(crate) fn curve(
         }
         Spring::up_to(contact, &settings, deepest, accuracy)
     })?;
-    Ok(match found {
-        Ok(spring) => (Some(Curve(spring)), None),
-        Err(unsolved) => (None, Some((unsolved.verdict.word(), unsolved.reason))),
-    })
+    found.map(Curve).map_err(|e| unsolved(py, &e))
 }

@@ -13,7 +13,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
-use contact_patch::{Grid, Pressure, Settings, plot, report};
+use contact_patch::{Grid, Method, Pressure, Settings, plot, report};
 use scene::Source;
 use work::{interruptible, protected};
 
@@ -49,12 +49,8 @@ fn solve<'py>(py: Python<'py>, source: Source, threads: usize) -> PyResult<(Stri
 fn plan(py: Python<'_>, source: Source) -> PyResult<(Option<&'static str>, Vec<String>, Vec<String>)> {
     let (scene, watch) = source.scene(py)?;
     let plan = interruptible(py, &watch, |_| contact_patch::plan(&scene.contact, &scene.settings))?;
-    let plan = plan.map_err(|unsolved| PyValueError::new_err(unsolved.to_string()))?;
-    Ok((plan.method.map(contact_patch_method), plan.steps, plan.left_out))
-}
-
-fn contact_patch_method(method: contact_patch::Method) -> &'static str {
-    method.name()
+    let plan = plan.map_err(|unsolved| scene::unsolved(py, &unsolved))?;
+    Ok((plan.method.map(Method::name), plan.steps, plan.left_out))
 }
 
 /// A grid of cells: origin, spacing, shape.

@@ -4,8 +4,9 @@ use std::path::PathBuf;
 
 use contact_patch::gap::Heights;
 use contact_patch::scene::Given;
-use contact_patch::{InputError, Scene};
+use contact_patch::{InputError, Scene, Unsolved};
 use numpy::PyReadonlyArray1;
+use pyo3::call::PyCallArgs;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedBytes;
@@ -13,13 +14,20 @@ use pyo3::pybacked::PyBackedBytes;
 use crate::function::Function;
 use crate::work::{Watch, protected};
 
-/// The exception for a scene that is wrong: `contact_patch.SceneError(path, given, allowed)`.
+/// An exception of `contact_patch`, made of these arguments.
+fn exception<'py>(py: Python<'py>, name: &str, arguments: impl PyCallArgs<'py>) -> PyErr {
+    let class = py.import("contact_patch._errors").and_then(|module| module.getattr(name));
+    class.and_then(|class| class.call1(arguments)).map_or_else(|e| e, PyErr::from_value)
+}
+
+/// `SceneError(path, given, allowed)`: a scene that is wrong.
 pub(crate) fn wrong(py: Python<'_>, error: &InputError) -> PyErr {
-    let InputError { path, given, allowed } = error;
-    let made = py
-        .import("contact_patch._errors")
-        .and_then(|module| module.getattr("SceneError")?.call1((path, given, allowed)));
-    made.map_or_else(|e| e, PyErr::from_value)
+    exception(py, "SceneError", (&error.path, &error.given, &error.allowed))
+}
+
+/// `Unsolved(verdict, reason)`: no answer.
+pub(crate) fn unsolved(py: Python<'_>, unsolved: &Unsolved) -> PyErr {
+    exception(py, "Unsolved", (unsolved.verdict.word(), &unsolved.reason))
 }
 
 /// Heights: name, values (x fastest), shape, spacing, first node.

@@ -209,6 +209,8 @@ def test_threads_of_python_solve_side_by_side():
 def test_plan_and_schema():
     plan = contact_patch.plan(CONE)
     assert plan["method"] == "closed_form" and plan["left_out"]
+    with pytest.raises(Unsolved, match="unbounded"):
+        contact_patch.plan(Contact(gap.Paraboloid(1.0, math.inf), modulus=1.0, depth=1.0))
     assert "gap" in contact_patch.schema()["properties"]
     with pytest.raises(SceneError, match="threads"):
         contact_patch.solve(CONE, threads=0)

@@ -5,21 +5,24 @@ use crate::report::{self, Step};
 use crate::scene::Scene;
 use crate::solution::Solution;
 
+type NumberOf = fn(&Solution) -> Option<f64>;
+type WordOf = fn(&Step) -> Option<String>;
+
 /// A column of answers.
 #[derive(Debug, Clone)]
 pub(super) enum Quantity {
     /// A number that every solution has at hand.
-    Known(fn(&Solution) -> Option<f64>),
+    Known(NumberOf),
     /// A number somewhere in the result: the steps of a JSON pointer.
     Elsewhere(String),
     /// A word.
-    Word(fn(&Step) -> Option<String>),
+    Word(WordOf),
     /// What is wrong, in a sentence: of a row that is not a scene, too.
     Reason,
 }
 
 /// Numbers that are taken without writing the result.
-const KNOWN: [(&str, fn(&Solution) -> Option<f64>); 14] = [
+const KNOWN: [(&str, NumberOf); 14] = [
     ("depth", |s| Some(s.depth)),
     ("force", |s| Some(s.force)),
     ("force_error", |s| s.force_error),
@@ -37,7 +40,7 @@ const KNOWN: [(&str, fn(&Solution) -> Option<f64>); 14] = [
 ];
 
 /// Words.
-const WORDS: [(&str, fn(&Step) -> Option<String>); 5] = [
+const WORDS: [(&str, WordOf); 5] = [
     ("method", |s| report::numbers(s).map(|s| s.method.name().to_owned())),
     ("evidence", |s| report::numbers(s).filter(|s| s.force_error.is_some()).map(|s| s.evidence().word().to_owned())),
     ("origin.kind", |s| report::numbers(s).map(|s| s.origin.kind().to_owned())),

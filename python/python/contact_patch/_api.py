@@ -7,7 +7,7 @@ from typing import Any
 
 from . import _core
 from ._curve import Curve
-from ._errors import SceneError, Unsolved
+from ._errors import SceneError
 from ._scene import Scene, source
 from ._solution import Solution
 
@@ -45,10 +45,7 @@ def curve(scene: Scene, *, accuracy: float = 1e-4, threads: int = 1) -> Curve:
     """Force over depth up to the largest load of a scene, to this relative error. Raises :class:`Unsolved` where a state is not solved."""
     if not 0.0 < accuracy < 1.0:
         raise SceneError("accuracy", repr(accuracy), "a number greater than 0 and less than 1")
-    found, stopped = _core.curve(source(scene), accuracy, _threads(threads))
-    if found is None:
-        raise Unsolved(*(stopped or ("incomplete", "")))
-    return Curve(found)
+    return Curve(_core.curve(source(scene), accuracy, _threads(threads)))
 
 
 def schema() -> dict[str, Any]:
