@@ -4,6 +4,9 @@
 //! counts, with several that of the process. On systems other than Unix elapsed time stands for both; on targets without a
 //! clock nothing is measured and no limit is ever reached.
 
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
+
 use crate::error::{Unsolved, Verdict};
 
 /// CPU seconds that one state of loading may take unless said.
@@ -28,6 +31,77 @@ pub struct Deadline {
     clock: Clock,
     /// Reading of the clock at which it ends.
     end: f64,
+    interrupt: Option<Watched>,
+}
+
+/// A switch by which another thread ends a solve: that of a user who has waited long enough.
+///
+/// It counts for a [`Deadline`] as long as it lives.
+///
+/// ```
+/// use contact_patch::{Deadline, Interrupt};
+/// let interrupt = Interrupt::new();
+/// let deadline = Deadline::NEVER.unless(&interrupt);
+/// assert!(!deadline.has_passed());
+/// std::thread::scope(|scope| scope.spawn(|| interrupt.set()).join()).unwrap();
+/// assert!(deadline.has_passed());
+/// ```
+#[derive(Debug)]
+pub struct Interrupt(Watched);
+
+/// A counter, and its reading at which nothing has happened yet.
+#[derive(Debug, Clone, Copy)]
+struct Watched {
+    counter: &'static AtomicU64,
+    quiet: u64,
+}
+
+/// Counters that no interrupt uses at present: there are never more than interrupts at one time.
+static IDLE: Mutex<Vec<&'static AtomicU64>> = Mutex::new(Vec::new());
+
+impl Interrupt {
+    /// One that is not set.
+    #[must_use]
+    pub fn new() -> Self {
+        let idle = IDLE.lock().unwrap_or_else(PoisonError::into_inner).pop();
+        let counter = idle.unwrap_or_else(|| Box::leak(Box::new(AtomicU64::new(0))));
+        Self(Watched { counter, quiet: counter.load(Ordering::Relaxed) })
+    }
+
+    /// Ends what was solved [`Deadline::unless`] this is set, and what will be.
+    pub fn set(&self) {
+        self.0.counter.store(self.0.quiet.wrapping_add(1), Ordering::Relaxed);
+    }
+
+    /// Whether it was set.
+    #[must_use]
+    pub fn is_set(&self) -> bool {
+        self.0.is_set()
+    }
+}
+
+impl Default for Interrupt {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Drop for Interrupt {
+    fn drop(&mut self) {
+        IDLE.lock().unwrap_or_else(PoisonError::into_inner).push(self.0.counter);
+    }
+}
+
+impl Watched {
+    fn is_set(self) -> bool {
+        self.counter.load(Ordering::Relaxed) != self.quiet
+    }
+}
+
+impl PartialEq for Watched {
+    fn eq(&self, other: &Self) -> bool {
+        std::ptr::eq(self.counter, other.counter) && self.quiet == other.quiet
+    }
 }
 
 /// Whose time is measured.
@@ -39,7 +113,7 @@ enum Clock {
 
 impl Deadline {
     /// No limit.
-    pub const NEVER: Self = Self { seconds: 0.0, clock: Clock::Thread, end: f64::INFINITY };
+    pub const NEVER: Self = Self { seconds: 0.0, clock: Clock::Thread, end: f64::INFINITY, interrupt: None };
 
     /// So many CPU seconds from now, on `threads` threads (1: the time of this thread counts; else that of the process).
     /// 0 and numbers that are not greater: no limit.
@@ -47,20 +121,42 @@ impl Deadline {
     pub fn after(seconds: f64, threads: usize) -> Self {
         let clock = if threads == 1 { Clock::Thread } else { Clock::Process };
         match clock.seconds() {
-            Some(now) if seconds > 0.0 => Self { seconds, clock, end: now + seconds },
+            Some(now) if seconds > 0.0 => Self { seconds, clock, end: now + seconds, interrupt: None },
             _ => Self::NEVER,
         }
     }
 
-    /// Whether the time is used up.
+    /// The same, and over as soon as the interrupt is set.
+    #[must_use]
+    pub fn unless(self, interrupt: &Interrupt) -> Self {
+        Self { interrupt: Some(interrupt.0), ..self }
+    }
+
+    /// The same where it has a limit of time; else so many seconds from now, as [`Deadline::after`], with the same interrupt.
+    pub(crate) fn or_after(self, seconds: f64, threads: usize) -> Self {
+        if self.end < f64::INFINITY {
+            self
+        } else {
+            Self { interrupt: self.interrupt, ..Self::after(seconds, threads) }
+        }
+    }
+
+    fn is_interrupted(&self) -> bool {
+        self.interrupt.is_some_and(Watched::is_set)
+    }
+
+    /// Whether the time is used up or the interrupt is set.
     #[must_use]
     pub fn has_passed(&self) -> bool {
-        self.end < f64::INFINITY && self.clock.seconds().is_some_and(|now| now >= self.end)
+        self.is_interrupted() || self.end < f64::INFINITY && self.clock.seconds().is_some_and(|now| now >= self.end)
     }
 
     /// CPU seconds that are left; infinite without a limit.
     #[must_use]
     pub fn remaining(&self) -> f64 {
+        if self.is_interrupted() {
+            return 0.0;
+        }
         match self.clock.seconds() {
             Some(now) if self.end < f64::INFINITY => (self.end - now).max(0.0),
             _ => f64::INFINITY,
@@ -72,6 +168,9 @@ impl Deadline {
     pub fn check(&self) -> Result<(), Unsolved> {
         if !self.has_passed() {
             return Ok(());
+        }
+        if self.is_interrupted() {
+            return Err(Unsolved::new(Verdict::TimeLimit, "the solve was interrupted"));
         }
         let reason = format!("the time allowed, {} CPU seconds, is used up", self.seconds);
         Err(Unsolved::new(Verdict::TimeLimit, reason))
@@ -153,6 +252,24 @@ mod tests {
         let error = deadline.check().unwrap_err();
         assert_eq!(error.verdict, Verdict::TimeLimit);
         assert!(error.reason.contains("0.05 CPU seconds"), "{error}");
+    }
+
+    #[test]
+    fn an_interrupt_counts_for_its_own_deadlines() {
+        let (one, other) = (Interrupt::new(), Interrupt::new());
+        let mine = Deadline::after(1e6, 1).unless(&one);
+        let theirs = Deadline::NEVER.unless(&other).or_after(1e6, 2);
+        assert!(!mine.has_passed() && !theirs.has_passed() && mine != theirs);
+        one.set();
+        one.set();
+        assert!(mine.has_passed() && mine.remaining() == 0.0 && !theirs.has_passed());
+        assert!(mine.check().unwrap_err().reason.contains("interrupted"));
+        // A counter that is used again starts quiet.
+        drop(one);
+        let next = Interrupt::new();
+        assert!(!Deadline::NEVER.unless(&next).has_passed());
+        other.set();
+        assert!(theirs.has_passed() && !next.is_set());
     }
 
     #[test]

@@ -97,12 +97,14 @@ mod solve;
 pub mod stability;
 mod stated;
 pub mod symmetry;
+#[cfg(feature = "scene")]
+pub mod table;
 mod tilting;
 mod units;
 mod unresolved;
 mod validity;
 
-pub use clock::Deadline;
+pub use clock::{Deadline, Interrupt};
 pub use contact::{Contact, Load, Loading};
 pub use curve::{Curve, CurveRange};
 pub use discrete::{Discrete, DiscreteSolution, Residuals};

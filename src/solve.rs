@@ -2,7 +2,7 @@
 
 use crate::acceptance::{accepted, within_memory};
 use crate::bracketed::with_bracket;
-use crate::clock::{Deadline, Stopwatch};
+use crate::clock::Stopwatch;
 use crate::contact::{Contact, Load};
 use crate::engine::{Engine, close};
 use crate::equilibrium;
@@ -81,8 +81,7 @@ fn at(contact: &Contact, load: Load, settings: &Settings, similar: &mut Option<S
     // A limit of the caller's own may be used up by the states before.
     settings.deadline.check()?;
     let started = Stopwatch::start();
-    let unlimited = settings.deadline == Deadline::NEVER;
-    let deadline = if unlimited { Deadline::after(settings.seconds, settings.threads) } else { settings.deadline };
+    let deadline = settings.deadline.or_after(settings.seconds, settings.threads);
     let settings = &Settings { deadline, ..*settings };
     let answer = match load {
         Load::Depth(depth) => at_depth(contact, depth, settings, similar),

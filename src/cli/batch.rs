@@ -5,7 +5,7 @@
 
 use std::fs::File;
 use std::io::{self, BufRead, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Mutex;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
@@ -14,12 +14,14 @@ use clap::Args;
 use serde_json::json;
 
 use super::outputs::outputs;
+use super::table::TableOptions;
 use super::{Failure, Overrides, checked_threads};
 use crate::clock::Deadline;
 use crate::error::InputError;
 use crate::report;
 use crate::scene::Scene;
 use crate::scene::fields::checked_seconds;
+use crate::settings::Settings;
 
 /// Lines in flight for each worker: enough that none waits for a slow neighbour.
 const WINDOW: usize = 32;
@@ -30,6 +32,7 @@ const LONGEST: usize = crate::scene::LONGEST as usize;
 /// Solve one scene a line from standard input, one result a line on standard output, in order
 ///
 /// A line that is not a scene is answered by {"error": {path, given, allowed}, "line": n} and the rest goes on.
+/// With --table FILE.csv --template SCENE each row of a table is a scene, and the table comes back with the answers.
 /// Exit code 0 once every line has its answer; with --strict 1 when one of them is not solved.
 #[derive(Args)]
 pub(super) struct Batch {
@@ -47,6 +50,8 @@ pub(super) struct Batch {
     /// Exit with 1 when a line is wrong or not solved
     #[arg(long)]
     strict: bool,
+    #[command(flatten)]
+    table: TableOptions,
     /// Where to write the results, line by line; - is standard output
     #[arg(short, long, value_name = "FILE", default_value = "-")]
     output: PathBuf,
@@ -74,11 +79,16 @@ impl Batch {
             return Err(wrong(&InputError::new("--root", root.display(), "a directory")));
         }
         // The file that standard input is read from, where it is one.
-        outputs([("--output", Some(self.output.as_path()))], &[PathBuf::from("/dev/stdin")])?;
+        let read = self.table.files().into_iter().flatten().map(PathBuf::from);
+        let read: Vec<PathBuf> = read.chain([PathBuf::from("/dev/stdin")]).collect();
+        outputs([("--output", Some(self.output.as_path()))], &read)?;
         let to: Box<dyn Write + Send> = match self.output.as_os_str().to_str() {
             Some("-") => Box::new(io::stdout()),
             _ => Box::new(File::create(&self.output).map_err(|e| Failure::unwritable(&self.output, &e))?),
         };
+        if let Some(files) = self.table.files() {
+            return self.rows(files, jobs, to);
+        }
         let (to_workers, work) = sync_channel::<Job>(jobs);
         let (to_writer, ordered) = sync_channel::<Receiver<Answer>>(WINDOW * jobs);
         let work = Mutex::new(work);
@@ -94,6 +104,18 @@ impl Batch {
         });
         read.map_err(|e| Failure::Message(format!("standard input: cannot be read: {e}")))?;
         let all_solved = written?;
+        Ok(if self.strict && !all_solved { ExitCode::from(1) } else { ExitCode::SUCCESS })
+    }
+
+    /// The rows of a table.
+    fn rows(&self, files: [&Path; 2], jobs: usize, mut to: Box<dyn Write + Send>) -> Result<ExitCode, Failure> {
+        let (overrides, seconds) = (self.overrides.clone(), self.seconds);
+        let adjust = move |settings: &mut Settings| {
+            overrides.apply(settings)?;
+            settings.seconds = seconds.unwrap_or(settings.seconds);
+            few_cells(settings)
+        };
+        let all_solved = self.table.answer(files, self.root.as_deref(), adjust, jobs, &mut to)?;
         Ok(if self.strict && !all_solved { ExitCode::from(1) } else { ExitCode::SUCCESS })
     }
 
@@ -129,13 +151,8 @@ impl Batch {
             if self.seconds == Some(0.0) {
                 settings.seconds = 0.0;
             }
-            match settings.cells {
-                Some(cells) if cells > MOST_CELLS => {
-                    let allowed = format!("at most {MOST_CELLS} in a batch");
-                    Err(InputError::new("solve.cells", cells, allowed))
-                }
-                _ => Ok(scene),
-            }
+            few_cells(settings)?;
+            Ok(scene)
         });
         let scene = match scene {
             Ok(scene) => scene,
@@ -151,6 +168,18 @@ impl Batch {
         };
         text.push(b'\n');
         (text, steps.iter().all(Result::is_ok))
+    }
+}
+
+/// # Errors
+/// When a scene of a batch asks for more cells than it may.
+fn few_cells(settings: &Settings) -> Result<(), InputError> {
+    match settings.cells {
+        Some(cells) if cells > MOST_CELLS => {
+            let allowed = format!("at most {MOST_CELLS} in a batch");
+            Err(InputError::new("solve.cells", cells, allowed))
+        }
+        _ => Ok(()),
     }
 }
 

@@ -16,7 +16,9 @@ mod report;
 mod schema;
 mod solve;
 mod stability;
+mod table;
 
+use std::ffi::OsString;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -51,7 +53,7 @@ enum Command {
 }
 
 /// Options that replace what the scene says under `solve`.
-#[derive(Args, Default)]
+#[derive(Args, Clone, Default)]
 struct Overrides {
     /// Which method
     #[arg(long, value_enum, value_name = "METHOD")]
@@ -122,7 +124,21 @@ impl From<io::Error> for Failure {
 /// Runs the command that the arguments of the process name.
 #[must_use]
 pub fn run() -> ExitCode {
-    let result = match Arguments::parse().command {
+    run_with(std::env::args_os())
+}
+
+/// Runs the command that these arguments name, the name of the program first; returns the exit code.
+#[must_use]
+pub fn run_with<A: Into<OsString> + Clone>(arguments: impl IntoIterator<Item = A>) -> ExitCode {
+    let arguments = match Arguments::try_parse_from(arguments) {
+        Ok(arguments) => arguments,
+        Err(help_or_error) => {
+            // A closed stream leaves only the exit code to speak.
+            let _ = help_or_error.print();
+            return u8::try_from(help_or_error.exit_code()).unwrap_or(2).into();
+        }
+    };
+    let result = match arguments.command {
         Command::Solve(command) => command.run(),
         Command::Plan(command) => command.run(),
         Command::Check(command) => command.run(),

@@ -38,6 +38,9 @@ pub(super) struct Solve {
     /// "output"
     #[arg(long, value_name = "FILE.npy")]
     field: Option<PathBuf>,
+    /// Write the fields of pressure and gap for ParaView (VTK image data)
+    #[arg(long, value_name = "FILE.vti")]
+    vti: Option<PathBuf>,
     /// Bracket the force from below and above
     #[arg(long)]
     bracket: bool,
@@ -59,28 +62,30 @@ impl Solve {
         // A field that is only asked for as an array is not written out as text too.
         let apart =
             self.field.as_deref().filter(|_| !scene.settings.outputs.pressure).map(|path| self.beside_json(path));
-        if self.field.is_some() {
+        let asked = scene.settings.outputs;
+        for (option, _) in [("--field", &self.field), ("--vti", &self.vti)].iter().filter(|(_, file)| file.is_some()) {
             if matches!(scene.contact.loading(), Loading::Steps(_)) {
                 let given = "a file for a list of loads";
-                return Err(wrong(&InputError::new("--field", given, "one state of loading")));
+                return Err(wrong(&InputError::new(*option, given, "one state of loading")));
             }
             if matches!(scene.settings.method, Method::Ritz | Method::Fabrikant) {
                 let allowed = "a method with a pressure field: closed_form, qp or fft";
-                return Err(wrong(&InputError::new("--field", scene.settings.method.name(), allowed)));
+                return Err(wrong(&InputError::new(*option, scene.settings.method.name(), allowed)));
             }
             scene.settings.outputs.pressure = true;
+            scene.settings.outputs.gap |= self.vti.is_some();
         }
         let format = self.plot.as_deref().map(Format::of).transpose().map_err(|e| wrong(&e.within("--plot")))?;
-        let asked = scene.settings.outputs;
         if format.is_some() && matches!(scene.contact.loading(), Loading::Single(_)) {
             scene.settings.outputs.pressure = true;
             scene.settings.outputs.patch = true;
         }
-        let [json, csv, field, picture, patches] = outputs(
+        let [json, csv, field, vti, picture, patches] = outputs(
             [
                 ("--json", self.json.as_deref()),
                 ("--csv", self.csv.as_deref()),
                 ("--field", self.field.as_deref()),
+                ("--vti", self.vti.as_deref()),
                 ("--plot", self.plot.as_deref()),
                 ("--patches", self.patches.as_deref()),
             ],
@@ -89,18 +94,27 @@ impl Solve {
         let mut steps = crate::solve(&scene.contact, &scene.settings);
         if let (Some((path, target)), Some(format)) = (picture, format) {
             draw(&scene, &steps, path, &target, format)?;
-            // What was computed for the picture alone is not part of the result.
-            let states = steps.iter_mut().filter_map(|step| match step {
-                Ok(solution) => Some(solution),
-                Err(unsolved) => unsolved.best.as_deref_mut(),
-            });
-            for solution in states {
-                if !asked.patch {
-                    solution.patch.boundary = None;
-                }
-                if !asked.pressure && self.field.is_none() {
-                    solution.pressure.field = None;
-                }
+        }
+        if let Some((path, target)) = vti {
+            // Without contact there is no field.
+            if let Some(solution) = steps.first().and_then(report::numbers).filter(|s| s.pressure.field.is_some()) {
+                write(path, &target, |to| report::vti_of(to, solution).map(|_| ()))?;
+            }
+        }
+        // What was computed for a file alone is not part of the result.
+        let states = steps.iter_mut().filter_map(|step| match step {
+            Ok(solution) => Some(solution),
+            Err(unsolved) => unsolved.best.as_deref_mut(),
+        });
+        for solution in states {
+            if !asked.patch {
+                solution.patch.boundary = None;
+            }
+            if !asked.gap {
+                solution.pressure.gap = None;
+            }
+            if !asked.pressure && self.field.is_none() {
+                solution.pressure.field = None;
             }
         }
         if let Some((path, target)) = json {

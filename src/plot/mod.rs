@@ -18,7 +18,7 @@ pub(crate) use axes::is_text;
 pub use curve::{curve, curve_in, force_depth, force_depth_in};
 pub use error_time::error_against_time;
 pub use outlines::{Outline, outlines, outlines_in};
-pub use pressure::{pressure_map, pressure_map_in};
+pub use pressure::{field_map, field_map_in, pressure_map, pressure_map_in};
 pub use section::{Section, section, section_in};
 pub use width::{Refinement, width_against_cells};
 

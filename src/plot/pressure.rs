@@ -29,11 +29,41 @@ pub fn pressure_map(title: &str, solution: &Solution, format: Format) -> Result<
 /// As [`pressure_map`].
 pub fn pressure_map_in(units: &UnitLabels, title: &str, solution: &Solution, format: Format) -> Result<Vec<u8>, Error> {
     let boundary = solution.patch.boundary.as_deref().unwrap_or_default();
-    let field = solution.pressure.field.as_ref().map(coarsened);
+    let pressure = &solution.pressure;
+    field_map_in(units, title, boundary, pressure.field.as_ref(), pressure.singular.is_some(), format)
+}
+
+/// A pressure field and closed polylines around where it acts, as far as they are there: as [`pressure_map`]. `without_end`: pressures
+/// go on to infinity beyond those of the field.
+///
+/// # Errors
+/// As [`pressure_map`].
+pub fn field_map(
+    title: &str,
+    boundary: &[Vec<[f64; 2]>],
+    field: Option<&Pressure>,
+    without_end: bool,
+    format: Format,
+) -> Result<Vec<u8>, Error> {
+    field_map_in(&UnitLabels::kinds(), title, boundary, field, without_end, format)
+}
+
+/// As [`field_map`], with labels of units.
+///
+/// # Errors
+/// As [`pressure_map`].
+pub fn field_map_in(
+    units: &UnitLabels,
+    title: &str,
+    boundary: &[Vec<[f64; 2]>],
+    field: Option<&Pressure>,
+    without_end: bool,
+    format: Format,
+) -> Result<Vec<u8>, Error> {
+    let field = field.map(coarsened);
     let patch = Rect::holding(boundary.iter().flatten().copied());
     let seen = patch.or(field.as_ref().map(|f| f.grid.extent()));
     let seen = seen.ok_or(Error::Empty("the solution has no patch boundary and no pressure field"))?;
-    let without_end = solution.pressure.singular.is_some();
     let highest = field.as_ref().map_or(0.0, |f| top(&f.values, without_end));
     render(&Picture { units, title, boundary, field, highest, without_end, window: Window::onto(&seen) }, format)
 }

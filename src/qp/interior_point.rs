@@ -38,11 +38,16 @@ pub(super) fn solve(reduced: &Reduced, deadline: Deadline) -> Result<Start, Unso
     let cones = [SupportedConeT::NonnegativeConeT(n)];
     let mut solver = DefaultSolver::new(&upper_triangle(reduced), &q, &minus_identity, &vec![0.0; n], &cones, settings)
         .map_err(|e| Unsolved::new(Verdict::IterationLimit, format!("Clarabel refused the problem: {e}")))?;
+    // An interrupt comes at any time.
+    solver.set_termination_callback(move |_: &_| deadline.has_passed());
     solver.solve();
     match solver.solution.status {
         SolverStatus::Solved | SolverStatus::AlmostSolved => {}
         // An answer that stopped short still tells which cells touch; the polish and the residuals decide.
-        SolverStatus::InsufficientProgress | SolverStatus::MaxIterations | SolverStatus::MaxTime
+        SolverStatus::InsufficientProgress
+        | SolverStatus::MaxIterations
+        | SolverStatus::MaxTime
+        | SolverStatus::CallbackTerminated
             if solver.solution.x.iter().all(|x| x.is_finite()) => {}
         status => {
             return Err(Unsolved::new(Verdict::IterationLimit, format!("Clarabel ended with status {status}")));

@@ -42,7 +42,6 @@ use serde::ser::{Serialize, SerializeMap, SerializeSeq, Serializer};
 
 use super::{Step, centre_of_pressure, numbers, said_once};
 use crate::bracket::{DepthBracket, Evidence, ForceBracket, Side, Theorem};
-use crate::clock::Deadline;
 use crate::contact::Loading;
 use crate::curve::Curve;
 use crate::grid::Grid;
@@ -56,14 +55,31 @@ pub struct Outcome<'a> {
     scene: &'a Scene,
     steps: &'a [Step],
     curve: Option<serde_json::Value>,
-    field_in: Option<&'a str>,
+    fields: Fields<'a>,
+}
+
+/// Where the values of the fields of pressure and gap are.
+#[derive(Clone, Copy)]
+enum Fields<'a> {
+    /// In the result.
+    Here,
+    /// Those of the pressure in a file of their own.
+    In(&'a str),
+    /// With the caller.
+    Elsewhere,
 }
 
 impl<'a> Outcome<'a> {
     /// The same with the values of the pressure field left out and this file named in their place (`pressure.field.file`).
     #[must_use]
     pub fn with_field_in(self, file: &'a str) -> Self {
-        Self { field_in: Some(file), ..self }
+        Self { fields: Fields::In(file), ..self }
+    }
+
+    /// The same with the values of the fields of pressure and gap left out: the caller has them, in the steps.
+    #[must_use]
+    pub fn without_fields(self) -> Self {
+        Self { fields: Fields::Elsewhere, ..self }
     }
 }
 
@@ -80,7 +96,7 @@ impl<'a> Outcome<'a> {
 /// ```
 #[must_use]
 pub fn json<'a>(scene: &'a Scene, steps: &'a [Step]) -> Outcome<'a> {
-    Outcome { scene, steps, curve: curve(scene, steps), field_in: None }
+    Outcome { scene, steps, curve: curve(scene, steps), fields: Fields::Here }
 }
 
 /// The force-depth curve up to the deepest of the answers, when the scene asks for it and it can be had.
@@ -91,7 +107,7 @@ fn curve(scene: &Scene, steps: &[Step]) -> Option<serde_json::Value> {
     let deepest = steps.iter().filter_map(numbers).filter(|s| s.force > 0.0).map(|s| s.depth).reduce(f64::max)?;
     // The whole curve takes no longer than a state may.
     let Settings { deadline, seconds, threads, tolerance, .. } = scene.settings;
-    let deadline = if deadline == Deadline::NEVER { Deadline::after(seconds, threads) } else { deadline };
+    let deadline = deadline.or_after(seconds, threads);
     let settings = Settings { deadline, ..scene.settings };
     let curve = Curve::up_to(&scene.contact, &settings, deepest, tolerance).ok()?;
     serde_json::from_str(&curve.json()).ok()
@@ -126,8 +142,10 @@ impl Serialize for Outcome<'_> {
         map.each("patch", |s| Some(PatchOf(s)))?;
         map.each("touches_edge", |s| Some(s.touches_edge.map(TouchesOf)))?;
         map.each("validity", |s| s.validity.map(ValidityOf))?;
-        map.each("pressure", |s| Some(PressureOf { solution: s, field_in: self.field_in }))?;
-        map.each("gap", |s| s.pressure.gap.as_ref().map(|(grid, values)| GapOf { grid: *grid, values }))?;
+        map.each("pressure", |s| Some(PressureOf { solution: s, fields: self.fields }))?;
+        map.each("gap", |s| {
+            s.pressure.gap.as_ref().map(|(grid, values)| GapOf { grid: *grid, values, fields: self.fields })
+        })?;
         if let Some(curve) = &self.curve {
             map.map.serialize_entry("curve", curve)?;
         }
@@ -364,7 +382,7 @@ impl Serialize for SideOf<'_> {
 
 struct PressureOf<'a> {
     solution: &'a Solution,
-    field_in: Option<&'a str>,
+    fields: Fields<'a>,
 }
 
 impl Serialize for PressureOf<'_> {
@@ -380,7 +398,11 @@ impl Serialize for PressureOf<'_> {
         map.serialize_entry("mean", &pressure.mean.and_then(finite))?;
         map.serialize_entry("at", &pressure.at)?;
         if let Some(field) = &pressure.field {
-            let values = self.field_in.map_or(Values::Here(&field.values), Values::In);
+            let values = match self.fields {
+                Fields::Here => Values::Here(&field.values),
+                Fields::In(file) => Values::In(file),
+                Fields::Elsewhere => Values::Elsewhere,
+            };
             map.serialize_entry("field", &Field { grid: field.grid, values })?;
         }
         map.end()
@@ -390,12 +412,17 @@ impl Serialize for PressureOf<'_> {
 struct GapOf<'a> {
     grid: Grid,
     values: &'a [f64],
+    fields: Fields<'a>,
 }
 
 impl Serialize for GapOf<'_> {
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
         let mut map = to.serialize_map(Some(1))?;
-        map.serialize_entry("field", &Field { grid: self.grid, values: Values::Here(self.values) })?;
+        let values = match self.fields {
+            Fields::Elsewhere => Values::Elsewhere,
+            Fields::Here | Fields::In(_) => Values::Here(self.values),
+        };
+        map.serialize_entry("field", &Field { grid: self.grid, values })?;
         map.end()
     }
 }
@@ -409,11 +436,13 @@ enum Values<'a> {
     Here(&'a [f64]),
     /// In a file of their own.
     In(&'a str),
+    /// With the caller.
+    Elsewhere,
 }
 
 impl Serialize for Field<'_> {
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        let mut map = to.serialize_map(Some(4))?;
+        let mut map = to.serialize_map(None)?;
         map.serialize_entry("origin", &self.grid.origin)?;
         map.serialize_entry("spacing", &self.grid.spacing)?;
         map.serialize_entry("shape", &self.grid.shape)?;
@@ -421,6 +450,7 @@ impl Serialize for Field<'_> {
             // An infinite gap, where there is no material, becomes null.
             Values::Here(values) => map.serialize_entry("values", values)?,
             Values::In(file) => map.serialize_entry("file", file)?,
+            Values::Elsewhere => {}
         }
         map.end()
     }

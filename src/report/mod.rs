@@ -1,4 +1,4 @@
-//! Results out: JSON for programs, a table for people, CSV for spreadsheets, .npy for fields, a page for reading.
+//! Results out: JSON for programs, a table for people, CSV for spreadsheets, .npy and .vti for fields, a page for reading.
 
 mod comparison;
 mod csv;
@@ -12,6 +12,7 @@ pub(crate) mod npy;
 #[cfg(feature = "plot")]
 mod page;
 pub(crate) mod table;
+mod vti;
 #[cfg(feature = "cli")]
 pub(crate) mod write;
 
@@ -21,6 +22,7 @@ pub use json::{Outcome, json};
 #[cfg(feature = "plot")]
 pub use page::{Page, page};
 pub use table::table;
+pub use vti::{vti, vti_of};
 
 use crate::error::Unsolved;
 use crate::solution::Solution;

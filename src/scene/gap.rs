@@ -4,8 +4,8 @@ use serde::Deserialize;
 
 use super::decode::{decode, decode_without, unknown};
 use super::document::{Json, quoted};
+use super::given::Sources;
 use crate::error::InputError;
-use crate::files::named::Directory;
 #[cfg(feature = "formula")]
 use crate::gap::Formula;
 use crate::gap::{
@@ -253,14 +253,16 @@ pub(super) enum LevelForm {
 }
 
 impl HeightMapForm {
-    fn build(&self, directory: &Directory) -> Result<HeightMap, InputError> {
+    fn build(&self, from: &Sources) -> Result<HeightMap, InputError> {
         let format = self.format.map(|f| match f {
             FormatForm::Text => MapFormat::Text,
             FormatForm::Xyz => MapFormat::Xyz,
             FormatForm::Npy => MapFormat::Npy,
         });
         let read = |key: &str, name: &str| -> Result<Heights, InputError> {
-            let heights = directory.place(name).and_then(|place| Heights::read(&place, format, self.spacing));
+            let heights = from.heights(name, self.spacing).unwrap_or_else(|| {
+                from.files.place(name).and_then(|place| Heights::read(&place, format, self.spacing))
+            });
             let mut heights = heights.map_err(|e| renamed(e, key))?;
             if let Some(factor) = self.scale {
                 heights = heights.scaled(factor)?;
@@ -290,6 +292,13 @@ fn renamed(mut error: InputError, key: &str) -> InputError {
         error.path.replace_range(.."file".len(), key);
     }
     error
+}
+
+/// A gap that the calling program holds; files cannot say it.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct GivenForm {
+    name: String,
 }
 
 /// A gap made of others.
@@ -354,14 +363,14 @@ fn simple_parts(value: &Json) -> usize {
     }
 }
 
-/// The gap of a scene; files that it names are looked for in `directory`.
-pub(super) fn whole(value: &Json, path: &str, directory: &Directory) -> Result<AnyGap, InputError> {
+/// The gap of a scene; `from` has what it names.
+pub(super) fn whole(value: &Json, path: &str, from: &Sources) -> Result<AnyGap, InputError> {
     at_most(MOST_PARTS, simple_parts(value), path, "gaps in one another")?;
-    gap(value, path, directory)
+    gap(value, path, from)
 }
 
-/// The gap described by `value`, which stands at `path`; files that it names are looked for in `directory`.
-fn gap(value: &Json, path: &str, directory: &Directory) -> Result<AnyGap, InputError> {
+/// The gap described by `value`, which stands at `path`; `from` has what it names.
+fn gap(value: &Json, path: &str, from: &Sources) -> Result<AnyGap, InputError> {
     let Json::Object(_) = value else {
         return Err(InputError::new(path, value.brief(), "an object with the key kind"));
     };
@@ -371,7 +380,7 @@ fn gap(value: &Json, path: &str, directory: &Directory) -> Result<AnyGap, InputE
         Some(other) => return Err(InputError::new(kind_path, other.brief(), format!("one of: {}", KINDS.join(", ")))),
         None => return Err(InputError::new(kind_path, "nothing", format!("one of: {}", KINDS.join(", ")))),
     };
-    let inner = own(kind, value, path, directory)?;
+    let inner = own(kind, value, path, from)?;
     let Place { at, rotate } = decode(value, path)?;
     if at.is_none() && rotate.is_none() {
         return Ok(inner);
@@ -381,7 +390,7 @@ fn gap(value: &Json, path: &str, directory: &Directory) -> Result<AnyGap, InputE
 }
 
 /// The gap of this kind in its own place.
-fn own(kind: &str, value: &Json, path: &str, directory: &Directory) -> Result<AnyGap, InputError> {
+fn own(kind: &str, value: &Json, path: &str, from: &Sources) -> Result<AnyGap, InputError> {
     let built = match kind {
         "paraboloid" => {
             let ParaboloidForm { radii } = form(value, path)?;
@@ -441,10 +450,14 @@ fn own(kind: &str, value: &Json, path: &str, directory: &Directory) -> Result<An
         }
         "height_map" => {
             let map: HeightMapForm = form(value, path)?;
-            map.build(directory).map(AnyGap::new)
+            map.build(from).map(AnyGap::new)
         }
-        "sum" => Sum::new(parts(value, path, directory)?).map(AnyGap::new),
-        "min" => Minimum::new(parts(value, path, directory)?).map(AnyGap::new),
+        "given" if from.any_gap() => {
+            let GivenForm { name } = form(value, path)?;
+            from.gap(&name)
+        }
+        "sum" => Sum::new(parts(value, path, from)?).map(AnyGap::new),
+        "min" => Minimum::new(parts(value, path, from)?).map(AnyGap::new),
         _ => return Err(unknown(format!("{path}.kind"), quoted(kind), kind, &KINDS)),
     };
     built.map_err(|e| e.within(path))
@@ -454,11 +467,11 @@ fn form<'a, T: Deserialize<'a>>(value: &'a Json, path: &str) -> Result<T, InputE
     decode_without(value, path, &COMMON)
 }
 
-fn parts(value: &Json, path: &str, directory: &Directory) -> Result<Vec<AnyGap>, InputError> {
+fn parts(value: &Json, path: &str, from: &Sources) -> Result<Vec<AnyGap>, InputError> {
     let _: PartsKeys = form(value, path)?;
     match value.get("of") {
         Some(Json::Array(items)) => {
-            items.iter().enumerate().map(|(k, item)| gap(item, &format!("{path}.of[{k}]"), directory)).collect()
+            items.iter().enumerate().map(|(k, item)| gap(item, &format!("{path}.of[{k}]"), from)).collect()
         }
         other => {
             let given = other.map_or_else(|| "nothing".into(), Json::brief);

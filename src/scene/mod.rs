@@ -19,6 +19,7 @@ mod decode;
 mod document;
 pub(crate) mod fields;
 mod gap;
+mod given;
 #[cfg(feature = "cli")]
 mod schema;
 
@@ -27,17 +28,22 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 
 pub use document::Json;
+pub(crate) use document::{key_in_path, quoted};
+pub use given::Given;
 #[cfg(feature = "cli")]
 pub use schema::schema;
 
-use crate::contact::{Contact, Load};
+use crate::contact::{Contact, Load, Loading};
 use crate::error::InputError;
 use crate::files;
 use crate::files::named::Directory;
+use crate::gap::AnyGap;
+use crate::material::EffectiveModulus;
 use crate::settings::Settings;
 use crate::units::UnitLabels;
 use decode::decode;
 use document::ROOT;
+use given::Sources;
 
 /// Longest scene that is read, in bytes; as a document it takes up to twenty times that.
 pub(crate) const LONGEST: u64 = 1 << 26;
@@ -126,30 +132,108 @@ impl Scene {
         Self::from_json_in(text, Directory::closed(root))
     }
 
+    /// Reads a scene of which a program holds a part: heights, gaps.
+    ///
+    /// # Errors
+    /// As [`Scene::from_json`]; also when a given gap is named that there is none of.
+    pub fn from_json_with(text: &[u8], given: &Given) -> Result<Self, InputError> {
+        Self::from_document(document(text)?, given.place(), Some(given))
+    }
+
     /// Reads a scene; files that it names are looked for in `directory`.
     fn from_json_in(text: &[u8], directory: Directory) -> Result<Self, InputError> {
-        if text.len() as u64 > LONGEST {
-            return Err(InputError::new(ROOT, "a longer text", format!("at most {LONGEST} bytes")));
-        }
-        let document = Json::parse(text)?;
+        Self::from_document(document(text)?, directory, None)
+    }
+
+    /// Reads a scene from a document.
+    pub(crate) fn from_document(
+        document: Json,
+        directory: Directory,
+        given: Option<&Given>,
+    ) -> Result<Self, InputError> {
         if !matches!(document, Json::Object(_)) {
             return Err(InputError::new(ROOT, document.brief(), "an object with gap, loading and bodies"));
         }
         let form: SceneForm = decode(&document, ROOT)?;
-        let bodies = form.bodies.as_ref().and_then(|_| document.get("bodies"));
-        let modulus = fields::modulus(bodies, form.effective_modulus)?;
-        let absent = Json::Null;
-        let gap = gap::whole(document.get("gap").unwrap_or(&absent), "gap", &directory)?;
-        let loading = fields::loading(document.get("loading").unwrap_or(&absent))?;
+        let modulus = form.modulus(&document)?;
+        let gap = gap::whole(section(&document, "gap"), "gap", &Sources::new(&directory, given))?;
+        let loading = fields::loading(section(&document, "loading"))?;
         let units = form.units.map(fields::units).transpose()?;
-        let settings = fields::settings(form.solve.unwrap_or_default(), &form.output.unwrap_or_default(), &gap)?;
-        if settings.nodes && loading.loads().iter().any(|load| matches!(load, Load::ForceMoment { .. })) {
-            let allowed = "a number of cells: the grid of a punch free to tilt is found with its tilt";
-            return Err(InputError::new("solve.cells", "\"map\" for a punch free to tilt", allowed));
-        }
+        let settings = settings(form.solve, form.output, &gap, &loading)?;
         let contact = Contact::new(modulus, gap, loading)?;
         Ok(Self { name: form.name, contact, settings, units, document, files: directory.into_read() })
     }
+
+    /// Reads these parts of the document once more, after it was changed there.
+    ///
+    /// # Errors
+    /// As [`Scene::from_json`]; the parts are then as they were.
+    pub(crate) fn read_again(&mut self, parts: Parts, given: &Given) -> Result<(), InputError> {
+        let gap = if parts.gap {
+            let directory = given.place();
+            gap::whole(section(&self.document, "gap"), "gap", &Sources::new(&directory, Some(given)))?
+        } else {
+            self.contact.gap().clone()
+        };
+        let loading = match parts.loading {
+            true => fields::loading(section(&self.document, "loading"))?,
+            false => self.contact.loading().clone(),
+        };
+        let (mut modulus, mut chosen) = (self.contact.modulus(), self.settings);
+        // Cells of a map are those of its gap.
+        if parts.others || (parts.gap && chosen.nodes) {
+            let form: SceneForm = decode(&self.document, ROOT)?;
+            modulus = form.modulus(&self.document)?;
+            chosen = settings(form.solve, form.output, &gap, &loading)?;
+        }
+        self.contact = Contact::new(modulus, gap, loading)?;
+        self.settings = chosen;
+        Ok(())
+    }
+}
+
+/// Parts of a document that are read apart from each other.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(crate) struct Parts {
+    pub gap: bool,
+    pub loading: bool,
+    /// Bodies, settings, names.
+    pub others: bool,
+}
+
+impl SceneForm {
+    fn modulus(&self, document: &Json) -> Result<EffectiveModulus, InputError> {
+        let bodies = self.bodies.as_ref().and_then(|_| document.get("bodies"));
+        fields::modulus(bodies, self.effective_modulus)
+    }
+}
+
+/// What a scene asks of the solve of this gap under this loading.
+fn settings(
+    solve: Option<fields::SolveForm>,
+    output: Option<Vec<fields::OutputName>>,
+    gap: &AnyGap,
+    loading: &Loading,
+) -> Result<Settings, InputError> {
+    let settings = fields::settings(solve.unwrap_or_default(), &output.unwrap_or_default(), gap)?;
+    if settings.nodes && loading.loads().iter().any(|load| matches!(load, Load::ForceMoment { .. })) {
+        let allowed = "a number of cells: the grid of a punch free to tilt is found with its tilt";
+        return Err(InputError::new("solve.cells", "\"map\" for a punch free to tilt", allowed));
+    }
+    Ok(settings)
+}
+
+/// What stands under this key; null where nothing does.
+fn section<'a>(document: &'a Json, key: &str) -> &'a Json {
+    document.get(key).unwrap_or(&Json::Null)
+}
+
+/// The document of a scene.
+pub(crate) fn document(text: &[u8]) -> Result<Json, InputError> {
+    if text.len() as u64 > LONGEST {
+        return Err(InputError::new(ROOT, "a longer text", format!("at most {LONGEST} bytes")));
+    }
+    Json::parse(text)
 }
 
 /// Everything there is, up to one byte more than a scene may have.
