@@ -23,6 +23,9 @@ pub(crate) enum Answer<'py> {
     Words(Bound<'py, PyList>),
 }
 
+/// Columns of answers, the number of each row's verdict, and what the verdicts are called.
+type Answered<'py> = (Vec<Answer<'py>>, Bound<'py, PyArray1<u8>>, Vec<&'static str>);
+
 /// The answers of a table of scenes: one column an output, the number of each row's verdict, and what the verdicts are called.
 #[pyfunction]
 pub(crate) fn table<'py>(
@@ -32,7 +35,7 @@ pub(crate) fn table<'py>(
     outputs: Vec<String>,
     threads: usize,
     seconds: Option<f64>,
-) -> PyResult<(Vec<Answer<'py>>, Bound<'py, PyArray1<u8>>, Vec<&'static str>)> {
+) -> PyResult<Answered<'py>> {
     let (given, watch) = source.given(py)?;
     let pointers: Vec<&str> = columns.iter().map(|(pointer, _)| pointer.as_str()).collect();
     let outputs: Vec<&str> = outputs.iter().map(String::as_str).collect();

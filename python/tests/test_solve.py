@@ -2,6 +2,7 @@
 
 import json
 import math
+import os
 import pickle
 import signal
 import subprocess
@@ -76,6 +77,15 @@ def test_what_is_wrong_is_named_by_its_path(scene, path):
     assert isinstance(error, SceneError) and error.path == path
     assert error.path in str(error) and error.allowed in str(error)
     assert str(pickle.loads(pickle.dumps(error))) == str(error)
+
+
+def test_only_regular_files_are_read(tmp_path):
+    os.mkfifo(tmp_path / "pipe")
+    with open(tmp_path / "long", "wb") as file:
+        file.truncate((1 << 26) + 1)
+    for name, told in (("pipe", "regular"), (".", "regular"), ("long", "67108865 bytes"), ("none", "No such file"), ("a\0b", "null")):
+        with pytest.raises(SceneError, match=told):
+            contact_patch.solve(tmp_path / name)
 
 
 def test_a_state_that_is_not_solved_is_an_answer_or_raises_on_request():

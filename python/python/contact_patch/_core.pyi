@@ -14,7 +14,7 @@ _Source = tuple[bytes, Path, Sequence[_Heights], Sequence[tuple[str, _Function]]
 # Origin, spacing, shape.
 _Grid = tuple[Sequence[float], Sequence[float], Sequence[int]]
 
-__all__: list[str]
+__all__ = ["Curve", "__version__", "command", "curve", "picture", "plan", "schema", "solve", "table", "vti"]
 __version__: str
 
 @final

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import stat
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -114,18 +115,34 @@ def source(scene: Scene) -> Source:
     if isinstance(scene, str) and scene.lstrip("\ufeff \t\r\n").startswith("{"):
         return scene.encode(), Path(), heights, functions
     if isinstance(scene, str | os.PathLike):
-        path = Path(scene)
-        try:
-            return path.read_bytes(), path.parent, heights, functions
-        except OSError as error:
-            what = error.strerror or str(error)
-            raise SceneError("$", f"{path} ({what})", "a scene file that can be read, a dict, or JSON") from error
+        return _read(Path(scene)), Path(scene).parent, heights, functions
     if isinstance(scene, Contact):
         scene = scene.to_dict()
     if not isinstance(scene, Mapping):
         raise SceneError("$", f"a {type(scene).__name__}", "a Contact, a dict, JSON, or the path of a scene file")
     plain = _plain(scene, "", heights, functions)
     return json.dumps(plain).encode(), Path(), heights, functions
+
+
+_LONGEST = 1 << 26
+"""Bytes of the longest scene file that is read."""
+
+
+def _read(path: Path) -> bytes:
+    """A regular file of a limited size; to open a pipe would be to wait for its other end."""
+    allowed = f"a regular file of at most {_LONGEST} bytes, a dict, or JSON"
+    try:
+        about = path.stat()
+        if not stat.S_ISREG(about.st_mode):
+            raise SceneError("$", f"{path} (not a regular file)", allowed)
+        if about.st_size > _LONGEST:
+            raise SceneError("$", f"{path} ({about.st_size} bytes)", allowed)
+        return path.read_bytes()
+    except (OSError, ValueError) as error:
+        if isinstance(error, SceneError):
+            raise
+        what = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+        raise SceneError("$", f"{path} ({what})", allowed) from error
 
 
 def _plain(value: Any, path: str, heights: list[Heights], functions: list[tuple[str, Callable[..., Any]]]) -> Any:
