@@ -4,8 +4,8 @@
 mod random;
 
 use contact_patch::gap::{
-    AnyGap, Cone, Degree, Flat, Formula, Gap, Generatrix, HeightMap, Heights, Material, Minimum, Outline, Paraboloid,
-    Polyhedron, Power, Reach, Revolved, Sphere, Sum, Surface, Zero,
+    Along, AnyGap, Cone, Degree, Flat, Formula, Gap, Generatrix, HeightMap, Heights, Interpolation, Line, Material,
+    Minimum, Outline, Paraboloid, Polyhedron, Power, Profile, Reach, Revolved, Sphere, Sum, Surface, Zero,
 };
 use contact_patch::geometry::Rect;
 use contact_patch::numeric::Interval;
@@ -37,7 +37,7 @@ fn leaf(random: &mut Random) -> AnyGap {
         1 => Outline::ellipse([random.between(0.3, 1.2), random.between(0.2, 0.9)]).unwrap(),
         _ => Outline::polygon(&corners).unwrap(),
     };
-    match random.below(13) {
+    match random.below(15) {
         0 => AnyGap::new(Paraboloid::new([random.between(0.2, 3.0), random.between(0.2, 3.0)]).unwrap()),
         1 => AnyGap::new(Paraboloid::new([random.between(0.2, 3.0), f64::INFINITY]).unwrap()),
         2 => AnyGap::new(Sphere::new(random.between(0.5, 3.0)).unwrap()),
@@ -68,8 +68,25 @@ fn leaf(random: &mut Random) -> AnyGap {
             let heights = Heights::new(values.collect(), [12, 9], [0.17, 0.21]).unwrap();
             AnyGap::new(HeightMap::new(&heights, Surface::Upper, Zero::AsIs).unwrap())
         }
+        12 => profile(random),
         _ => AnyGap::new(Formula::new(formulas[random.below(formulas.len())]).unwrap()),
     }
+}
+
+/// A profile, rough or smooth, straight or rolled.
+fn profile(random: &mut Random) -> AnyGap {
+    let n = 3 + random.below(100);
+    let mut y = -1.0;
+    let mut point = |k: usize, random: &mut Random| {
+        y += random.between(0.3, 1.7) * 2.0 / n as f64;
+        [y, 0.3 * y * y + random.between(0.0, if k % 2 == 0 { 0.1 } else { 0.01 })]
+    };
+    let line = Line::new((0..n).map(|k| point(k, random)).collect()).unwrap();
+    let along = if random.below(2) == 0 { Along::X } else { Along::Y };
+    let between = if random.below(3) == 0 { Interpolation::Linear } else { Interpolation::Cubic };
+    let line = if n > 20 && random.below(2) == 0 { line.smoothed(0.03, Surface::Upper).unwrap() } else { line };
+    let profile = Profile::new(&line, along, Surface::Upper, Zero::FirstTouch, between).unwrap();
+    AnyGap::new(if random.below(4) == 0 { profile } else { profile.rolling(random.between(0.3, 2.0)).unwrap() })
 }
 
 /// A gap of leaves in sums and minima, each put somewhere.

@@ -129,10 +129,14 @@ fn endless(depth: f64, [x, y]: [f64; 2], along: f64) -> Unsolved {
     let degrees = along.to_degrees();
     let reason = format!(
         "the gap stays below the depth {depth:e} on the ray from ({x:.3e}, {y:.3e}) in the direction of {degrees:.1} degrees: \
-         the contact has no end there"
+         the contact has no end there, and no force of its own. So it is with line contacts: cylinders, wedges, extruded profiles"
     );
-    Unsolved::new(Verdict::Unbounded, reason)
+    Unsolved::new(Verdict::Unbounded, reason).with_hint(ENDED)
 }
+
+/// What gives a contact without an end one.
+const ENDED: &str = "a \"region\" (formula), a curvature along the line (\"radius\" of a profile, a second radius of a paraboloid), or a \
+                     \"sum\" with a body that ends";
 
 /// The least gap: that of the centre where it is known to be the lowest point, else the least on a lattice over the reach.
 fn lowest(gap: &AnyGap, depth: f64, reach: &Rect) -> f64 {

@@ -4,14 +4,12 @@ use serde::Deserialize;
 
 use super::decode::{decode, decode_without, unknown};
 use super::document::{Json, quoted};
+use super::measured::{HeightMapForm, ProfileForm};
 use crate::error::InputError;
 use crate::files::named::Directory;
 #[cfg(feature = "formula")]
 use crate::gap::Formula;
-use crate::gap::{
-    AnyGap, Cone, Flat, HeightMap, Heights, MapFormat, Minimum, Outline, Paraboloid, Polyhedron, Power, Revolved,
-    Sphere, Sum, Surface, Zero,
-};
+use crate::gap::{AnyGap, Cone, Flat, Minimum, Outline, Paraboloid, Polyhedron, Power, Revolved, Sphere, Sum};
 
 /// The initial gap of the undeformed bodies at zero depth.
 #[cfg(feature = "cli")]
@@ -29,11 +27,12 @@ pub(super) enum GapForm {
     Revolved(RevolvedForm),
     Formula(FormulaForm),
     HeightMap(HeightMapForm),
+    Profile(ProfileForm),
     Sum(PartsForm),
     Min(PartsForm),
 }
 
-const KINDS: [&str; 12] = [
+const KINDS: [&str; 13] = [
     "paraboloid",
     "sphere",
     "cone",
@@ -44,6 +43,7 @@ const KINDS: [&str; 12] = [
     "revolved",
     "formula",
     "height_map",
+    "profile",
     "sum",
     "min",
 ];
@@ -188,108 +188,6 @@ pub(super) struct FormulaForm {
     expression: String,
     /// Where the body has material; everywhere when left out.
     region: Option<OutlineForm>,
-}
-
-/// A measured surface.
-#[derive(Debug, Clone, Deserialize)]
-#[serde(deny_unknown_fields)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
-pub(super) struct HeightMapForm {
-    /// Text grid, XYZ or .npy; relative to the scene file.
-    file: String,
-    /// The map of the other body, facing this one.
-    against: Option<String>,
-    /// Distances of the nodes along x and y; XYZ files carry their own.
-    spacing: Option<[f64; 2]>,
-    /// text, xyz or npy; by the ending of the file name when left out.
-    format: Option<FormatForm>,
-    /// Whose surface was measured: the upper body's (the gap rises with the height) or the lower body's (it falls).
-    surface: SurfaceForm,
-    /// Depth 0 is where the surfaces first touch (first_touch) or where heights are zero (as_is).
-    #[serde(default)]
-    zero: ZeroForm,
-    /// "plane" takes the least-squares plane out of each map first.
-    #[serde(default)]
-    level: LevelForm,
-    /// Unit of the heights in units of length.
-    scale: Option<f64>,
-    /// Where the first node lies; the middle of the map is at (0, 0) when left out.
-    origin: Option<[f64; 2]>,
-}
-
-#[derive(Debug, Clone, Copy, Deserialize)]
-#[serde(rename_all = "snake_case")]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
-pub(super) enum FormatForm {
-    Text,
-    Xyz,
-    Npy,
-}
-
-#[derive(Debug, Clone, Copy, Deserialize)]
-#[serde(rename_all = "snake_case")]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
-pub(super) enum SurfaceForm {
-    Upper,
-    Lower,
-}
-
-#[derive(Debug, Clone, Copy, Default, Deserialize)]
-#[serde(rename_all = "snake_case")]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
-pub(super) enum ZeroForm {
-    #[default]
-    FirstTouch,
-    AsIs,
-}
-
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "snake_case")]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
-pub(super) enum LevelForm {
-    #[default]
-    None,
-    Plane,
-}
-
-impl HeightMapForm {
-    fn build(&self, directory: &Directory) -> Result<HeightMap, InputError> {
-        let format = self.format.map(|f| match f {
-            FormatForm::Text => MapFormat::Text,
-            FormatForm::Xyz => MapFormat::Xyz,
-            FormatForm::Npy => MapFormat::Npy,
-        });
-        let read = |key: &str, name: &str| -> Result<Heights, InputError> {
-            let heights = directory.place(name).and_then(|place| Heights::read(&place, format, self.spacing));
-            let mut heights = heights.map_err(|e| renamed(e, key))?;
-            if let Some(factor) = self.scale {
-                heights = heights.scaled(factor)?;
-            }
-            if let Some(origin) = self.origin {
-                heights = heights.at(origin)?;
-            }
-            Ok(if self.level == LevelForm::Plane { heights.levelled() } else { heights })
-        };
-        let heights = read("file", &self.file)?;
-        let zero = match self.zero {
-            ZeroForm::FirstTouch => Zero::FirstTouch,
-            ZeroForm::AsIs => Zero::AsIs,
-        };
-        match (&self.against, self.surface) {
-            (None, SurfaceForm::Upper) => HeightMap::new(&heights, Surface::Upper, zero),
-            (None, SurfaceForm::Lower) => HeightMap::new(&heights, Surface::Lower, zero),
-            (Some(other), SurfaceForm::Upper) => HeightMap::pair(&heights, &read("against", other)?, zero),
-            (Some(other), SurfaceForm::Lower) => HeightMap::pair(&read("against", other)?, &heights, zero),
-        }
-    }
-}
-
-/// An error about a file stands at the key that names the file.
-fn renamed(mut error: InputError, key: &str) -> InputError {
-    if key != "file" && (error.path == "file" || error.path.starts_with("file.") || error.path.starts_with("file[")) {
-        error.path.replace_range(.."file".len(), key);
-    }
-    error
 }
 
 /// A gap made of others.
@@ -442,6 +340,10 @@ fn own(kind: &str, value: &Json, path: &str, directory: &Directory) -> Result<An
         "height_map" => {
             let map: HeightMapForm = form(value, path)?;
             map.build(directory).map(AnyGap::new)
+        }
+        "profile" => {
+            let profile: ProfileForm = form(value, path)?;
+            profile.build(directory).map(AnyGap::new)
         }
         "sum" => Sum::new(parts(value, path, directory)?).map(AnyGap::new),
         "min" => Minimum::new(parts(value, path, directory)?).map(AnyGap::new),

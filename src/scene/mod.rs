@@ -19,6 +19,7 @@ mod decode;
 mod document;
 pub(crate) mod fields;
 mod gap;
+mod measured;
 #[cfg(feature = "cli")]
 mod schema;
 

@@ -1,17 +1,17 @@
 //! Measured surfaces: gaps given by heights on a regular grid.
 
-mod extremes;
 mod heights;
 mod npy;
 mod text;
 
 pub use heights::{Heights, MapFormat};
+pub(super) use text::decoded;
 
+use super::extremes::Extremes;
 use super::{Gap, Growth, Known, Material, Reach, Taylor};
 use crate::error::InputError;
 use crate::geometry::Rect;
 use crate::numeric::Interval;
-use extremes::Extremes;
 
 /// With more cells than this the extremes of blocks stand for them.
 const MANY: usize = 64;
