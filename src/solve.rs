@@ -10,6 +10,7 @@ use crate::error::{Unsolved, Verdict};
 use crate::gap::{AnyGap, Law};
 use crate::overlap::least;
 use crate::respond::respond;
+use crate::sampled::with_samples;
 use crate::settings::Settings;
 use crate::solution::Solution;
 use crate::tilting;
@@ -95,6 +96,7 @@ fn at(contact: &Contact, load: Load, settings: &Settings, similar: &mut Option<S
         Ok(solution) if settings.outputs.bracket => with_bracket(contact, load, solution, settings),
         answer => answer,
     };
+    let answer = with_samples(contact, load, settings, answer);
     let mut answer = accepted(contact, load, settings, answer);
     let state = answer.as_mut().map_or_else(|e| e.best.as_deref_mut(), Some);
     state.into_iter().for_each(|state| state.cost.seconds = started.seconds());

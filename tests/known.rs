@@ -5,7 +5,7 @@ mod random;
 
 use contact_patch::gap::{
     Along, AnyGap, Cone, Degree, Flat, Formula, Gap, Generatrix, HeightMap, Heights, Interpolation, Line, Material,
-    Minimum, Outline, Paraboloid, Polyhedron, Power, Profile, Reach, Revolved, Sphere, Sum, Surface, Zero,
+    Minimum, Outline, Paraboloid, Polyhedron, Power, Profile, Reach, Revolved, Sphere, SplineMap, Sum, Surface, Zero,
 };
 use contact_patch::geometry::Rect;
 use contact_patch::numeric::Interval;
@@ -37,7 +37,7 @@ fn leaf(random: &mut Random) -> AnyGap {
         1 => Outline::ellipse([random.between(0.3, 1.2), random.between(0.2, 0.9)]).unwrap(),
         _ => Outline::polygon(&corners).unwrap(),
     };
-    match random.below(15) {
+    match random.below(16) {
         0 => AnyGap::new(Paraboloid::new([random.between(0.2, 3.0), random.between(0.2, 3.0)]).unwrap()),
         1 => AnyGap::new(Paraboloid::new([random.between(0.2, 3.0), f64::INFINITY]).unwrap()),
         2 => AnyGap::new(Sphere::new(random.between(0.5, 3.0)).unwrap()),
@@ -66,9 +66,22 @@ fn leaf(random: &mut Random) -> AnyGap {
         11 => {
             let values = (0..12 * 9).map(|_| if random.below(25) == 0 { f64::NAN } else { random.between(0.0, 0.4) });
             let heights = Heights::new(values.collect(), [12, 9], [0.17, 0.21]).unwrap();
+            if random.below(2) == 0 {
+                return AnyGap::new(SplineMap::new(&heights, Surface::Upper, Zero::AsIs).unwrap());
+            }
             AnyGap::new(HeightMap::new(&heights, Surface::Upper, Zero::AsIs).unwrap())
         }
         12 => profile(random),
+        13 => {
+            let wave = random.between(1.0, 4.0);
+            let height = |k: usize| {
+                let [x, y] = [0.17 * (k % 14) as f64 - 1.1, 0.21 * (k / 14) as f64 - 1.1];
+                0.3 * x * x + 0.4 * y * y + 0.05 * (wave * x + y).sin()
+            };
+            let heights = Heights::new((0..14 * 11).map(height).collect(), [14, 11], [0.17, 0.21]).unwrap();
+            let heights = if random.below(2) == 0 { heights.smoothed(0.01).unwrap() } else { heights };
+            AnyGap::new(SplineMap::new(&heights, Surface::Upper, Zero::FirstTouch).unwrap())
+        }
         _ => AnyGap::new(Formula::new(formulas[random.below(formulas.len())]).unwrap()),
     }
 }

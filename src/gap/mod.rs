@@ -28,6 +28,7 @@ mod range;
 mod revolved;
 mod ridges;
 mod spline;
+mod spline_map;
 mod sum;
 mod taylor;
 mod transform;
@@ -47,6 +48,7 @@ pub use polyhedron::Polyhedron;
 pub use profile::{Along, Interpolation, Line, LineFormat, Profile};
 pub use revolved::Revolved;
 pub use ridges::{Ridge, Ridges};
+pub use spline_map::SplineMap;
 pub use sum::Sum;
 pub use taylor::Taylor;
 

@@ -339,7 +339,7 @@ fn own(kind: &str, value: &Json, path: &str, directory: &Directory) -> Result<An
         }
         "height_map" => {
             let map: HeightMapForm = form(value, path)?;
-            map.build(directory).map(AnyGap::new)
+            map.build(directory)
         }
         "profile" => {
             let profile: ProfileForm = form(value, path)?;

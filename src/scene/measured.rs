@@ -4,20 +4,22 @@ use serde::Deserialize;
 
 use crate::error::InputError;
 use crate::files::named::Directory;
-use crate::gap::{Along, HeightMap, Heights, Interpolation, Line, LineFormat, MapFormat, Profile, Surface, Zero};
+use crate::gap::{
+    Along, AnyGap, HeightMap, Heights, Interpolation, Line, LineFormat, MapFormat, Profile, SplineMap, Surface, Zero,
+};
 
 /// A measured surface.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub(super) struct HeightMapForm {
-    /// Text grid, XYZ or .npy; relative to the scene file.
+    /// Text grid, XYZ, .npy, .x3p or .sdf; relative to the scene file.
     file: String,
     /// The map of the other body, facing this one.
     against: Option<String>,
-    /// Distances of the nodes along x and y; XYZ files carry their own.
+    /// Distances of the nodes along x and y; XYZ, .x3p and .sdf files carry their own.
     spacing: Option<[f64; 2]>,
-    /// text, xyz or npy; by the ending of the file name when left out.
+    /// text, xyz, npy, x3p or sdf; by the ending of the file name when left out.
     format: Option<FormatForm>,
     /// Whose surface was measured: the upper body's (the gap rises with the height) or the lower body's (it falls).
     surface: SurfaceForm,
@@ -27,6 +29,16 @@ pub(super) struct HeightMapForm {
     /// "plane" takes the least-squares plane out of each map first.
     #[serde(default)]
     level: LevelForm,
+    /// What lies between the nodes.
+    #[serde(default)]
+    interpolation: InterpolationForm,
+    /// Standard deviation of the noise that may be taken out, in units of length.
+    smooth: Option<f64>,
+    /// Unit of the lengths in the file: they become metres, or what scene_unit says. An .x3p's or .sdf's are metres, others stay as
+    /// they are.
+    unit: Option<UnitForm>,
+    /// Unit of length of the scene, where a file's lengths have a unit: metres when left out.
+    scene_unit: Option<UnitForm>,
     /// Unit of the heights in units of length.
     scale: Option<f64>,
     /// Where the first node lies; the middle of the map is at (0, 0) when left out.
@@ -40,6 +52,8 @@ pub(super) enum FormatForm {
     Text,
     Xyz,
     Npy,
+    X3p,
+    Sdf,
 }
 
 #[derive(Debug, Clone, Copy, Default, Deserialize)]
@@ -88,30 +102,51 @@ pub(super) enum LevelForm {
 }
 
 impl HeightMapForm {
-    pub fn build(&self, directory: &Directory) -> Result<HeightMap, InputError> {
+    pub fn build(&self, directory: &Directory) -> Result<AnyGap, InputError> {
         let format = self.format.map(|f| match f {
             FormatForm::Text => MapFormat::Text,
             FormatForm::Xyz => MapFormat::Xyz,
             FormatForm::Npy => MapFormat::Npy,
+            FormatForm::X3p => MapFormat::X3p,
+            FormatForm::Sdf => MapFormat::Sdf,
         });
         let read = |key: &str, name: &str| -> Result<Heights, InputError> {
             let heights = directory.place(name).and_then(|place| Heights::read(&place, format, self.spacing));
             let mut heights = heights.map_err(|e| renamed(e, key))?;
+            let format = format.unwrap_or_else(|| MapFormat::of(std::path::Path::new(name)));
+            let own = matches!(format, MapFormat::X3p | MapFormat::Sdf).then_some(UnitForm::M);
+            let factor = factor(self.unit.or(own), self.scene_unit);
+            if factor != 1.0 {
+                heights = heights.scaled(factor)?;
+                if format.has_places() {
+                    heights = heights.stretched(factor)?;
+                }
+            }
             if let Some(factor) = self.scale {
                 heights = heights.scaled(factor)?;
             }
             if let Some(origin) = self.origin {
                 heights = heights.at(origin)?;
             }
-            Ok(if self.level == LevelForm::Plane { heights.levelled() } else { heights })
+            let heights = if self.level == LevelForm::Plane { heights.levelled() } else { heights };
+            match self.smooth {
+                None => Ok(heights),
+                Some(deviation) => heights.smoothed(deviation),
+            }
         };
         let heights = read("file", &self.file)?;
         let zero = self.zero.into();
-        match (&self.against, self.surface) {
-            (None, SurfaceForm::Upper) => HeightMap::new(&heights, Surface::Upper, zero),
-            (None, SurfaceForm::Lower) => HeightMap::new(&heights, Surface::Lower, zero),
-            (Some(other), SurfaceForm::Upper) => HeightMap::pair(&heights, &read("against", other)?, zero),
-            (Some(other), SurfaceForm::Lower) => HeightMap::pair(&read("against", other)?, &heights, zero),
+        let other = self.against.as_ref().map(|other| read("against", other)).transpose()?;
+        let (upper, lower) = match (&other, self.surface) {
+            (None, _) => (&heights, None),
+            (Some(other), SurfaceForm::Upper) => (&heights, Some(other)),
+            (Some(other), SurfaceForm::Lower) => (other, Some(&heights)),
+        };
+        match (self.interpolation, lower) {
+            (InterpolationForm::Cubic, None) => SplineMap::new(upper, self.surface.into(), zero).map(AnyGap::new),
+            (InterpolationForm::Cubic, Some(lower)) => SplineMap::pair(upper, lower, zero).map(AnyGap::new),
+            (InterpolationForm::Linear, None) => HeightMap::new(upper, self.surface.into(), zero).map(AnyGap::new),
+            (InterpolationForm::Linear, Some(lower)) => HeightMap::pair(upper, lower, zero).map(AnyGap::new),
         }
     }
 }
@@ -150,8 +185,11 @@ pub(super) struct ProfileForm {
     interpolation: InterpolationForm,
     /// Standard deviation of the noise that may be taken out, in units of length.
     smooth: Option<f64>,
-    /// Unit of the numbers of the file, which are turned into metres; a MiniProf's are millimetres, others stay as they are.
+    /// Unit of the lengths in the file: they become metres, or what scene_unit says. A MiniProf's are millimetres, others stay as they
+    /// are.
     unit: Option<UnitForm>,
+    /// Unit of length of the scene, where the lengths have a unit: metres when left out.
+    scene_unit: Option<UnitForm>,
     /// The profile's image in the line y = 0, in z = 0, or in both.
     mirror: Option<MirrorForm>,
     /// Degrees by which the profile is turned in its own plane about its origin, from y to z: the inclination of a rail.
@@ -207,15 +245,18 @@ pub(super) enum UnitForm {
     Um,
     Nm,
     In,
-    /// Numbers stay as they are.
-    AsIs,
+}
+
+/// What lengths of a file are multiplied by: 1 where its unit is not known.
+fn factor(file: Option<UnitForm>, scene: Option<UnitForm>) -> f64 {
+    file.map_or(1.0, |file| file.metres() / scene.map_or(1.0, UnitForm::metres))
 }
 
 impl UnitForm {
     /// In metres.
-    fn factor(self) -> f64 {
+    fn metres(self) -> f64 {
         match self {
-            Self::M | Self::AsIs => 1.0,
+            Self::M => 1.0,
             Self::Mm => 1e-3,
             Self::Um => 1e-6,
             Self::Nm => 1e-9,
@@ -240,18 +281,18 @@ impl ProfileForm {
             LineFormatForm::Miniprof => LineFormat::Miniprof,
         });
         let (line, own) = match (&self.points, &self.file) {
-            (Some(points), None) => (Line::new(points.clone())?, UnitForm::AsIs),
+            (Some(points), None) => (Line::new(points.clone())?, None),
             (None, Some(name)) => {
                 let place = directory.place(name)?;
                 let miniprof = format.unwrap_or_else(|| LineFormat::of(&place)) == LineFormat::Miniprof;
-                (Line::read(&place, format)?, if miniprof { UnitForm::Mm } else { UnitForm::AsIs })
+                (Line::read(&place, format)?, miniprof.then_some(UnitForm::Mm))
             }
             (Some(_), Some(_)) => {
                 return Err(InputError::new("file", "a file beside points", "either points or file"));
             }
             (None, None) => return Err(InputError::new("points", "nothing", "points [y, z], or file in their place")),
         };
-        let line = line.scaled(self.unit.unwrap_or(own).factor())?;
+        let line = line.scaled(factor(self.unit.or(own), self.scene_unit))?;
         let mirrored = |axis| self.mirror == Some(axis) || self.mirror == Some(MirrorForm::Both);
         let line = line.mirrored(mirrored(MirrorForm::Y), mirrored(MirrorForm::Z));
         let line = line.turned(self.turn.unwrap_or(0.0).to_radians())?.shifted(self.shift.unwrap_or_default())?;

@@ -1,8 +1,6 @@
 //! Polynomials by their Bernstein coefficients: a polynomial of degree n on [0, 1] lies between the least and the greatest of its n + 1
 //! coefficients, and those of a part follow by convex means (Farin, *Curves and Surfaces for CAGD*, 5th ed. 2002, sections 3.4 and 5.1).
 
-use crate::numeric::Interval;
-
 /// What rounding may do to a coefficient of a part, as a share of the largest coefficient: at most six convex means, each of three
 /// roundings, along either side.
 pub(in crate::gap) const ROUNDING: f64 = 64.0 * f64::EPSILON;
@@ -57,12 +55,6 @@ pub(in crate::gap) fn range<'a>(values: impl IntoIterator<Item = &'a f64>) -> [f
 /// The greatest magnitude.
 pub(in crate::gap) fn largest<'a>(values: impl IntoIterator<Item = &'a f64>) -> f64 {
     values.into_iter().fold(0.0, |m, v| f64::max(m, v.abs()))
-}
-
-/// Everything between the least and the greatest, and as much more as `room`.
-pub(in crate::gap) fn hull<'a>(values: impl IntoIterator<Item = &'a f64>, room: f64) -> Interval {
-    let [low, high] = range(values);
-    Interval::new(low - room, high + room)
 }
 
 /// First variable for second.

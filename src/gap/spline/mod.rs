@@ -5,7 +5,7 @@ mod piecewise;
 mod smoothing;
 
 pub(super) use piecewise::PiecewiseCubic;
-pub(super) use smoothing::{Smoothed, smoothed, smoothed_grid};
+pub(super) use smoothing::{runs, smoothed, smoothed_grid};
 
 /// What is asked of a spline at its two ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -246,23 +246,30 @@ impl PiecewiseCubic {
                 }
             }
         }
+        // Level by level: what cannot be less than the best is dropped, the rest is halved.
         let mut bound = f64::INFINITY;
-        for (k, piece) in self.pieces.iter().enumerate() {
-            let mut open = vec![[0.0, 1.0]];
-            while let Some([u, v]) = open.pop() {
-                let [low, _] = bernstein::range(&bernstein::part(piece, [u, v]));
+        let mut open: Vec<(usize, [f64; 2])> = (0..self.pieces.len()).map(|k| (k, [0.0, 1.0])).collect();
+        while !open.is_empty() {
+            for &(k, [u, v]) in &open {
                 let middle = 0.5 * (u + v);
-                let value = bernstein::value(piece, middle);
+                let value = bernstein::value(&self.pieces[k], middle);
                 if value < best.1 {
                     best = (self.knots[k] + middle * self.step(k), value);
                 }
+            }
+            let mut halves = Vec::new();
+            for (k, [u, v]) in open {
+                let piece = &self.pieces[k];
+                let [low, _] = bernstein::range(&bernstein::part(piece, [u, v]));
                 let close = ROUNDING * bernstein::largest(piece);
                 if low >= best.1 - close || v - u < 1e-12 {
                     bound = bound.min(low - close);
                 } else {
-                    open.extend([[u, middle], [middle, v]]);
+                    let middle = 0.5 * (u + v);
+                    halves.extend([(k, [u, middle]), (k, [middle, v])]);
                 }
             }
+            open = halves;
         }
         (best.0, best.1, bound.min(best.1))
     }
