@@ -70,9 +70,25 @@ fn widen(contact: &Contact, load: Load, state: &mut Solution) -> Option<f64> {
     if let (Load::Force(force), Some(bracket), Some(_)) = (load, &state.bracket, &state.depth_bracket) {
         state.depth_bracket = Some(DepthBracket::under(&gap, state.depth, force, bracket));
     }
+    if state.force_error.is_some_and(|error| share < TOLD * error) {
+        return Some(share);
+    }
     state.remarks.push(format!(
         "{share:.1e} of the stated error is that of the measured gap: between its samples it may be off by {off:.1e}, as coarser \
          samples of it show"
     ));
+    if state.patch.regions > 1 && off > BROKEN * overlap {
+        state.remarks.push(format!(
+            "the patch is in {} pieces, and the gap is not known to better than {off:.1e} between its samples: where that is noise, \
+             \"smooth\" takes it out",
+            state.patch.regions
+        ));
+    }
     Some(share)
 }
+
+/// A smaller share of the stated error is not worth a remark.
+const TOLD: f64 = 0.01;
+
+/// Noise of this share of the overlap can break a patch into pieces.
+const BROKEN: f64 = 0.01;

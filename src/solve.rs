@@ -7,8 +7,8 @@ use crate::contact::{Contact, Load};
 use crate::engine::{Engine, close};
 use crate::equilibrium;
 use crate::error::{Unsolved, Verdict};
-use crate::gap::{AnyGap, Law};
-use crate::overlap::least;
+use crate::gap::{AnyGap, Gap, Law, Reach};
+use crate::overlap::{Overlap, least};
 use crate::respond::respond;
 use crate::sampled::with_samples;
 use crate::settings::Settings;
@@ -141,6 +141,12 @@ fn at_force(
     let scaled = |all: &Similar| Solution { force, ..all.at(gap, all.depth_for(force)) };
     if let Some(all) = similar {
         return all.answer(scaled(all));
+    }
+    // A line contact has no end, however little it is pressed.
+    let size = (force / contact.modulus().e_star()).sqrt();
+    let endless = |share: &f64| matches!(gap.reach(least + share * size), Reach::Unbounded { .. });
+    if [1.0, 1e-6, 1e-12].iter().all(endless) {
+        Overlap::of(gap, least + size)?;
     }
     let guess = equilibrium::overlap_of_size(gap, contact.modulus().e_star(), force);
     // The law of a homogeneous gap is exact: one state serves every force.

@@ -22,6 +22,9 @@ pub(super) enum GapForm {
     Cone(ConeForm),
     Power(PowerForm),
     Pyramid(PyramidForm),
+    Berkovich(IndenterForm),
+    Vickers(IndenterForm),
+    CubeCorner(IndenterForm),
     Polyhedron(PolyhedronForm),
     Flat(FlatForm),
     Revolved(RevolvedForm),
@@ -32,12 +35,15 @@ pub(super) enum GapForm {
     Min(PartsForm),
 }
 
-const KINDS: [&str; 13] = [
+const KINDS: [&str; 16] = [
     "paraboloid",
     "sphere",
     "cone",
     "power",
     "pyramid",
+    "berkovich",
+    "vickers",
+    "cube_corner",
     "polyhedron",
     "flat",
     "revolved",
@@ -126,6 +132,37 @@ pub(super) struct PyramidForm {
     inclination: f64,
     /// Inradius of the flat tip.
     flat: Option<f64>,
+}
+
+/// An indenter: a regular pyramid by its name. Face angles are counted from the axis to a face, as ISO 14577 does: 65.27 degrees
+/// (berkovich, the modified one), 68 (vickers: 136 between opposite faces), 35.26 (cube_corner). The inclination of a pyramid is 90
+/// degrees less.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+pub(super) struct IndenterForm {
+    /// Angle between the axis and a face, degrees, greater than 0 and less than 90, where it is not the nominal one.
+    face_angle: Option<f64>,
+    /// Inradius of a flat tip.
+    flat: Option<f64>,
+}
+
+impl IndenterForm {
+    /// The nominal face angle is given by its tangent.
+    fn build(&self, faces: usize, tangent: f64) -> Result<Polyhedron, InputError> {
+        let inclination = match self.face_angle {
+            None => (1.0 / tangent).atan(),
+            Some(angle) if angle > 0.0 && angle < 90.0 => (90.0 - angle).to_radians(),
+            Some(angle) => {
+                let allowed = "an angle between the axis and a face greater than 0 and less than 90 degrees";
+                return Err(InputError::new("face_angle", angle, allowed));
+            }
+        };
+        match self.flat {
+            None => Polyhedron::pyramid(faces, inclination),
+            Some(flat) => Polyhedron::truncated_pyramid(faces, inclination, flat),
+        }
+    }
 }
 
 /// The highest of several planes.
@@ -223,6 +260,10 @@ struct Place {
     rotate: Option<f64>,
 }
 
+/// Nominal angles between axis and face, degrees (ISO 14577-2:2015, section 4.2).
+const BERKOVICH: f64 = 65.27;
+const VICKERS: f64 = 68.0;
+
 /// Most gaps that a sum or a minimum is made of, those inside of others counted: what is asked of the whole is asked of each.
 const MOST_PARTS: usize = 1000;
 
@@ -267,7 +308,10 @@ fn gap(value: &Json, path: &str, directory: &Directory) -> Result<AnyGap, InputE
     let kind = match value.get("kind") {
         Some(Json::String(kind)) => kind.as_str(),
         Some(other) => return Err(InputError::new(kind_path, other.brief(), format!("one of: {}", KINDS.join(", ")))),
-        None => return Err(InputError::new(kind_path, "nothing", format!("one of: {}", KINDS.join(", ")))),
+        None => {
+            let given = if value.get("type").is_some() { "nothing (\"type\" stands in its place)" } else { "nothing" };
+            return Err(InputError::new(kind_path, given, format!("one of: {}", KINDS.join(", "))));
+        }
     };
     let inner = own(kind, value, path, directory)?;
     let Place { at, rotate } = decode(value, path)?;
@@ -305,6 +349,19 @@ fn own(kind: &str, value: &Json, path: &str, directory: &Directory) -> Result<An
                     Some(flat) => Polyhedron::truncated_pyramid(faces, inclination, flat),
                 })
                 .map(AnyGap::new)
+        }
+        "berkovich" => {
+            let indenter: IndenterForm = form(value, path)?;
+            indenter.build(3, BERKOVICH.to_radians().tan()).map(AnyGap::new)
+        }
+        "vickers" => {
+            let indenter: IndenterForm = form(value, path)?;
+            indenter.build(4, VICKERS.to_radians().tan()).map(AnyGap::new)
+        }
+        "cube_corner" => {
+            let indenter: IndenterForm = form(value, path)?;
+            // Faces of a cube meet its diagonal at tan = 1/sqrt(2).
+            indenter.build(3, std::f64::consts::FRAC_1_SQRT_2).map(AnyGap::new)
         }
         "polyhedron" => {
             let PolyhedronForm { planes } = form(value, path)?;

@@ -22,6 +22,7 @@ mod gap;
 mod measured;
 #[cfg(feature = "cli")]
 mod schema;
+mod words;
 
 use std::path::{Path, PathBuf};
 

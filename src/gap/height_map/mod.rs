@@ -19,6 +19,7 @@ use crate::geometry::Rect;
 use crate::numeric::Interval;
 
 /// Heights by rows with their number and steps along x and y, from a file that carries its unit.
+#[derive(Debug)]
 struct Read {
     values: Vec<f64>,
     shape: [usize; 2],

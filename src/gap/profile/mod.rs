@@ -147,8 +147,14 @@ impl Profile {
         self.radius.map(|radius| (2.0 * radius * (depth - low).max(0.0)).sqrt() * (1.0 + 1e-14))
     }
 
-    /// Heights at every n-th knot against those in between: the greatest difference over the knots from one to another.
-    fn missed(&self, from: usize, to: usize, every: usize) -> Option<f64> {
+    /// The heights against splines through every n-th of them, laid on the knots [from, to), begun at the first of them and `later`: the
+    /// greatest difference over [first, end).
+    fn missed(&self, [from, to]: [usize; 2], inner: [usize; 2], [every, later]: [usize; 2]) -> Option<f64> {
+        let whole = self.missed_from(from, to, inner, every);
+        whole.map(|off| self.missed_from(from + later, to, inner, every).map_or(off, |other| off.max(other)))
+    }
+
+    fn missed_from(&self, from: usize, to: usize, [first, end]: [usize; 2], every: usize) -> Option<f64> {
         let knots = self.heights.knots();
         let places: Vec<usize> = (from..to).step_by(every).collect();
         let coarse: Vec<f64> = places.iter().map(|&k| knots[k]).collect();
@@ -158,7 +164,8 @@ impl Profile {
         let values: Vec<f64> = coarse.iter().map(|&q| self.heights.value(q)).collect();
         let last = places[places.len() - 1];
         let spline = PiecewiseCubic::spline(coarse, &values, Ends::NotAKnot);
-        let off = (from..=last).map(|k| (spline.value(knots[k]) - self.heights.value(knots[k])).abs());
+        let off =
+            (first.max(from)..end.min(last + 1)).map(|k| (spline.value(knots[k]) - self.heights.value(knots[k])).abs());
         Some(off.fold(0.0, f64::max))
     }
 }
@@ -288,8 +295,8 @@ impl Gap for Profile {
         if !self.heights.is_smooth() {
             return own;
         }
-        let (from, to) = (first.saturating_sub(MARGIN), (end + MARGIN).min(knots.len()));
-        let [second, fourth] = [2, 4].map(|every| self.missed(from, to, every));
+        let around = [first.saturating_sub(MARGIN), (end + MARGIN).min(knots.len())];
+        let [second, fourth] = [[2, 1], [4, 2]].map(|every| self.missed(around, [first, end], every));
         let heights = || self.heights.bounds([a, b], 0.0);
         match (second, fourth) {
             (Some(second), Some(fourth)) => own + left_out([second, fourth]),

@@ -100,8 +100,21 @@ impl SplineMap {
         (0..2).all(|m| whole.min[m] <= rect.min[m] && rect.max[m] <= whole.max[m])
     }
 
-    /// The greatest difference, over nodes from one to another, from the splines through every n-th of them.
-    fn missed(&self, [columns, rows]: [[usize; 2]; 2], every: usize) -> Option<f64> {
+    /// The heights against splines through every n-th of them, laid on the nodes `around` from their first on and from those `later`: the
+    /// greatest difference over `inner`. A sharp tip is seen by those that have no node on it.
+    fn missed(&self, around: [[usize; 2]; 2], inner: [[usize; 2]; 2], [every, later]: [usize; 2]) -> Option<f64> {
+        let shifted = |[i, j]: [usize; 2]| {
+            let [columns, rows] = around;
+            [[columns[0] + i, columns[1]], [rows[0] + j, rows[1]]]
+        };
+        let all = [[0, 0], [later, 0], [0, later], [later, later]].map(shifted);
+        all.into_iter().filter_map(|around| self.missed_on(around, inner, every)).reduce(f64::max)
+    }
+
+    fn missed_on(&self, [columns, rows]: [[usize; 2]; 2], inner: [[usize; 2]; 2], every: usize) -> Option<f64> {
+        if columns[0] >= columns[1] || rows[0] >= rows[1] {
+            return None;
+        }
         let nodes = self.frame();
         let [nx, ny] = [columns, rows].map(|[first, last]| (last - first) / every + 1);
         if nx < 4 || ny < 4 {
@@ -113,8 +126,8 @@ impl SplineMap {
         let coarse = Nodes { shape: [nx, ny], spacing, origin: nodes.node(columns[0], rows[0]) };
         let coarse = Splines::through(coarse, &gaps, Ends::NotAKnot);
         let mut most = 0.0_f64;
-        for j in rows[0]..=rows[1] {
-            for i in columns[0]..=columns[1] {
+        for j in inner[1][0]..=inner[1][1] {
+            for i in inner[0][0]..=inner[0][1] {
                 let [x, y] = nodes.node(i, j);
                 let off = coarse.at([x, y]) - self.splines.value(j * nodes.shape[0] + i);
                 most = if off.is_finite() { most.max(off.abs()) } else { most };
@@ -232,8 +245,10 @@ impl Gap for SplineMap {
 
     fn sampling_error(&self, rect: &Rect) -> f64 {
         let own = self.frame().largest(self.doubt.as_deref(), rect);
-        let Some(around) = self.frame().around(rect, MARGIN) else { return own };
-        match [2, 4].map(|every| self.missed(around, every)) {
+        let (Some(around), Some(inner)) = (self.frame().around(rect, MARGIN), self.frame().around(rect, 0)) else {
+            return own;
+        };
+        match [[2, 1], [4, 2]].map(|every| self.missed(around, inner, every)) {
             [Some(second), Some(fourth)] => own + left_out([second, fourth]),
             [Some(second), None] => own + 2.0 * second,
             // Too few values to tell: all that they vary by.
