@@ -151,3 +151,126 @@ fn a_roller_from_its_profile_is_that_of_hertz() {
     let state = solved(&crossed, depth, 1e-3, false).unwrap();
     assert!((state.force / hertz.force - 1.0).abs() <= state.force_error.unwrap());
 }
+
+/// The rail's head and the wheel of data/scenes/profiles, without noise: points and angles along arcs that touch one another, mm.
+#[cfg(feature = "scene")]
+mod drawn {
+    fn arc([y, z, from]: [f64; 3], to: f64, radius: f64) -> Vec<[f64; 3]> {
+        let side = (to - from).signum();
+        let n = ((to - from).abs() * radius / 0.25).round().max(2.0) as usize;
+        let at = |k: usize| {
+            let a = from + (to - from) * k as f64 / n as f64;
+            [y + side * radius * (a.sin() - from.sin()), z - side * radius * (a.cos() - from.cos()), a]
+        };
+        (1..=n).map(at).collect()
+    }
+
+    fn metres(line: &[[f64; 3]]) -> Vec<[f64; 2]> {
+        line.iter().map(|p| [1e-3 * p[0], 1e-3 * p[1]]).collect()
+    }
+
+    pub fn rail() -> Vec<[f64; 2]> {
+        let mut half = vec![[0.0; 3]];
+        for (width, radius) in [(10.26, 300.0), (15.09, 80.0)] {
+            let last = half[half.len() - 1];
+            half.extend(arc(last, (last[2].sin() - width / radius).asin(), radius));
+        }
+        half.extend(arc(half[half.len() - 1], -1.3, 13.0));
+        let other: Vec<[f64; 3]> = half[1..].iter().rev().map(|[y, z, a]| [-y, *z, -a]).collect();
+        metres(&[other, half].concat())
+    }
+
+    pub fn wheel() -> Vec<[f64; 2]> {
+        let tread = 0.05f64.atan();
+        let mut line: Vec<[f64; 3]> =
+            (0..301).map(|k| 0.25 * f64::from(k) - 50.0).map(|y| [y, -y / 20.0, -tread]).collect();
+        line.extend(arc(line[line.len() - 1], -70f64.to_radians(), 14.0));
+        metres(&line)
+    }
+}
+
+#[cfg(feature = "scene")]
+#[test]
+fn a_wheel_on_a_rail_is_read_back_from_what_was_measured() {
+    use contact_patch::Scene;
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("data/scenes");
+    let scene = Scene::from_file(&folder.join("wheel_on_rail.json")).unwrap();
+    let measured = solve(&scene.contact, &scene.settings).remove(0).unwrap();
+    // The same without noise, from its drawing.
+    let part = |points: Vec<[f64; 2]>, surface: Surface, turn: f64| {
+        let line = Line::new(points).unwrap().turned(turn).unwrap().between([-0.02, 0.024]).unwrap();
+        Profile::new(&line, Along::X, surface, Zero::AsIs, Interpolation::Cubic).unwrap()
+    };
+    let wheel = part(drawn::wheel(), Surface::Upper, 0.0).rolling(0.46).unwrap();
+    let rail = part(drawn::rail(), Surface::Lower, (-1.4321f64).to_radians());
+    let sum = Sum::new(vec![AnyGap::new(wheel), AnyGap::new(rail)]).unwrap();
+    let contact = Contact::new(scene.contact.modulus(), sum, Loading::force(80_000.0)).unwrap();
+    let drawn = solve(&contact, &Settings { tolerance: 1e-2, ..Settings::default() }).remove(0).unwrap();
+    assert_eq!((measured.patch.regions, drawn.patch.regions), (1, 1));
+    let off = |a: f64, b: f64| (a / b - 1.0).abs();
+    assert!(off(measured.pressure.max.unwrap(), drawn.pressure.max.unwrap()) < 0.03);
+    assert!(off(measured.patch.area, drawn.patch.area) < 0.03);
+    // The stated error, as one of the depth, holds the drawn one.
+    let apart = (measured.depth - drawn.depth).abs() * drawn.stiffness / drawn.force;
+    assert!(
+        apart <= measured.force_error.unwrap() + drawn.force_error.unwrap(),
+        "{apart:e} {:?}",
+        measured.force_error
+    );
+}
+
+#[cfg(feature = "scene")]
+#[test]
+fn files_of_profilers_are_read_as_another_program_reads_them() {
+    let maps = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("data/scenes/maps");
+    // First heights, one inside and the number of holes, as surfalize 0.19 reads the same file (in um).
+    let heights = Heights::read(&maps.join("noisy_ball.x3p"), None, None).unwrap();
+    assert_eq!((heights.shape(), heights.spacing()), ([61, 61], [4e-6, 4e-6]));
+    let z = heights.values();
+    for (node, um) in [(0, 2.8902046), (1, 2.77282167), (2, 2.69649049), (5 * 61 + 7, 1.8407515832826729)] {
+        assert!((1e6 * z[node] - um).abs() < 1e-8, "{node}: {}", z[node]);
+    }
+    assert_eq!(z.iter().filter(|z| z.is_nan()).count(), 21);
+    let heights = Heights::read(&maps.join("ball.sdf"), None, None).unwrap();
+    assert_eq!((heights.shape(), heights.spacing()), ([61, 61], [4e-6, 4e-6]));
+    assert!((heights.values()[0] - 2.88e-6).abs() < 1e-18 && heights.values()[30 * 61 + 30] == 0.0);
+    // Another spacing than that of the file is refused.
+    let other = Heights::read(&maps.join("ball.sdf"), None, Some([5e-6, 4e-6])).unwrap_err();
+    assert_eq!(other.path, "spacing[0]");
+}
+
+#[cfg(feature = "scene")]
+#[test]
+fn units_of_files_and_scenes_are_turned_into_one_another() {
+    use contact_patch::Scene;
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    let points: String = (-20..=20).map(|k| f64::from(k) * 0.5).map(|y| format!("{y}; {}\n", y * y / 600.0)).collect();
+    at("crown.txt", &points);
+    at("crown.whl", &format!("Units=mm\n\n{points}"));
+    let sdf = "aISO-1.0\nNumPoints = 3\nNumProfiles = 3\nXscale = 1e-6\nYscale = 1e-6\nZscale = 1e-9\n*\n3 2 3\n1 0 1\n3 2 3\n*\n";
+    at("map.sdf", sdf);
+    let gap = |gap: &str, x: f64, y: f64| {
+        let scene = format!(r#"{{"effective_modulus": 1.0, "loading": {{"depth": -1.0}}, "gap": {{{gap}}}}}"#);
+        at("scene.json", &scene);
+        Scene::from_file(&folder.path().join("scene.json"))
+            .unwrap_or_else(|e| panic!("{gap}: {e}"))
+            .contact
+            .gap()
+            .gap(x, y)
+    };
+    let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-12 * b.abs(), "{a:e} {b:e}");
+    // 6 mm off the middle of a crown of radius 300 mm.
+    near(gap(r#""kind": "profile", "along": "x", "file": "crown.txt", "unit": "mm""#, 0.0, 6e-3), 6e-5);
+    near(gap(r#""kind": "profile", "along": "x", "file": "crown.whl""#, 0.0, 6e-3), 6e-5);
+    near(gap(r#""kind": "profile", "along": "x", "file": "crown.txt""#, 0.0, 6.0), 6e-2);
+    near(gap(r#""kind": "profile", "along": "x", "file": "crown.whl", "scene_unit": "mm""#, 0.0, 6.0), 6e-2);
+    // A node of the map, in metres and in micrometres.
+    near(
+        gap(r#""kind": "height_map", "surface": "upper", "file": "map.sdf", "interpolation": "linear""#, 1e-6, 1e-6),
+        3e-9,
+    );
+    let um =
+        r#""kind": "height_map", "surface": "upper", "file": "map.sdf", "interpolation": "linear", "scene_unit": "um""#;
+    near(gap(um, 1.0, 1.0), 3e-3);
+}

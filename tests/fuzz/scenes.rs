@@ -185,7 +185,8 @@ pub fn gap(random: &mut Random, depth: usize) -> Value {
             profile
         }
         11 => {
-            let mut indenter = json!({"kind": ["berkovich", "vickers", "cube_corner"][pick(random, 3)]});
+            let name = ["berkovich", "vickers", "cube_corner"][pick(random, 3)];
+            let mut indenter = json!({"kind": name});
             if random.next() < 0.3 {
                 indenter["face_angle"] = json!(89.9 * random.next());
             }

@@ -266,9 +266,9 @@ impl Heights {
     /// The rows the other way up: the first row of the file has the largest y, as in a picture.
     #[must_use]
     pub fn top_row_first(mut self) -> Self {
-        let turned = |values: &Vec<f64>| values.rchunks(self.shape[0]).flatten().copied().collect();
-        self.values = turned(&self.values);
-        self.doubt = self.doubt.as_ref().map(turned);
+        let nx = self.shape[0];
+        let turned = |values: Vec<f64>| values.rchunks(nx).flatten().copied().collect();
+        (self.values, self.doubt) = (turned(self.values), self.doubt.map(turned));
         self
     }
 
