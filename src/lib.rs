@@ -86,6 +86,7 @@ pub mod quadrature;
 pub mod report;
 mod respond;
 pub mod ritz;
+mod sampled;
 pub mod scalar;
 #[cfg(feature = "scene")]
 pub mod scene;

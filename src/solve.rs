@@ -7,9 +7,10 @@ use crate::contact::{Contact, Load};
 use crate::engine::{Engine, close};
 use crate::equilibrium;
 use crate::error::{Unsolved, Verdict};
-use crate::gap::{AnyGap, Law};
-use crate::overlap::least;
+use crate::gap::{AnyGap, Gap, Law, Reach};
+use crate::overlap::{Overlap, least};
 use crate::respond::respond;
+use crate::sampled::with_samples;
 use crate::settings::Settings;
 use crate::solution::Solution;
 use crate::stated;
@@ -95,6 +96,7 @@ fn at(contact: &Contact, load: Load, settings: &Settings, similar: &mut Option<S
         Ok(solution) if settings.outputs.bracket => with_bracket(contact, load, solution, settings),
         answer => answer,
     };
+    let answer = with_samples(contact, load, settings, answer);
     let mut answer = accepted(contact, load, settings, answer);
     if let Some(state) = answer.as_mut().map_or_else(|e| e.best.as_deref_mut(), Some) {
         stated::errors(contact, load, state);
@@ -147,6 +149,12 @@ fn at_force(
     };
     if let Some(all) = similar {
         return all.answer(scaled(all));
+    }
+    // A line contact has no end, however little it is pressed.
+    let size = (force / contact.modulus().e_star()).sqrt();
+    let endless = |share: &f64| matches!(gap.reach(least + share * size), Reach::Unbounded { .. });
+    if [1.0, 1e-6, 1e-12].iter().all(endless) {
+        Overlap::of(gap, least + size)?;
     }
     let guess = equilibrium::overlap_of_size(gap, contact.modulus().e_star(), force);
     // The law of a homogeneous gap is exact: one state serves every force.

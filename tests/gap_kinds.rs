@@ -390,7 +390,7 @@ fn scenes_beside_the_maps_are_json_of_known_kinds() {
         count += 1;
     }
     assert!(count >= 15);
-    let all = "cone flat formula height_map min paraboloid polyhedron power pyramid revolved sphere sum";
+    let all = "berkovich cone flat formula height_map min paraboloid polyhedron power profile pyramid revolved sphere sum vickers";
     assert_eq!(kinds.into_iter().collect::<Vec<_>>().join(" "), all);
 }
 

@@ -4,8 +4,8 @@
 mod random;
 
 use contact_patch::gap::{
-    AnyGap, Cone, Degree, Flat, Formula, Gap, Generatrix, HeightMap, Heights, Material, Minimum, Outline, Paraboloid,
-    Polyhedron, Power, Reach, Revolved, Sphere, Sum, Surface, Zero,
+    Along, AnyGap, Cone, Degree, Flat, Formula, Gap, Generatrix, HeightMap, Heights, Interpolation, Line, Material,
+    Minimum, Outline, Paraboloid, Polyhedron, Power, Profile, Reach, Revolved, Sphere, SplineMap, Sum, Surface, Zero,
 };
 use contact_patch::geometry::Rect;
 use contact_patch::numeric::Interval;
@@ -37,7 +37,7 @@ fn leaf(random: &mut Random) -> AnyGap {
         1 => Outline::ellipse([random.between(0.3, 1.2), random.between(0.2, 0.9)]).unwrap(),
         _ => Outline::polygon(&corners).unwrap(),
     };
-    match random.below(13) {
+    match random.below(16) {
         0 => AnyGap::new(Paraboloid::new([random.between(0.2, 3.0), random.between(0.2, 3.0)]).unwrap()),
         1 => AnyGap::new(Paraboloid::new([random.between(0.2, 3.0), f64::INFINITY]).unwrap()),
         2 => AnyGap::new(Sphere::new(random.between(0.5, 3.0)).unwrap()),
@@ -66,10 +66,40 @@ fn leaf(random: &mut Random) -> AnyGap {
         11 => {
             let values = (0..12 * 9).map(|_| if random.below(25) == 0 { f64::NAN } else { random.between(0.0, 0.4) });
             let heights = Heights::new(values.collect(), [12, 9], [0.17, 0.21]).unwrap();
+            if random.below(2) == 0 {
+                return AnyGap::new(SplineMap::new(&heights, Surface::Upper, Zero::AsIs).unwrap());
+            }
             AnyGap::new(HeightMap::new(&heights, Surface::Upper, Zero::AsIs).unwrap())
+        }
+        12 => profile(random),
+        13 => {
+            let wave = random.between(1.0, 4.0);
+            let height = |k: usize| {
+                let [x, y] = [0.17 * (k % 14) as f64 - 1.1, 0.21 * (k / 14) as f64 - 1.1];
+                0.3 * x * x + 0.4 * y * y + 0.05 * (wave * x + y).sin()
+            };
+            let heights = Heights::new((0..14 * 11).map(height).collect(), [14, 11], [0.17, 0.21]).unwrap();
+            let heights = if random.below(2) == 0 { heights.smoothed(0.01).unwrap() } else { heights };
+            AnyGap::new(SplineMap::new(&heights, Surface::Upper, Zero::FirstTouch).unwrap())
         }
         _ => AnyGap::new(Formula::new(formulas[random.below(formulas.len())]).unwrap()),
     }
+}
+
+/// A profile, rough or smooth, straight or rolled.
+fn profile(random: &mut Random) -> AnyGap {
+    let n = 3 + random.below(100);
+    let mut y = -1.0;
+    let mut point = |k: usize, random: &mut Random| {
+        y += random.between(0.3, 1.7) * 2.0 / n as f64;
+        [y, 0.3 * y * y + random.between(0.0, if k % 2 == 0 { 0.1 } else { 0.01 })]
+    };
+    let line = Line::new((0..n).map(|k| point(k, random)).collect()).unwrap();
+    let along = if random.below(2) == 0 { Along::X } else { Along::Y };
+    let between = if random.below(3) == 0 { Interpolation::Linear } else { Interpolation::Cubic };
+    let line = if n > 20 && random.below(2) == 0 { line.smoothed(0.03, Surface::Upper).unwrap() } else { line };
+    let profile = Profile::new(&line, along, Surface::Upper, Zero::FirstTouch, between).unwrap();
+    AnyGap::new(if random.below(4) == 0 { profile } else { profile.rolling(random.between(0.3, 2.0)).unwrap() })
 }
 
 /// A gap of leaves in sums and minima, each put somewhere.

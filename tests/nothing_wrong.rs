@@ -180,7 +180,7 @@ fn summits_of_a_map_are_found_in_every_nesting() {
     let text = (-32..32).map(|j| line(j) + "\n").collect::<String>();
     let directory = tempfile::tempdir().unwrap();
     std::fs::write(directory.path().join("summits.txt"), text).unwrap();
-    let map = json!({"kind": "height_map", "file": "summits.txt", "spacing": [1.0, 1.0], "surface": "upper"});
+    let map = json!({"kind": "height_map", "file": "summits.txt", "spacing": [1.0, 1.0], "surface": "upper", "interpolation": "linear"});
     let loading = json!({"depth": 0.1});
     let state = solved_in(&map, &loading, directory.path()).remove(0);
     assert_eq!(state.patch.regions, 4);

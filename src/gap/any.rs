@@ -248,6 +248,10 @@ impl Gap for AnyGap {
         self.transform.growth_outward(sector, from, |sector, from| self.inner.growth(sector, from))
     }
 
+    fn sampling_error(&self, rect: &Rect) -> f64 {
+        self.transform.height_scale() * self.inner.sampling_error(&self.transform.rect_inward(rect))
+    }
+
     fn restricted(&self, rect: &Rect) -> Option<AnyGap> {
         let simpler = self.inner.restricted(&self.transform.rect_inward(rect))?;
         Some(simpler.through(&self.transform))

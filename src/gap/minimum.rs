@@ -202,6 +202,10 @@ impl Gap for Minimum {
         lasting.or_else(|| parts.first().copied())
     }
 
+    fn sampling_error(&self, rect: &Rect) -> f64 {
+        self.parts.iter().map(|part| part.sampling_error(rect)).fold(0.0, f64::max)
+    }
+
     fn restricted(&self, rect: &Rect) -> Option<AnyGap> {
         let kept = self.candidates(rect);
         match kept.as_slice() {

@@ -10,6 +10,7 @@ mod analytic;
 mod any;
 mod declared;
 pub(crate) mod enclosure;
+mod extremes;
 mod flat;
 #[cfg(feature = "formula")]
 mod formula;
@@ -21,10 +22,13 @@ mod mean;
 mod minimum;
 mod outline;
 mod polyhedron;
+mod profile;
 mod radial;
 mod range;
 mod revolved;
 mod ridges;
+mod spline;
+mod spline_map;
 mod sum;
 mod taylor;
 mod transform;
@@ -41,8 +45,10 @@ pub use known::{Axis, Degree, Face, Generatrix, Known, Law, Material, Quadratic}
 pub use minimum::Minimum;
 pub use outline::Outline;
 pub use polyhedron::Polyhedron;
+pub use profile::{Along, Interpolation, Line, LineFormat, Profile};
 pub use revolved::Revolved;
 pub use ridges::{Ridge, Ridges};
+pub use spline_map::SplineMap;
 pub use sum::Sum;
 pub use taylor::Taylor;
 
@@ -167,6 +173,12 @@ pub trait Gap: Send + Sync {
     /// Bounds along the rays from the origin whose angles lie in `sector`, from a distance on.
     fn growth(&self, _sector: Interval, _from: f64) -> Option<Growth> {
         None
+    }
+
+    /// How far the gap may be, over a rectangle, from the surface that was measured: what lies between its samples, and what is left
+    /// of their noise. An estimate from the samples alone; 0 where the gap is given by construction.
+    fn sampling_error(&self, _rect: &Rect) -> f64 {
+        0.0
     }
 
     /// The same gap inside a rectangle, simpler where only some of its parts matter there; outside, anything.

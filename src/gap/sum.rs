@@ -288,6 +288,10 @@ impl Gap for Sum {
         parts.try_fold(first, |sum, part| part.map(|part| sum.plus(&part)))
     }
 
+    fn sampling_error(&self, rect: &Rect) -> f64 {
+        self.parts.iter().map(|part| part.sampling_error(rect)).sum()
+    }
+
     fn restricted(&self, rect: &Rect) -> Option<AnyGap> {
         let simpler: Vec<Option<AnyGap>> = self.parts.iter().map(|part| part.restricted(rect)).collect();
         if simpler.iter().all(Option::is_none) {

@@ -106,6 +106,11 @@ impl Transform {
         if self.plane == [0.0; 3] { own } else { own - (self.plane[0] * x + self.plane[1] * y + self.plane[2]) }
     }
 
+    /// A difference of heights of the gap's own, seen from outside: times this.
+    pub fn height_scale(&self) -> f64 {
+        1.0 / self.per
+    }
+
     /// The depth in the gap's own frame at which the untilted gap is below it.
     pub fn depth_inward(&self, depth: f64) -> f64 {
         self.per * (depth + self.plane[2])

@@ -53,12 +53,12 @@ impl Overlap {
         let reach = match found {
             Reach::Within(rect) => rect,
             Reach::Nowhere => return Ok(None),
-            Reach::Unbounded { from, along } if certain != Reach::Unknown => return Err(endless(depth, from, along)),
+            Reach::Unbounded { from, along } if certain != Reach::Unknown => return Err(endless(from, along)),
             _ => {
                 let reason = format!(
                     "the gap stays below the depth {depth:e} however far it was followed: the contact has no end"
                 );
-                return Err(Unsolved::new(Verdict::Unbounded, reason));
+                return Err(Unsolved::new(Verdict::Unbounded, reason).with_hint(ENDED));
             }
         };
         let certain = certain != Reach::Unknown;
@@ -129,14 +129,19 @@ fn known_or_searched(known: Reach, gap: &AnyGap, depth: f64) -> Reach {
     }
 }
 
-fn endless(depth: f64, [x, y]: [f64; 2], along: f64) -> Unsolved {
+fn endless([x, y]: [f64; 2], along: f64) -> Unsolved {
     let degrees = along.to_degrees();
     let reason = format!(
-        "the gap stays below the depth {depth:e} on the ray from ({x:.3e}, {y:.3e}) in the direction of {degrees:.1} degrees: \
-         the contact has no end there"
+        "the undeformed bodies overlap without end along the ray from ({x:.3e}, {y:.3e}) in the direction of {degrees:.1} degrees: \
+         the contact is as long as one looks, and so is its force. So it is with line contacts: cylinders, wedges of two faces, \
+         extruded profiles"
     );
-    Unsolved::new(Verdict::Unbounded, reason)
+    Unsolved::new(Verdict::Unbounded, reason).with_hint(ENDED)
 }
+
+/// What gives a contact without an end one.
+const ENDED: &str = "give it an end: a curvature along the line (a second radius of a paraboloid, \"radius\" of a profile), a \"region\" of a \
+                     formula, or a \"sum\" with a body that ends (a cylinder of length L is a \"formula\" with a \"region\")";
 
 /// The least gap: that of the centre where it is known to be the lowest point, else the least on a lattice over the reach.
 fn lowest(gap: &AnyGap, depth: f64, reach: &Rect) -> f64 {

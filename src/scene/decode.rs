@@ -6,9 +6,10 @@
 use std::fmt::Display;
 
 use serde::de::value::StrDeserializer;
-use serde::de::{self, Deserialize, DeserializeSeed, IntoDeserializer, Unexpected, VariantAccess, Visitor};
+use serde::de::{self, Deserialize, DeserializeSeed, Unexpected, VariantAccess, Visitor};
 
 use super::document::{Json, ROOT, key_in_path, quoted};
+use super::words;
 use crate::error::InputError;
 
 /// Reads a `T`; `path` leads to `value` in the document.
@@ -44,8 +45,11 @@ fn rooted(mut error: InputError) -> InputError {
 
 /// An unknown key or word, with the nearest known one.
 pub(super) fn unknown(path: String, given: impl Display, word: &str, known: &[&str]) -> InputError {
-    let nearest = known.iter().map(|k| (strsim::jaro_winkler(word, k), *k)).max_by(|a, b| a.0.total_cmp(&b.0));
     let all = known.join(", ");
+    if let Some(meaning) = words::meant(word, known) {
+        return InputError::new(path, given, format!("{meaning}. Known here: {all}"));
+    }
+    let nearest = known.iter().map(|k| (strsim::jaro_winkler(word, k), *k)).max_by(|a, b| a.0.total_cmp(&b.0));
     let allowed = match nearest {
         // Below this the likeness is chance.
         Some((likeness, key)) if likeness > 0.7 => format!("did you mean \"{key}\"? Known here: {all}"),
@@ -92,7 +96,14 @@ impl de::Error for Fault {
     }
 
     fn invalid_type(given: Unexpected<'_>, expected: &dyn de::Expected) -> Self {
-        Self::new("", in_words(&given), named(expected))
+        let allowed = match (given, named(expected)) {
+            (Unexpected::Str(text), allowed) if allowed == "a number" => words::number_in(text),
+            (Unexpected::Str(text), allowed) if allowed == "a list" => {
+                format!("a list, in brackets: [{}]", quoted(text))
+            }
+            (_, allowed) => allowed,
+        };
+        Self::new("", in_words(&given), allowed)
     }
 
     fn invalid_value(given: Unexpected<'_>, expected: &dyn de::Expected) -> Self {
@@ -113,7 +124,7 @@ impl de::Error for Fault {
     }
 
     fn missing_field(key: &'static str) -> Self {
-        Self::new(key, "nothing", "this key is required")
+        Self::new(key, "nothing", words::required(key))
     }
 }
 
@@ -223,11 +234,14 @@ impl<'a> de::Deserializer<'a> for Decoder<'a> {
         visitor: V,
     ) -> Result<V::Value, Fault> {
         match self.value {
-            Json::String(word) => visitor.visit_enum(word.as_str().into_deserializer()),
+            Json::String(word) => visitor.visit_enum(Word(word)),
             Json::Object(entries) if entries.len() == 1 => {
                 visitor.visit_enum(Variant { word: &entries[0].0, value: &entries[0].1 })
             }
-            other => Err(Fault::new("", other.brief(), format!("one of: {}", known.join(", ")))),
+            other => {
+                let forms: Vec<String> = known.iter().map(|form| words::shown(form)).collect();
+                Err(Fault::new("", other.brief(), format!("one of: {}", forms.join(", "))))
+            }
         }
     }
 
@@ -281,6 +295,47 @@ impl<'a> de::MapAccess<'a> for Entries<'a> {
     fn next_value_seed<V: DeserializeSeed<'a>>(&mut self, seed: V) -> Result<V::Value, Fault> {
         let Some((key, value)) = self.value.take() else { return Err(de::Error::custom("a key before its value")) };
         seed.deserialize(Decoder::from(value)).map_err(|fault| fault.within(&key_in_path(key)))
+    }
+}
+
+/// A word alone, one of several forms.
+struct Word<'a>(&'a str);
+
+impl<'a> de::EnumAccess<'a> for Word<'a> {
+    type Error = Fault;
+    type Variant = Self;
+
+    fn variant_seed<V: DeserializeSeed<'a>>(self, seed: V) -> Result<(V::Value, Self), Fault> {
+        let which = seed.deserialize(StrDeserializer::<Fault>::new(self.0))?;
+        Ok((which, self))
+    }
+}
+
+impl Word<'_> {
+    /// A form that has numbers, without them.
+    fn alone(&self) -> Fault {
+        let allowed = format!("the word with its numbers, in braces: {}", words::shown(self.0));
+        Fault::new("", format!("the word {} alone", quoted(self.0)), allowed)
+    }
+}
+
+impl<'a> VariantAccess<'a> for Word<'a> {
+    type Error = Fault;
+
+    fn unit_variant(self) -> Result<(), Fault> {
+        Ok(())
+    }
+
+    fn newtype_variant_seed<T: DeserializeSeed<'a>>(self, _: T) -> Result<T::Value, Fault> {
+        Err(self.alone())
+    }
+
+    fn tuple_variant<V: Visitor<'a>>(self, _: usize, _: V) -> Result<V::Value, Fault> {
+        Err(self.alone())
+    }
+
+    fn struct_variant<V: Visitor<'a>>(self, _: &'static [&'static str], _: V) -> Result<V::Value, Fault> {
+        Err(self.alone())
     }
 }
 

@@ -28,6 +28,8 @@ pub(crate) const MOST_CELLS: usize = 16_384;
 pub(super) enum BodyForm {
     Young(YoungForm),
     Shear(ShearForm),
+    YoungLetters(YoungLettersForm),
+    ShearLetters(ShearLettersForm),
     Rigid(RigidForm),
 }
 
@@ -51,6 +53,34 @@ pub(super) struct ShearForm {
     poissons_ratio: f64,
 }
 
+/// The same in the letters of the field.
+#[cfg(feature = "cli")]
+#[derive(schemars::JsonSchema)]
+#[schemars(deny_unknown_fields)]
+#[expect(dead_code, reason = "this form is only for the JSON Schema")]
+pub(super) struct YoungLettersForm {
+    /// Young's modulus E > 0, in units of stress.
+    #[schemars(rename = "E")]
+    youngs_modulus: f64,
+    /// Poisson's ratio, greater than -1 and at most 0.5.
+    #[schemars(rename = "nu")]
+    poissons_ratio: f64,
+}
+
+/// The same in the letters of the field.
+#[cfg(feature = "cli")]
+#[derive(schemars::JsonSchema)]
+#[schemars(deny_unknown_fields)]
+#[expect(dead_code, reason = "this form is only for the JSON Schema")]
+pub(super) struct ShearLettersForm {
+    /// Shear modulus mu > 0, in units of stress.
+    #[schemars(rename = "G")]
+    shear_modulus: f64,
+    /// Poisson's ratio, greater than -1 and at most 0.5.
+    #[schemars(rename = "nu")]
+    poissons_ratio: f64,
+}
+
 /// A body that does not deform.
 #[cfg(feature = "cli")]
 #[derive(schemars::JsonSchema)]
@@ -60,9 +90,37 @@ pub(super) enum RigidForm {
     Rigid,
 }
 
+/// The letters of the field for the keys of a body.
+const LETTERS: [(&str, &str); 3] = [("E", "youngs_modulus"), ("nu", "poissons_ratio"), ("G", "shear_modulus")];
+
+/// A body whose keys may be letters; errors name the key as it was written.
 fn body(value: &Json, path: &str) -> Result<Body, InputError> {
+    let Json::Object(entries) = value else { return spelled(value, path) };
+    for (letter, key) in LETTERS {
+        if value.get(letter).is_some() && value.get(key).is_some() {
+            return Err(InputError::new(path, format!("both {letter} and {key}"), "one of the two: they are the same"));
+        }
+    }
+    let long = |key: &str| LETTERS.iter().find(|(letter, _)| *letter == key).map_or(key, |(_, long)| long).to_owned();
+    let written = Json::Object(entries.iter().map(|(key, value)| (long(key), value.clone())).collect());
+    spelled(&written, path).map_err(|mut e| {
+        for (letter, key) in LETTERS {
+            if value.get(letter).is_some() && e.path == format!("{path}.{key}") {
+                e.path = format!("{path}.{letter}");
+            }
+        }
+        e
+    })
+}
+
+fn spelled(value: &Json, path: &str) -> Result<Body, InputError> {
     let body = match value {
         Json::String(word) if word == "rigid" => return Ok(Body::RIGID),
+        Json::String(word) if strsim::jaro_winkler(word, "rigid") < 0.8 => {
+            let allowed = "numbers, as there is no table of materials: {\"youngs_modulus\": 2.1e11, \"poissons_ratio\": 0.3} is steel \
+                           in Pa; or \"rigid\"";
+            return Err(InputError::new(path, quoted(word), allowed));
+        }
         Json::String(word) => return Err(unknown(path.into(), quoted(word), word, &["rigid"])),
         Json::Object(_) if value.get("shear_modulus").is_some() && value.get("youngs_modulus").is_some() => {
             return Err(InputError::new(
@@ -105,7 +163,10 @@ pub(super) fn modulus(bodies: Option<&Json>, e_star: Option<f64>) -> Result<Effe
             [one, other] => EffectiveModulus::of_pair(body(one, "bodies[0]")?, body(other, "bodies[1]")?),
             _ => Err(InputError::new("bodies", format!("a list of {}", items.len()), "one or two bodies")),
         },
-        (Some(other), None) => Err(InputError::new("bodies", other.brief(), "a list of one or two bodies")),
+        (Some(other), None) => {
+            let allowed = "a list of one or two bodies, in brackets: [{\"youngs_modulus\": E, \"poissons_ratio\": nu}, \"rigid\"]";
+            Err(InputError::new("bodies", other.brief(), allowed))
+        }
     }
 }
 

@@ -5,13 +5,11 @@ use serde::Deserialize;
 use super::decode::{decode, decode_without, unknown};
 use super::document::{Json, quoted};
 use super::given::Sources;
+use super::measured::{HeightMapForm, ProfileForm};
 use crate::error::InputError;
 #[cfg(feature = "formula")]
 use crate::gap::Formula;
-use crate::gap::{
-    AnyGap, Cone, Flat, HeightMap, Heights, MapFormat, Minimum, Outline, Paraboloid, Polyhedron, Power, Revolved,
-    Sphere, Sum, Surface, Zero,
-};
+use crate::gap::{AnyGap, Cone, Flat, Minimum, Outline, Paraboloid, Polyhedron, Power, Revolved, Sphere, Sum};
 
 /// The initial gap of the undeformed bodies at zero depth.
 #[cfg(feature = "cli")]
@@ -24,26 +22,34 @@ pub(super) enum GapForm {
     Cone(ConeForm),
     Power(PowerForm),
     Pyramid(PyramidForm),
+    Berkovich(IndenterForm),
+    Vickers(IndenterForm),
+    CubeCorner(IndenterForm),
     Polyhedron(PolyhedronForm),
     Flat(FlatForm),
     Revolved(RevolvedForm),
     Formula(FormulaForm),
     HeightMap(HeightMapForm),
+    Profile(ProfileForm),
     Sum(PartsForm),
     Min(PartsForm),
 }
 
-const KINDS: [&str; 12] = [
+const KINDS: [&str; 16] = [
     "paraboloid",
     "sphere",
     "cone",
     "power",
     "pyramid",
+    "berkovich",
+    "vickers",
+    "cube_corner",
     "polyhedron",
     "flat",
     "revolved",
     "formula",
     "height_map",
+    "profile",
     "sum",
     "min",
 ];
@@ -128,6 +134,37 @@ pub(super) struct PyramidForm {
     flat: Option<f64>,
 }
 
+/// An indenter: a regular pyramid by its name. Face angles are counted from the axis to a face, as ISO 14577 does: 65.27 degrees
+/// (berkovich, the modified one), 68 (vickers: 136 between opposite faces), 35.26 (cube_corner). The inclination of a pyramid is 90
+/// degrees less.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+pub(super) struct IndenterForm {
+    /// Angle between the axis and a face, degrees, greater than 0 and less than 90, where it is not the nominal one.
+    face_angle: Option<f64>,
+    /// Inradius of a flat tip.
+    flat: Option<f64>,
+}
+
+impl IndenterForm {
+    /// The nominal face angle is given by its tangent.
+    fn build(&self, faces: usize, tangent: f64) -> Result<Polyhedron, InputError> {
+        let inclination = match self.face_angle {
+            None => (1.0 / tangent).atan(),
+            Some(angle) if angle > 0.0 && angle < 90.0 => (90.0 - angle).to_radians(),
+            Some(angle) => {
+                let allowed = "an angle between the axis and a face greater than 0 and less than 90 degrees";
+                return Err(InputError::new("face_angle", angle, allowed));
+            }
+        };
+        match self.flat {
+            None => Polyhedron::pyramid(faces, inclination),
+            Some(flat) => Polyhedron::truncated_pyramid(faces, inclination, flat),
+        }
+    }
+}
+
 /// The highest of several planes.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -190,110 +227,6 @@ pub(super) struct FormulaForm {
     region: Option<OutlineForm>,
 }
 
-/// A measured surface.
-#[derive(Debug, Clone, Deserialize)]
-#[serde(deny_unknown_fields)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
-pub(super) struct HeightMapForm {
-    /// Text grid, XYZ or .npy; relative to the scene file.
-    file: String,
-    /// The map of the other body, facing this one.
-    against: Option<String>,
-    /// Distances of the nodes along x and y; XYZ files carry their own.
-    spacing: Option<[f64; 2]>,
-    /// text, xyz or npy; by the ending of the file name when left out.
-    format: Option<FormatForm>,
-    /// Whose surface was measured: the upper body's (the gap rises with the height) or the lower body's (it falls).
-    surface: SurfaceForm,
-    /// Depth 0 is where the surfaces first touch (first_touch) or where heights are zero (as_is).
-    #[serde(default)]
-    zero: ZeroForm,
-    /// "plane" takes the least-squares plane out of each map first.
-    #[serde(default)]
-    level: LevelForm,
-    /// Unit of the heights in units of length.
-    scale: Option<f64>,
-    /// Where the first node lies; the middle of the map is at (0, 0) when left out.
-    origin: Option<[f64; 2]>,
-}
-
-#[derive(Debug, Clone, Copy, Deserialize)]
-#[serde(rename_all = "snake_case")]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
-pub(super) enum FormatForm {
-    Text,
-    Xyz,
-    Npy,
-}
-
-#[derive(Debug, Clone, Copy, Deserialize)]
-#[serde(rename_all = "snake_case")]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
-pub(super) enum SurfaceForm {
-    Upper,
-    Lower,
-}
-
-#[derive(Debug, Clone, Copy, Default, Deserialize)]
-#[serde(rename_all = "snake_case")]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
-pub(super) enum ZeroForm {
-    #[default]
-    FirstTouch,
-    AsIs,
-}
-
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "snake_case")]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
-pub(super) enum LevelForm {
-    #[default]
-    None,
-    Plane,
-}
-
-impl HeightMapForm {
-    fn build(&self, from: &Sources) -> Result<HeightMap, InputError> {
-        let format = self.format.map(|f| match f {
-            FormatForm::Text => MapFormat::Text,
-            FormatForm::Xyz => MapFormat::Xyz,
-            FormatForm::Npy => MapFormat::Npy,
-        });
-        let read = |key: &str, name: &str| -> Result<Heights, InputError> {
-            let heights = from.heights(name, self.spacing).unwrap_or_else(|| {
-                from.files.place(name).and_then(|place| Heights::read(&place, format, self.spacing))
-            });
-            let mut heights = heights.map_err(|e| renamed(e, key))?;
-            if let Some(factor) = self.scale {
-                heights = heights.scaled(factor)?;
-            }
-            if let Some(origin) = self.origin {
-                heights = heights.at(origin)?;
-            }
-            Ok(if self.level == LevelForm::Plane { heights.levelled() } else { heights })
-        };
-        let heights = read("file", &self.file)?;
-        let zero = match self.zero {
-            ZeroForm::FirstTouch => Zero::FirstTouch,
-            ZeroForm::AsIs => Zero::AsIs,
-        };
-        match (&self.against, self.surface) {
-            (None, SurfaceForm::Upper) => HeightMap::new(&heights, Surface::Upper, zero),
-            (None, SurfaceForm::Lower) => HeightMap::new(&heights, Surface::Lower, zero),
-            (Some(other), SurfaceForm::Upper) => HeightMap::pair(&heights, &read("against", other)?, zero),
-            (Some(other), SurfaceForm::Lower) => HeightMap::pair(&read("against", other)?, &heights, zero),
-        }
-    }
-}
-
-/// An error about a file stands at the key that names the file.
-fn renamed(mut error: InputError, key: &str) -> InputError {
-    if key != "file" && (error.path == "file" || error.path.starts_with("file.") || error.path.starts_with("file[")) {
-        error.path.replace_range(.."file".len(), key);
-    }
-    error
-}
-
 /// A gap that the calling program holds; files cannot say it.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -333,6 +266,10 @@ struct Place {
     at: Option<[f64; 2]>,
     rotate: Option<f64>,
 }
+
+/// Nominal angles between axis and face, degrees (ISO 14577-2:2015, section 4.2).
+const BERKOVICH: f64 = 65.27;
+const VICKERS: f64 = 68.0;
 
 /// Most gaps that a sum or a minimum is made of, those inside of others counted: what is asked of the whole is asked of each.
 const MOST_PARTS: usize = 1000;
@@ -378,7 +315,10 @@ fn gap(value: &Json, path: &str, from: &Sources) -> Result<AnyGap, InputError> {
     let kind = match value.get("kind") {
         Some(Json::String(kind)) => kind.as_str(),
         Some(other) => return Err(InputError::new(kind_path, other.brief(), format!("one of: {}", KINDS.join(", ")))),
-        None => return Err(InputError::new(kind_path, "nothing", format!("one of: {}", KINDS.join(", ")))),
+        None => {
+            let given = if value.get("type").is_some() { "nothing (\"type\" stands in its place)" } else { "nothing" };
+            return Err(InputError::new(kind_path, given, format!("one of: {}", KINDS.join(", "))));
+        }
     };
     let inner = own(kind, value, path, from)?;
     let Place { at, rotate } = decode(value, path)?;
@@ -417,6 +357,19 @@ fn own(kind: &str, value: &Json, path: &str, from: &Sources) -> Result<AnyGap, I
                 })
                 .map(AnyGap::new)
         }
+        "berkovich" => {
+            let indenter: IndenterForm = form(value, path)?;
+            indenter.build(3, BERKOVICH.to_radians().tan()).map(AnyGap::new)
+        }
+        "vickers" => {
+            let indenter: IndenterForm = form(value, path)?;
+            indenter.build(4, VICKERS.to_radians().tan()).map(AnyGap::new)
+        }
+        "cube_corner" => {
+            let indenter: IndenterForm = form(value, path)?;
+            // Faces of a cube meet its diagonal at tan = 1/sqrt(2).
+            indenter.build(3, std::f64::consts::FRAC_1_SQRT_2).map(AnyGap::new)
+        }
         "polyhedron" => {
             let PolyhedronForm { planes } = form(value, path)?;
             at_most(MOST_PLANES, planes.len(), &format!("{path}.planes"), "planes")?;
@@ -450,7 +403,11 @@ fn own(kind: &str, value: &Json, path: &str, from: &Sources) -> Result<AnyGap, I
         }
         "height_map" => {
             let map: HeightMapForm = form(value, path)?;
-            map.build(from).map(AnyGap::new)
+            map.build(from)
+        }
+        "profile" => {
+            let profile: ProfileForm = form(value, path)?;
+            profile.build(from.files).map(AnyGap::new)
         }
         "given" if from.any_gap() => {
             let GivenForm { name } = form(value, path)?;

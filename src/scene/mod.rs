@@ -20,8 +20,10 @@ mod document;
 pub(crate) mod fields;
 mod gap;
 mod given;
+mod measured;
 #[cfg(feature = "cli")]
 mod schema;
+mod words;
 
 use std::path::{Path, PathBuf};
 

@@ -110,7 +110,7 @@ fn outline(random: &mut Random) -> Value {
 }
 
 pub fn gap(random: &mut Random, depth: usize) -> Value {
-    let kinds = if depth == 0 { 10 } else { 12 };
+    let kinds = if depth == 0 { 12 } else { 14 };
     let mut gap = match pick(random, kinds) {
         0 => match pick(random, 3) {
             0 => json!({"kind": "paraboloid", "radii": [number(random), "flat"]}),
@@ -153,10 +153,48 @@ pub fn gap(random: &mut Random, depth: usize) -> Value {
         9 => json!({
             "kind": "height_map", "file": MAPS[pick(random, MAPS.len())].0, "spacing": [number(random), number(random)],
             "surface": if random.next() < 0.5 { "upper" } else { "lower" },
+            "interpolation": if random.next() < 0.5 { "cubic" } else { "linear" },
         }),
+        10 => {
+            let mut y = number(random);
+            let points: Vec<Value> = (0..2 + pick(random, 40))
+                .map(|_| {
+                    y += 0.1 * number(random).abs();
+                    json!([y, y * y + 0.05 * random.next()])
+                })
+                .collect();
+            let mut profile =
+                json!({"kind": "profile", "points": points, "along": if random.next() < 0.5 { "x" } else { "y" }});
+            let more = [
+                ("radius", json!(number(random).abs())),
+                ("smooth", json!(0.02)),
+                ("interpolation", json!("linear")),
+                ("surface", json!("lower")),
+                ("turn", json!(10.0 * number(random))),
+                ("shift", pair(random)),
+                ("mirror", json!("both")),
+                ("between", json!([-1.0, 1.0])),
+                ("unit", json!("mm")),
+                ("zero", json!("as_is")),
+            ];
+            for (key, value) in more {
+                if random.next() < if key == "radius" { 0.8 } else { 0.2 } {
+                    profile[key] = value;
+                }
+            }
+            profile
+        }
+        11 => {
+            let name = ["berkovich", "vickers", "cube_corner"][pick(random, 3)];
+            let mut indenter = json!({"kind": name});
+            if random.next() < 0.3 {
+                indenter["face_angle"] = json!(89.9 * random.next());
+            }
+            indenter
+        }
         which => {
             let parts: Vec<Value> = (0..1 + pick(random, 3)).map(|_| self::gap(random, depth - 1)).collect();
-            json!({"kind": if which == 10 { "sum" } else { "min" }, "of": parts})
+            json!({"kind": if which == 12 { "sum" } else { "min" }, "of": parts})
         }
     };
     if random.next() < 0.3 {

@@ -140,7 +140,7 @@ pub fn gap(random: &mut Random, unit: f64, nested: usize) -> Value {
         11 => {
             let [x, y] = [unit * random.between(0.2, 0.5), unit * random.between(0.2, 0.5)];
             json!({"kind": "height_map", "file": MAPS[random.below(MAPS.len())].0, "spacing": [x, y], "scale": unit,
-                   "surface": "upper"})
+                   "surface": "upper", "interpolation": "linear"})
         }
         12..15 => {
             let parts: Vec<Value> = (0..1 + random.below(3)).map(|_| self::gap(random, unit, nested - 1)).collect();

@@ -1,5 +1,6 @@
 //! Gaps written as formulas.
 
+mod advice;
 mod far;
 mod kinks;
 mod parse;

@@ -7,6 +7,7 @@ use pest::error::{ErrorVariant, InputLocation};
 use pest::iterators::{Pair, Pairs};
 use pest::pratt_parser::{Assoc, Op as Binds, PrattParser};
 
+use super::advice;
 use super::tape::{One, Op, STACK, Tape, Two};
 use crate::error::InputError;
 
@@ -35,6 +36,11 @@ enum Called {
     Two(Two),
     /// Of two or more.
     Several(Two),
+}
+
+/// Whether there is a function of this name.
+pub(super) fn is_function(name: &str) -> bool {
+    called(name).is_some()
 }
 
 fn called(name: &str) -> Option<Called> {
@@ -107,7 +113,11 @@ pub(super) fn parse(text: &str) -> Result<Tape, InputError> {
         if unclosed && wanted.contains(&"an operator") {
             wanted.push("a closing parenthesis");
         }
-        refuse(place(text, at), &format!("expected {}", wanted.join(" or ")))
+        let expected = format!("expected {}", wanted.join(" or "));
+        refuse(
+            place(text, at),
+            &advice::advice(text, at).map_or(expected.clone(), |advice| format!("{expected}; {advice}")),
+        )
     })?;
     let mut tape = Tape::default();
     emit(text, pairs, &mut tape)?;
@@ -125,6 +135,11 @@ fn plainly(rule: Rule) -> &'static str {
         Rule::sum | Rule::difference | Rule::product | Rule::quotient | Rule::power | Rule::EOI => "an operator",
         _ => "a number, a variable, a function or an opening parenthesis",
     }
+}
+
+/// What is allowed, after what was probably meant.
+fn with(allowed: &str, advice: Option<String>) -> String {
+    advice.map_or(allowed.to_owned(), |advice| format!("{advice}; {allowed}"))
 }
 
 fn column(text: &str, at: usize) -> usize {
@@ -186,7 +201,10 @@ fn operand(text: &str, pair: Pair<'_, Rule>) -> Result<Vec<Op>, InputError> {
             _ if called(word).is_some() => {
                 refuse(format!("`{word}` at column {at}"), &format!("a function needs its parentheses: {word}(...)"))
             }
-            _ => refuse(format!("`{word}` at column {at}"), "the variables are x, y, r, theta and the constants pi, e"),
+            _ => {
+                let known = "the variables are x, y, r, theta and the constants pi, e; others are written as numbers";
+                refuse(format!("`{word}` at column {at}"), &with(known, advice::of_name(word)))
+            }
         },
         Rule::call => {
             let mut inner = pair.into_inner();
@@ -195,7 +213,7 @@ fn operand(text: &str, pair: Pair<'_, Rule>) -> Result<Vec<Op>, InputError> {
             let Some(function) = called(name) else {
                 let allowed = "the functions are abs, sign, sqrt, cbrt, exp, ln, log, log10, log2, sin, cos, tan, asin, \
                                acos, atan, sinh, cosh, tanh, floor, ceil, min, max, pow, atan2, hypot";
-                return refuse(format!("`{name}` at column {at}"), allowed);
+                return refuse(format!("`{name}` at column {at}"), &with(allowed, advice::of_function(name)));
             };
             let count = arguments.len();
             let (fits, wanted) = match function {

@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
-use super::{npy, text};
+#[cfg(feature = "scene")]
+use super::x3p;
+use super::{Read, npy, sdf, text};
 use crate::error::{InputError, finite, positive};
 
 /// Largest array and largest text that is read, in bytes; a text of two bytes a height takes four times its size.
@@ -18,15 +20,27 @@ pub enum MapFormat {
     Xyz,
     /// NumPy's array file, two-dimensional.
     Npy,
+    /// ISO 25178-72, a zip archive; read with the feature `scene`.
+    X3p,
+    /// ISO 25178-71 in ASCII.
+    Sdf,
 }
 
 impl MapFormat {
-    /// By the file's extension: `.npy`, `.xyz`, anything else is text.
+    /// Whether such files carry the places of their nodes, and not heights alone.
+    #[must_use]
+    pub fn has_places(self) -> bool {
+        matches!(self, Self::Xyz | Self::X3p | Self::Sdf)
+    }
+
+    /// By the file's extension: `.npy`, `.xyz`, `.x3p`, `.sdf`, anything else is text.
     #[must_use]
     pub fn of(path: &Path) -> Self {
         match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
             Some("npy") => Self::Npy,
             Some("xyz") => Self::Xyz,
+            Some("x3p") => Self::X3p,
+            Some("sdf") => Self::Sdf,
             _ => Self::Text,
         }
     }
@@ -42,6 +56,8 @@ pub struct Heights {
     spacing: [f64; 2],
     origin: [f64; 2],
     values: Vec<f64>,
+    /// How far each may be from the true one, where noise was taken out.
+    doubt: Option<Vec<f64>>,
 }
 
 impl Heights {
@@ -66,7 +82,7 @@ impl Heights {
         let origin = [0, 1].map(|m| -0.5 * (shape[m] - 1) as f64 * spacing[m]);
         finite("spacing[0]", origin[0])?;
         finite("spacing[1]", origin[1])?;
-        Ok(Self { shape, spacing, origin, values })
+        Ok(Self { shape, spacing, origin, values, doubt: None })
     }
 
     /// Rows of numbers separated by blanks, commas or semicolons; `#` starts a comment; `nan`, `na`, `-` or nothing
@@ -98,7 +114,28 @@ impl Heights {
         Self::new(values, shape, spacing)
     }
 
-    /// A file; `format` by its extension when not said. `spacing` is needed but for XYZ, where it is checked.
+    /// An X3P file (ISO 25178-72) with a surface on a regular grid. Metres.
+    ///
+    /// # Errors
+    /// Names `file` and what is wrong with the archive, its description or its heights.
+    #[cfg(feature = "scene")]
+    pub fn from_x3p(bytes: &[u8]) -> Result<Self, InputError> {
+        x3p::read(bytes).and_then(Self::measured)
+    }
+
+    /// A surface data file in ASCII (ISO 25178-71). Metres.
+    ///
+    /// # Errors
+    /// Names `file` and what is wrong with its header or its heights.
+    pub fn from_sdf(text: &str) -> Result<Self, InputError> {
+        sdf::read(text).and_then(Self::measured)
+    }
+
+    fn measured(Read { values, shape, spacing }: Read) -> Result<Self, InputError> {
+        Self::new(values, shape, spacing).map_err(|e| InputError { path: "file".into(), ..e })
+    }
+
+    /// A file; `format` by its extension when not said. `spacing` is needed where the file has no places; else it is checked.
     ///
     /// # Errors
     /// Names `file` when it is not a regular file, cannot be read or is larger than 1 GiB (text: 256 MiB), or `spacing`; otherwise as the
@@ -106,7 +143,10 @@ impl Heights {
     pub fn read(path: &Path, format: Option<MapFormat>, spacing: Option<[f64; 2]>) -> Result<Self, InputError> {
         let name = path.display();
         let format = format.unwrap_or_else(|| MapFormat::of(path));
-        let bytes = crate::files::read(path, if format == MapFormat::Npy { LARGEST_ARRAY } else { LARGEST_TEXT })?;
+        let bytes = crate::files::read(
+            path,
+            if matches!(format, MapFormat::Npy | MapFormat::X3p) { LARGEST_ARRAY } else { LARGEST_TEXT },
+        )?;
         let needed = || {
             let allowed = "the steps [dx, dy] between the heights, which this kind of file does not hold";
             spacing.ok_or_else(|| InputError::new("spacing", "nothing", allowed))
@@ -114,23 +154,30 @@ impl Heights {
         let inside = |e: InputError| {
             if e.path == "file" { InputError { given: format!("{name}: {}", e.given), ..e } } else { e }
         };
+        // A spacing beside that of the file is the same.
+        let agreeing = |heights: Self| {
+            let agrees = |m: usize| spacing.is_none_or(|s| (s[m] / heights.spacing[m] - 1.0).abs() < 0.01);
+            match (0..2).find(|&m| !agrees(m)) {
+                None => Ok(heights),
+                Some(m) => {
+                    let allowed = format!("the spacing of the coordinates in {name}");
+                    Err(InputError::new(format!("spacing[{m}]"), spacing.unwrap_or_default()[m], allowed))
+                }
+            }
+        };
         match format {
             MapFormat::Npy => Self::from_npy(&bytes, needed()?).map_err(inside),
             MapFormat::Text => {
                 let spacing = needed()?;
                 text::decoded(&bytes).and_then(|text| Self::from_text(text, spacing)).map_err(inside)
             }
-            MapFormat::Xyz => {
-                let heights = text::decoded(&bytes).and_then(Self::from_xyz).map_err(inside)?;
-                let agrees = |m: usize| spacing.is_none_or(|s| (s[m] / heights.spacing[m] - 1.0).abs() < 0.01);
-                match (0..2).find(|&m| !agrees(m)) {
-                    Some(m) => Err(InputError::new(
-                        format!("spacing[{m}]"),
-                        spacing.unwrap_or_default()[m],
-                        format!("the spacing of the coordinates in {name}"),
-                    )),
-                    None => Ok(heights),
-                }
+            MapFormat::Xyz => text::decoded(&bytes).and_then(Self::from_xyz).map_err(inside).and_then(agreeing),
+            MapFormat::Sdf => text::decoded(&bytes).and_then(Self::from_sdf).map_err(inside).and_then(agreeing),
+            #[cfg(feature = "scene")]
+            MapFormat::X3p => Self::from_x3p(&bytes).map_err(inside).and_then(agreeing),
+            #[cfg(not(feature = "scene"))]
+            MapFormat::X3p => {
+                Err(InputError::new("file", name, "another format: this build has no .x3p (feature scene)"))
             }
         }
     }
@@ -178,6 +225,7 @@ impl Heights {
         if !factor.is_finite() || factor == 0.0 {
             return Err(InputError::new("scale", factor, "a finite number other than 0"));
         }
+        self.doubt.iter_mut().flatten().for_each(|doubt| *doubt *= factor.abs());
         for value in &mut self.values {
             *value *= factor;
             if value.is_infinite() {
@@ -187,10 +235,40 @@ impl Heights {
         Ok(self)
     }
 
+    /// Without noise of this standard deviation: smoothing splines along rows and columns whose mean square distance from the heights
+    /// is that of the noise (Reinsch 1967, as a tensor product).
+    ///
+    /// # Errors
+    /// Names `smooth` when it is not a finite number greater than 0.
+    pub fn smoothed(self, deviation: f64) -> Result<Self, InputError> {
+        let deviation = positive("smooth", deviation)?;
+        let found = crate::gap::spline::smoothed_grid(&self.values, self.shape, self.spacing, deviation);
+        Ok(Self { values: found.values, doubt: Some(found.doubt), ..self })
+    }
+
+    /// How far each height may be from the true one, where noise was taken out.
+    pub(super) fn doubt(&self) -> Option<&[f64]> {
+        self.doubt.as_deref()
+    }
+
+    /// Places times `factor`: spacing and first node in another unit.
+    ///
+    /// # Errors
+    /// Names `unit` when the factor is not a finite number greater than 0, or a place no longer fits.
+    pub fn stretched(mut self, factor: f64) -> Result<Self, InputError> {
+        positive("unit", factor)?;
+        self.spacing = self.spacing.map(|h| h * factor);
+        self.origin = self.origin.map(|x| x * factor);
+        let fits = self.spacing.iter().all(|h| h.is_normal()) && self.origin.iter().all(|x| x.is_finite());
+        if fits { Ok(self) } else { Err(InputError::new("unit", factor, "a factor that keeps the places finite")) }
+    }
+
     /// The rows the other way up: the first row of the file has the largest y, as in a picture.
     #[must_use]
     pub fn top_row_first(mut self) -> Self {
-        self.values = self.values.rchunks(self.shape[0]).flatten().copied().collect();
+        let nx = self.shape[0];
+        let turned = |values: Vec<f64>| values.rchunks(nx).flatten().copied().collect();
+        (self.values, self.doubt) = (turned(self.values), self.doubt.map(turned));
         self
     }
 

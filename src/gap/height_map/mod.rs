@@ -1,24 +1,34 @@
 //! Measured surfaces: gaps given by heights on a regular grid.
 
-mod extremes;
 mod heights;
+mod nodes;
 mod npy;
+mod sdf;
 mod text;
+#[cfg(feature = "scene")]
+mod x3p;
 
 pub use heights::{Heights, MapFormat};
+pub(super) use nodes::{Nodes, ROUNDING};
+pub(super) use text::decoded;
 
+use super::extremes::Extremes;
 use super::{DataEdge, Gap, Growth, Known, Material, Reach, Taylor};
 use crate::error::InputError;
 use crate::geometry::Rect;
 use crate::grid::Grid;
 use crate::numeric::Interval;
-use extremes::Extremes;
+
+/// Heights by rows with their number and steps along x and y, from a file that carries its unit.
+#[derive(Debug)]
+struct Read {
+    values: Vec<f64>,
+    shape: [usize; 2],
+    spacing: [f64; 2],
+}
 
 /// With more cells than this the extremes of blocks stand for them.
 const MANY: usize = 64;
-
-/// Rounding that does not take a point off the map, in steps of the map.
-const ROUNDING: f64 = 1e-9;
 
 /// Which surface was measured. Heights count upwards.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -56,9 +66,7 @@ pub enum Zero {
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeightMap {
-    shape: [usize; 2],
-    spacing: [f64; 2],
-    origin: [f64; 2],
+    nodes: Nodes,
     /// Gap at the nodes, x fastest; infinite in holes.
     gaps: Vec<f64>,
     centre: [f64; 2],
@@ -66,6 +74,8 @@ pub struct HeightMap {
     floor: f64,
     /// Least and greatest gap of blocks of cells.
     extremes: Extremes,
+    /// How far each gap may be from the true one, where noise was taken out.
+    doubt: Option<Vec<f64>>,
 }
 
 impl HeightMap {
@@ -78,7 +88,12 @@ impl HeightMap {
             Surface::Upper => 1.0,
             Surface::Lower => -1.0,
         };
-        Self::build(heights, heights.values().iter().map(|z| sign * z).collect(), zero)
+        Self::build(
+            heights,
+            heights.values().iter().map(|z| sign * z).collect(),
+            heights.doubt().map(<[f64]>::to_vec),
+            zero,
+        )
     }
 
     /// Two measured surfaces against each other: gap = upper - lower. Both maps have the same nodes.
@@ -103,18 +118,23 @@ impl HeightMap {
                 return Err(InputError::new("lower", given, allowed("first node", format!("{:?}", upper.origin()))));
             }
         }
-        Self::build(upper, upper.values().iter().zip(lower.values()).map(|(u, l)| u - l).collect(), zero)
+        let both = |one: Option<&[f64]>, other: Option<&[f64]>| match (one, other) {
+            (Some(a), Some(b)) => Some(a.iter().zip(b).map(|(a, b)| a + b).collect()),
+            (one, other) => one.or(other).map(<[f64]>::to_vec),
+        };
+        let doubt = both(upper.doubt(), lower.doubt());
+        Self::build(upper, upper.values().iter().zip(lower.values()).map(|(u, l)| u - l).collect(), doubt, zero)
     }
 
-    fn build(frame: &Heights, mut gaps: Vec<f64>, zero: Zero) -> Result<Self, InputError> {
+    fn build(frame: &Heights, mut gaps: Vec<f64>, doubt: Option<Vec<f64>>, zero: Zero) -> Result<Self, InputError> {
         for gap in &mut gaps {
             if !gap.is_finite() {
                 *gap = f64::INFINITY;
             }
         }
-        let (shape, spacing, origin) = (frame.shape(), frame.spacing(), frame.origin());
-        let mut map =
-            Self { shape, spacing, origin, gaps, centre: [0.0; 2], floor: 0.0, extremes: Extremes::default() };
+        let shape = frame.shape();
+        let nodes = Nodes { shape, spacing: frame.spacing(), origin: frame.origin() };
+        let mut map = Self { nodes, gaps, centre: [0.0; 2], floor: 0.0, extremes: Extremes::default(), doubt };
         let least = (0..shape[1] - 1)
             .flat_map(|j| (0..shape[0] - 1).map(move |i| [i, j]))
             .filter_map(|[i, j]| map.corners(i, j))
@@ -140,35 +160,36 @@ impl HeightMap {
     /// Number of nodes along x and y.
     #[must_use]
     pub fn shape(&self) -> [usize; 2] {
-        self.shape
+        self.nodes.shape
     }
 
     /// Steps between nodes along x and y.
     #[must_use]
     pub fn spacing(&self) -> [f64; 2] {
-        self.spacing
+        self.nodes.spacing
     }
 
     /// The rectangle from the first node to the last.
     #[must_use]
     pub fn extent(&self) -> Rect {
-        Rect { min: self.origin, max: self.node(self.shape[0] - 1, self.shape[1] - 1) }
+        self.nodes.extent()
     }
 
-    fn node(&self, i: usize, j: usize) -> [f64; 2] {
-        [self.origin[0] + i as f64 * self.spacing[0], self.origin[1] + j as f64 * self.spacing[1]]
+    /// The nodes, the gaps there (infinite in holes), and how far each may be from the true one.
+    pub(super) fn samples(&self) -> (Nodes, &[f64], Option<&[f64]>) {
+        (self.nodes, &self.gaps, self.doubt.as_deref())
     }
 
     /// Gaps at the corners of cell (i, j): lower left, lower right, upper left, upper right. `None` with a hole.
     fn corners(&self, i: usize, j: usize) -> Option<[f64; 4]> {
-        let k = j * self.shape[0] + i;
-        let corners = [k, k + 1, k + self.shape[0], k + self.shape[0] + 1].map(|k| self.gaps[k]);
+        let k = j * self.nodes.shape[0] + i;
+        let corners = [k, k + 1, k + self.nodes.shape[0], k + self.nodes.shape[0] + 1].map(|k| self.gaps[k]);
         corners.iter().all(|g| g.is_finite()).then_some(corners)
     }
 
     /// The lowest node; the middle of several next to each other.
     fn lowest_node(&self) -> [f64; 2] {
-        let [nx, ny] = self.shape;
+        let [nx, ny] = self.nodes.shape;
         let touches = |i: usize, j: usize| {
             let (left, below) = (i.saturating_sub(1), j.saturating_sub(1));
             (below..=j.min(ny - 2)).any(|j| (left..=i.min(nx - 2)).any(|i| self.corners(i, j).is_some()))
@@ -184,8 +205,8 @@ impl HeightMap {
         let east = i + 1 < nx && self.gaps[j * nx + i + 1] == gap;
         let north = j + 1 < ny && self.gaps[(j + 1) * nx + i] == gap;
         let both = east && north && self.corners(i, j).is_some_and(|c| c.iter().all(|&g| g == gap));
-        let [x, y] = self.node(i, j);
-        let half = [0.5 * self.spacing[0], 0.5 * self.spacing[1]];
+        let [x, y] = self.nodes.node(i, j);
+        let half = [0.5 * self.nodes.spacing[0], 0.5 * self.nodes.spacing[1]];
         match (both, east, north) {
             (true, ..) => [x + half[0], y + half[1]],
             (_, true, _) => [x + half[0], y],
@@ -194,59 +215,11 @@ impl HeightMap {
         }
     }
 
-    /// The cells that hold a coordinate, with its place in them in [0, 1]; two on a line of the grid.
-    fn holding(&self, m: usize, v: f64) -> impl Iterator<Item = (usize, f64)> + use<> {
-        let last = self.shape[m] - 2;
-        let u = (v - self.origin[m]) / self.spacing[m];
-        let on_map = u >= -ROUNDING && u <= (last + 1) as f64 + ROUNDING;
-        let u = u.clamp(0.0, (last + 1) as f64);
-        let cell = (u.floor() as usize).min(last);
-        let t = u - cell as f64;
-        let before = (t == 0.0 && cell > 0).then(|| (cell - 1, 1.0));
-        on_map.then_some((cell, t)).into_iter().chain(before.filter(|_| on_map))
-    }
-
     /// The cell with material that holds a point, and the place in it.
     fn locate(&self, x: f64, y: f64) -> Option<([f64; 4], [f64; 2])> {
-        self.holding(1, y).find_map(|(j, t)| {
-            self.holding(0, x).find_map(|(i, s)| self.corners(i, j).map(|corners| (corners, [s, t])))
+        self.nodes.holding(1, y).find_map(|(j, t)| {
+            self.nodes.holding(0, x).find_map(|(i, s)| self.corners(i, j).map(|corners| (corners, [s, t])))
         })
-    }
-
-    /// Cells over which an interval extends, with the interval's part in each; `None` if it leaves the map.
-    fn pieces(&self, m: usize, from: f64, to: f64) -> Option<Vec<(usize, f64, f64)>> {
-        let (a, b) = ((from - self.origin[m]) / self.spacing[m], (to - self.origin[m]) / self.spacing[m]);
-        let last = (self.shape[m] - 1) as f64;
-        let slack = ROUNDING * (1.0 + (b - a));
-        if !(a >= -slack && b <= last + slack) {
-            return None;
-        }
-        let (a, b) = (a.clamp(0.0, last), b.clamp(0.0, last));
-        let (first, end) = ((a + ROUNDING).floor() as usize, (b - ROUNDING).ceil() as usize);
-        let piece = |k: usize| (k, a.max(k as f64) - k as f64, b.min((k + 1) as f64) - k as f64);
-        Some((first..end).map(piece).collect())
-    }
-
-    /// The cells from one to another along both sides that a rectangle touches; `None` off the map.
-    fn blocks(&self, rect: &Rect) -> Option<[[usize; 2]; 2]> {
-        let side = |m: usize| {
-            let parts = self.parts(m, rect);
-            Some([parts.first()?.0, parts.last()?.0])
-        };
-        Some([side(0)?, side(1)?])
-    }
-
-    /// Every cell that a side of a rectangle touches, with the part of it in [0, 1]; none off the map.
-    fn parts(&self, m: usize, rect: &Rect) -> Vec<(usize, [f64; 2])> {
-        let [a, b] = [rect.min[m], rect.max[m]].map(|v| (v - self.origin[m]) / self.spacing[m]);
-        let last = self.shape[m] - 2;
-        // Points within rounding of the border count as on the map, as they do for the gap itself.
-        if b < -ROUNDING || a > (last + 1) as f64 + ROUNDING {
-            return Vec::new();
-        }
-        let [a, b] = [a, b].map(|u| u.clamp(0.0, (last + 1) as f64));
-        let (first, end) = ((a.floor() as usize).min(last), (b.floor() as usize).min(last));
-        (first..=end).map(|k| (k, [a, b].map(|u| (u - k as f64).clamp(0.0, 1.0)))).collect()
     }
 }
 
@@ -261,8 +234,8 @@ impl Gap for HeightMap {
 
     fn gradient(&self, x: f64, y: f64) -> Option<[f64; 2]> {
         let ([a, b, c, d], [s, t]) = self.locate(x, y)?;
-        let along_x = ((b - a) * (1.0 - t) + (d - c) * t) / self.spacing[0];
-        Some([along_x, ((c - a) * (1.0 - s) + (d - b) * s) / self.spacing[1]])
+        let along_x = ((b - a) * (1.0 - t) + (d - c) * t) / self.nodes.spacing[0];
+        Some([along_x, ((c - a) * (1.0 - s) + (d - b) * s) / self.nodes.spacing[1]])
     }
 
     fn describe(&self) -> Known {
@@ -270,50 +243,24 @@ impl Gap for HeightMap {
     }
 
     fn components(&self, depth: f64) -> Option<Vec<Rect>> {
-        // Connected groups of cells that dip below the depth, corners counted.
-        let [nx, ny] = self.shape.map(|n| n - 1);
         let below = |i: usize, j: usize| self.corners(i, j).is_some_and(|c| c.iter().any(|&g| g < depth));
-        let mut seen = vec![false; nx * ny];
-        let mut found = Vec::new();
-        let mut stack = Vec::new();
-        for start in 0..nx * ny {
-            if seen[start] || !below(start % nx, start / nx) {
-                continue;
-            }
-            seen[start] = true;
-            stack.push(start);
-            let [mut low, mut high] = [[usize::MAX; 2], [0; 2]];
-            while let Some(k) = stack.pop() {
-                let at = [k % nx, k / nx];
-                low = [low[0].min(at[0]), low[1].min(at[1])];
-                high = [high[0].max(at[0] + 1), high[1].max(at[1] + 1)];
-                for j in at[1].saturating_sub(1)..(at[1] + 2).min(ny) {
-                    for i in at[0].saturating_sub(1)..(at[0] + 2).min(nx) {
-                        if !seen[j * nx + i] && below(i, j) {
-                            seen[j * nx + i] = true;
-                            stack.push(j * nx + i);
-                        }
-                    }
-                }
-            }
-            found.push(Rect { min: self.node(low[0], low[1]), max: self.node(high[0], high[1]) });
-        }
-        Some(found)
+        Some(self.nodes.groups(below))
     }
 
     fn taylor(&self, rect: &Rect) -> Option<Taylor> {
-        let [c, r] = [0, 1].map(|m| self.parts(m, rect));
+        let [c, r] = [0, 1].map(|m| self.nodes.parts(m, rect));
         let ([(i, _)], [(j, _)]) = (c.as_slice(), r.as_slice()) else { return None };
         let whole = self.extent();
         let on_map = (0..2).all(|m| whole.min[m] <= rect.min[m] && rect.max[m] <= whole.max[m]);
         let [a, b, c, d] = self.corners(*i, *j).filter(|_| on_map)?.map(Interval::point);
-        let [x0, y0] = self.node(*i, *j);
+        let [x0, y0] = self.nodes.node(*i, *j);
         let [x, y] = rect.centre();
-        let place =
-            |v: f64, v0: f64, m: usize| (Interval::point(v) - Interval::point(v0)) / Interval::point(self.spacing[m]);
+        let place = |v: f64, v0: f64, m: usize| {
+            (Interval::point(v) - Interval::point(v0)) / Interval::point(self.nodes.spacing[m])
+        };
         let (s, t) = (place(x, x0, 0), place(y, y0, 1));
         let one = Interval::point(1.0);
-        let [dx, dy] = self.spacing.map(Interval::point);
+        let [dx, dy] = self.nodes.spacing.map(Interval::point);
         let (low, high) = (a * (one - s) + b * s, c * (one - s) + d * s);
         let (left, right) = (a * (one - t) + c * t, b * (one - t) + d * t);
         Taylor {
@@ -329,8 +276,8 @@ impl Gap for HeightMap {
         if !(0..2).all(|m| whole.min[m] <= rect.min[m] && rect.max[m] <= whole.max[m]) {
             return None;
         }
-        let [columns, rows] = [0, 1].map(|m| self.parts(m, rect));
-        let [dx, dy] = self.spacing.map(Interval::point);
+        let [columns, rows] = [0, 1].map(|m| self.nodes.parts(m, rect));
+        let [dx, dy] = self.nodes.spacing.map(Interval::point);
         let mut all: Option<[Interval; 2]> = None;
         for (j, _) in &rows {
             for (i, _) in &columns {
@@ -350,9 +297,9 @@ impl Gap for HeightMap {
             return Some([self.bounds(rect, [0.0; 2])?[0], f64::INFINITY]);
         }
         // A sum of products of the heights, and where its pieces lie to rounding.
-        let [low, high] = self.extremes.over(self.blocks(rect)?);
+        let [low, high] = self.extremes.over(self.nodes.blocks(rect)?);
         let steps =
-            self.spacing.map(|step| rect.max.iter().chain(&rect.min).fold(0.0_f64, |m, v| m.max(v.abs())) / step);
+            self.nodes.spacing.map(|step| rect.max.iter().chain(&rect.min).fold(0.0_f64, |m, v| m.max(v.abs())) / step);
         let rounding =
             f64::EPSILON * (16.0 * low.abs().max(high.abs()) + 4.0 * (high - low) * (steps[0] + steps[1] + 4.0));
         Some([mean - rounding, mean + rounding])
@@ -365,8 +312,8 @@ impl Gap for HeightMap {
     fn reach(&self, depth: f64) -> Reach {
         // In a cell a level line runs from edge to edge and is monotone: the edges alone bound what it encloses.
         let mut held: Option<Rect> = None;
-        for j in 0..self.shape[1] - 1 {
-            for i in 0..self.shape[0] - 1 {
+        for j in 0..self.nodes.shape[1] - 1 {
+            for i in 0..self.nodes.shape[0] - 1 {
                 let Some([a, b, c, d]) = self.corners(i, j) else { continue };
                 if a.min(b).min(c).min(d) >= depth {
                     continue;
@@ -386,8 +333,8 @@ impl Gap for HeightMap {
                     };
                     let ends = span.map(|t| [0, 1].map(|m| p[m] + t * (q[m] - p[m])));
                     let ends = ends.map(|[s, t]| {
-                        let [x, y] = self.node(i, j);
-                        [x + s * self.spacing[0], y + t * self.spacing[1]]
+                        let [x, y] = self.nodes.node(i, j);
+                        [x + s * self.nodes.spacing[0], y + t * self.nodes.spacing[1]]
                     });
                     let edge = Rect { min: ends[0], max: ends[1] };
                     held = Some(held.map_or(edge, |held| held.union(&edge)));
@@ -395,7 +342,7 @@ impl Gap for HeightMap {
             }
         }
         held.map_or(Reach::Nowhere, |rect| {
-            let [w, h] = self.spacing.map(|step| ROUNDING * step);
+            let [w, h] = self.nodes.spacing.map(|step| ROUNDING * step);
             let wider = Rect { min: [rect.min[0] - w, rect.min[1] - h], max: [rect.max[0] + w, rect.max[1] + h] };
             Reach::Within(wider.intersection(&self.extent()).unwrap_or(wider))
         })
@@ -403,7 +350,7 @@ impl Gap for HeightMap {
 
     fn mean(&self, cell: &Rect) -> f64 {
         let (Some(columns), Some(rows)) =
-            (self.pieces(0, cell.min[0], cell.max[0]), self.pieces(1, cell.min[1], cell.max[1]))
+            (self.nodes.pieces(0, cell.min[0], cell.max[0]), self.nodes.pieces(1, cell.min[1], cell.max[1]))
         else {
             return f64::INFINITY;
         };
@@ -430,10 +377,10 @@ impl Gap for HeightMap {
         let whole = self.extent();
         let all_on_map = (0..2).all(|m| whole.min[m] <= rect.min[m] && rect.max[m] <= whole.max[m]);
         let [mut low, mut high] = [f64::INFINITY, if all_on_map { f64::NEG_INFINITY } else { f64::INFINITY }];
-        let (columns, rows) = (self.parts(0, rect), self.parts(1, rect));
+        let (columns, rows) = (self.nodes.parts(0, rect), self.nodes.parts(1, rect));
         if columns.len() * rows.len() > MANY {
             // Blocks of cells: their extremes, and the variation of the plane.
-            let [a, b] = self.extremes.over(self.blocks(rect)?);
+            let [a, b] = self.extremes.over(self.nodes.blocks(rect)?);
             let [w, h] = rect.size();
             let half = 0.5 * (slope[0].abs() * w + slope[1].abs() * h);
             return Some([a - half, if all_on_map { b + half } else { f64::INFINITY }]);
@@ -448,10 +395,10 @@ impl Gap for HeightMap {
                     }
                     continue;
                 };
-                let [x, y] = self.node(i, j);
+                let [x, y] = self.nodes.node(i, j);
                 for at in [[s[0], t[0]], [s[1], t[0]], [s[0], t[1]], [s[1], t[1]]] {
-                    let rise = slope[0] * (x + at[0] * self.spacing[0] - centre[0])
-                        + slope[1] * (y + at[1] * self.spacing[1] - centre[1]);
+                    let rise = slope[0] * (x + at[0] * self.nodes.spacing[0] - centre[0])
+                        + slope[1] * (y + at[1] * self.nodes.spacing[1] - centre[1]);
                     let value = bilinear(corners, at) - rise;
                     (low, high) = (low.min(value), high.max(value));
                 }
@@ -465,22 +412,23 @@ impl Gap for HeightMap {
     }
 
     fn end_of_data(&self, x: f64, y: f64) -> Option<DataEdge> {
-        if !self.extent().contains([x, y]) {
-            return Some(DataEdge::Map);
-        }
-        (self.gap(x, y) == f64::INFINITY).then_some(DataEdge::Hole)
+        self.nodes.end_of_data([x, y], self.gap(x, y))
     }
 
     fn nodes(&self) -> Option<Grid> {
-        let origin = [0, 1].map(|m| self.origin[m] - 0.5 * self.spacing[m]);
-        Some(Grid { origin, spacing: self.spacing, shape: self.shape })
+        Some(self.nodes.cells())
+    }
+
+    fn sampling_error(&self, rect: &Rect) -> f64 {
+        self.nodes.largest(self.doubt.as_deref(), rect)
     }
 
     fn ray_kinks(&self, from: [f64; 2], direction: [f64; 2], kinks: &mut Vec<f64>) {
         for m in 0..2 {
             if direction[m] != 0.0 {
-                let line = |k: usize| (self.origin[m] + k as f64 * self.spacing[m] - from[m]) / direction[m];
-                kinks.extend((0..self.shape[m]).map(line).filter(|r| *r > 0.0 && r.is_finite()));
+                let line =
+                    |k: usize| (self.nodes.origin[m] + k as f64 * self.nodes.spacing[m] - from[m]) / direction[m];
+                kinks.extend((0..self.nodes.shape[m]).map(line).filter(|r| *r > 0.0 && r.is_finite()));
             }
         }
     }
@@ -488,7 +436,7 @@ impl Gap for HeightMap {
     fn kink_directions(&self, from: [f64; 2], angles: &mut Vec<f64>) {
         // On a line of the grid: along it. Nodes further out are too many to name.
         let on_line = |m: usize| {
-            let u = (from[m] - self.origin[m]) / self.spacing[m];
+            let u = (from[m] - self.nodes.origin[m]) / self.nodes.spacing[m];
             (u - u.round()).abs() < ROUNDING
         };
         let (quarter, half) = (std::f64::consts::FRAC_PI_2, std::f64::consts::PI);

@@ -7,7 +7,7 @@ fn refuse(given: impl std::fmt::Display, allowed: impl Into<String>) -> InputErr
 }
 
 /// UTF-8 without its byte order mark.
-pub(super) fn decoded(bytes: &[u8]) -> Result<&str, InputError> {
+pub(in crate::gap) fn decoded(bytes: &[u8]) -> Result<&str, InputError> {
     let line = |at: usize| bytes[..at].iter().filter(|&&b| b == b'\n').count() + 1;
     if let Some(at) = bytes.iter().position(|&b| b == 0) {
         return Err(refuse(format!("binary data in line {}", line(at)), "text, or the format said by `format`"));
