@@ -148,7 +148,8 @@ fn dimensional(contact: &Contact, depth: f64, tilt: [f64; 2], settings: &Setting
     let extent = Rect::holding(polyline.iter().copied()).map(|rect| [rect.min, rect.max]);
     let piece =
         |extent| Piece { area: found.area, force: found.force, centroid: found.centroid, extent, max_pressure: None };
-    let pieces = extent.map(piece).into_iter().collect();
+    // Fewer points than a boundary that is asked for has hold no box.
+    let pieces = extent.filter(|_| settings.outputs.patch).map(piece).into_iter().collect();
     let validity = Validity::of(contact, std::slice::from_ref(&polyline), found.area, found.force);
     Solution {
         method: settings.method,
@@ -159,6 +160,7 @@ fn dimensional(contact: &Contact, depth: f64, tilt: [f64; 2], settings: &Setting
         force: found.force,
         force_error: None,
         depth_error: Some(0.0),
+        map_error: None,
         stiffness_error: None,
         energy_error: None,
         area_error: None,

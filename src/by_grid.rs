@@ -413,6 +413,7 @@ fn in_users_units(
         force: force * unit_force,
         force_error: Some(error / force),
         depth_error: Some(0.0),
+        map_error: None,
         stiffness_error,
         energy_error,
         area_error,

@@ -68,6 +68,9 @@ pub struct Solution {
     pub force_error: Option<f64>,
     /// Relative error of the depth; 0 where that was prescribed, `None` when nothing is known of it.
     pub depth_error: Option<f64>,
+    /// What the samples of a measured gap leave open of the force, relative, beside its error: an estimate from coarser samples. `None` for
+    /// gaps that are no measurements.
+    pub map_error: Option<f64>,
     /// Relative error of the stiffness; `None` when nothing is known of it.
     pub stiffness_error: Option<f64>,
     /// Relative error of the stored energy; `None` when nothing is known of it.
@@ -180,6 +183,7 @@ impl Solution {
             force: 0.0,
             force_error: Some(0.0),
             depth_error: Some(0.0),
+            map_error: None,
             stiffness_error: Some(0.0),
             energy_error: Some(0.0),
             area_error: Some(0.0),

@@ -26,7 +26,7 @@ impl Validity {
         let points: usize = boundary.iter().map(Vec::len).sum();
         let every = points.div_ceil(LOOKS).max(1);
         let mut slope = 0.0_f64;
-        for line in boundary {
+        for line in boundary.iter().filter(|line| !line.is_empty()) {
             let middle = centroid(line);
             // On a line, and half way to its middle.
             for point in line.iter().step_by(every) {
@@ -39,7 +39,7 @@ impl Validity {
         let size = (area / PI).sqrt();
         let size_over_radius = radius(gap).map(|radius| size / radius).filter(|s| s.is_finite());
         let pressure_over_modulus = force / area / e_star;
-        (slope.is_finite() && pressure_over_modulus.is_finite()).then_some(Self {
+        (points > 0 && slope.is_finite() && pressure_over_modulus.is_finite()).then_some(Self {
             slope,
             size_over_radius,
             pressure_over_modulus,

@@ -178,8 +178,11 @@ fn in_users_units(contact: &Contact, gap: &AnyGap, found: Found, depth: f64, set
         force,
         force_error: Some((high - low) / (high + low)),
         depth_error: Some(0.0),
+        map_error: None,
         stiffness_error: found.stiffness_error,
-        energy_error: Some((found.energy[1] - found.energy[0]) / (found.energy[1] + found.energy[0])),
+        // Beyond the range of numbers bounds are none.
+        energy_error: Some((found.energy[1] - found.energy[0]) / (found.energy[1] + found.energy[0]))
+            .filter(|error| *error >= 0.0),
         area_error: found.area_error,
         bracket: Some(ForceBracket::of_energy(found.force)),
         depth_bracket: None,

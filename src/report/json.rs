@@ -13,6 +13,7 @@
 //! | `origin` | how the force was found: `{kind, grids?, count?}`, `kind` one of `closed_form`, `approximate`, `one_grid`, `many_grids`, `separate_contacts`, `edge_fitted`, `no_contact` |
 //! | `grid` | `{shape, spacing}` of the finest grid |
 //! | `depth`, `force`, `stiffness` | approach, normal force, dP/dd |
+//! | `map_error` | what the samples of a measured gap leave open of the force, relative, beside the error of its contact; left out where nothing was measured |
 //! | `force_error`, `depth_error`, `stiffness_error`, `energy_error`, `area_error` | relative error of each; 0 for what was prescribed, `null` where nothing is known |
 //! | `evidence` | what the error of the force is, of the depth under a force: `exact` (rounding), `proved` (of a bracket), `sampled`, `estimated` |
 //! | `energy`, `moment`, `tilt`, `stiffness_matrix`, `centre_of_pressure` | where the method gives them |
@@ -126,6 +127,7 @@ impl Serialize for Outcome<'_> {
         map.each("force_error", |s| Some(s.force_error.and_then(finite)))?;
         map.each("depth_error", |s| Some(s.depth_error.and_then(finite)))?;
         map.each("stiffness_error", |s| Some(s.stiffness_error.and_then(finite)))?;
+        map.each("map_error", |s| s.map_error)?;
         map.each("energy_error", |s| Some(s.energy_error.and_then(finite)))?;
         map.each("area_error", |s| Some(s.area_error.and_then(finite)))?;
         map.each("evidence", |s| s.error().map(|_| s.evidence().word()))?;
