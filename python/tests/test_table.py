@@ -89,6 +89,30 @@ def test_numpy_keeps_its_kinds():
     assert answered["k"][1, 1] == 4 and answered["force"][0, 1] == pytest.approx(2 / np.pi) and answered["verdict"][0, 0] == "solved"
 
 
+def crooked(values):
+    """The same numbers, one byte off the places where doubles belong: as buffers that came over a network may lie."""
+    values = np.ascontiguousarray(values, dtype=np.float64)
+    moved = np.frombuffer(b"x" + values.tobytes(), dtype=np.uint8)[1:].view(np.float64).reshape(values.shape)
+    assert not moved.flags.aligned
+    return moved
+
+
+def test_arrays_may_lie_anywhere():
+    depths = np.array([0.25, 0.5, 1.0])
+    assert np.array_equal(solve_table(SCENE, {"/loading/depth": crooked(depths)})["force"], solve_table(SCENE, {"/loading/depth": depths})["force"])
+    y, x = np.mgrid[-5:6, -5:6] * 0.2
+    straight, moved = (
+        Contact(gap.HeightMap(z, 0.2, surface="upper"), modulus=1.0, depth=0.2, outputs=["pressure"]).solve()
+        for z in (x**2 + y**2, crooked(x**2 + y**2))
+    )
+    assert straight.force == moved.force
+    image = moved.to_vti()
+    moved._fields = [(crooked(moved._fields[0][0]), None)]
+    assert moved.to_vti() == image and moved.to_svg() == straight.to_svg()
+    spring = Contact(gap.Cone(45.0), modulus=1.0, depth=1.0).curve()
+    assert np.array_equal(spring(crooked(depths)), spring(depths))
+
+
 def test_pandas_keeps_index_and_columns():
     pandas = pytest.importorskip("pandas")
     frame = pandas.DataFrame(COLUMNS, index=[7, 3, 5])

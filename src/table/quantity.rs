@@ -66,6 +66,7 @@ const KEYS: [&str; 24] = [
     "force_error",
     "gap",
     "grid",
+    "map_error",
     "moment",
     "origin",
     "patch",

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
+from ._numbers import numbers
 
 _Array = npt.NDArray[np.float64]
 
@@ -75,5 +76,5 @@ class Curve:
 
 def _each(of: Callable[[_Array], _Array], at: npt.ArrayLike) -> Any:
     points = np.asarray(at, dtype=np.float64)
-    values = of(np.ascontiguousarray(points).ravel()).reshape(points.shape)
+    values = of(numbers(points)).reshape(points.shape)
     return values[()]

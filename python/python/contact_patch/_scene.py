@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ._errors import SceneError
+from ._numbers import numbers
 from .gap import Function, Gap, HeightMap, Topography
 
 if TYPE_CHECKING:
@@ -185,5 +186,5 @@ def _heights(values: Any, keys: Mapping[str, Any], path: str, heights: list[Heig
     dx, dy = (float(step) for step in np.broadcast_to(np.asarray(spacing, dtype=float), 2))
     name = f"array {len(heights) + 1}"
     shape = (array.shape[1], array.shape[0])
-    heights.append((name, np.ascontiguousarray(array).ravel(), shape, (dx, dy), None))
+    heights.append((name, numbers(array), shape, (dx, dy), None))
     return name

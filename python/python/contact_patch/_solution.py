@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from . import _core
 from ._errors import Unsolved
+from ._numbers import numbers
 
 _Fields = list[tuple[npt.NDArray[np.float64] | None, npt.NDArray[np.float64] | None]]
 
@@ -194,7 +195,7 @@ class Solution(Record):
         if not fields:
             raise Unsolved("no_field", "there is no field to write: ask for outputs=['pressure'] or ['gap']", self)
         on = fields[0][1]._grid()
-        data = _core.vti(on, [(name, part._values) for name, part in fields if part._grid() == on])
+        data = _core.vti(on, [(name, numbers(part._values)) for name, part in fields if part._grid() == on])
         if path is not None:
             Path(path).write_bytes(data)
         return data
@@ -205,7 +206,7 @@ class Solution(Record):
         field = None
         if "field" in one.get("pressure", {}):
             pressure = self.pressure
-            field = (pressure._grid(), pressure._values)
+            field = (pressure._grid(), numbers(pressure._values))
         without_end = one.get("pressure", {}).get("singular") is not None
         boundary = one.get("patch", {}).get("boundary") or []
         return _core.picture(one["scene"].get("name") or "", boundary, field, without_end)

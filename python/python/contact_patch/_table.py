@@ -12,6 +12,7 @@ import numpy.typing as npt
 from . import _core
 from ._api import _threads
 from ._errors import SceneError
+from ._numbers import numbers
 from ._scene import Scene, source
 
 OUTPUTS = ("depth", "force", "force_error", "stiffness", "patch.area", "pressure.max")
@@ -67,7 +68,7 @@ def _cells(name: str, column: Any) -> npt.NDArray[np.float64] | list[str]:
         # Numbers and words in one list: each stays what it is.
         array = np.array([*column, None], dtype=object)[:-1]
     if array.ndim == 1 and array.dtype.kind in "fiu":
-        return np.ascontiguousarray(array, dtype=np.float64)
+        return numbers(array)
     if array.ndim == 0:
         raise SceneError(name, repr(column), "one value a row")
     plain = array.tolist() if array.ndim > 1 or array.dtype != object else [_plain(item) for item in array]
