@@ -4,7 +4,6 @@ use crate::Contact;
 use crate::bracket::ForceBracket;
 use crate::by_edges;
 use crate::consistency::{Claim, within};
-use crate::discrete::Discrete;
 use crate::domain;
 use crate::edges::{self, Edge};
 use crate::error::Unsolved;
@@ -12,9 +11,7 @@ use crate::exact::{self, Refined};
 use crate::gap::{AnyGap, Law};
 use crate::geometry::Rect;
 use crate::grid::{Grid, Pressure};
-use crate::matrix_free;
 use crate::one_grid::{self, GridState};
-use crate::outgrown::outgrown;
 use crate::overlap::{Overlap, Scaled};
 use crate::patch;
 use crate::peak::{self, Ends};
@@ -60,7 +57,7 @@ pub(crate) fn solution(
     }
 }
 
-/// Whether the contact at this depth is solved on several grids, which [`Held`] does not do.
+/// Whether the contact at this depth is solved on several grids, which [`crate::held::Held`] does not do.
 pub(crate) fn on_several_grids(contact: &Contact, depth: f64, settings: &Settings) -> bool {
     matches!(Overlap::of(contact.gap(), depth), Ok(Some(overlap)) if separate::rectangles(&overlap, settings).is_some())
 }
@@ -154,138 +151,6 @@ impl Frame {
     }
 }
 
-/// A solved grid with what it takes to go on from it to another depth.
-pub(crate) struct Held {
-    scaled: Scaled,
-    refined: Refined,
-    /// Pressure that grows with the depth on the cells in contact; `None` where the state is the limit of many grids.
-    growing: Option<Vec<f64>>,
-    /// Estimates of relative errors by the grids of the first state.
-    errors: Errors,
-}
-
-/// Relative errors that a state takes over from another on the same cells.
-#[derive(Debug, Clone, Copy, Default)]
-struct Errors {
-    stiffness: Option<f64>,
-    energy: Option<f64>,
-    area: Option<f64>,
-    peak: Option<f64>,
-}
-
-impl Errors {
-    /// By the grid before.
-    fn of(refined: &Refined) -> Result<Self, Unsolved> {
-        if refined.ladder.is_some() || refined.coarser.is_none() {
-            return Ok(Self::default());
-        }
-        let [(_, stiffness), (_, energy), (_, area), (_, peak)] = refined.estimated(|state| {
-            let highest = state.solution.pressure.iter().copied().fold(0.0, f64::max);
-            let patch = patch::of(&state.problem, &state.solution, [0.0; 2]);
-            Ok([one_grid::stiffness(state)?, state.energy(), patch.area, highest])
-        })?;
-        let [stiffness, area] = [stiffness, area].map(|change| change.map(|change| at_least(refined, change)));
-        let (grid, values) = (&refined.state.problem.grid, &refined.state.solution.pressure);
-        let strongest = strongest(values);
-        Ok(Self { stiffness, energy, area, peak: peak.map(|p| p.max(unresolved::peak(grid, values, strongest))) })
-    }
-}
-
-impl Held {
-    /// The state at a depth of the untilted contact; `None` when the bodies do not touch.
-    ///
-    /// # Errors
-    /// As [`solution`].
-    pub fn at_depth(contact: &Contact, depth: f64, settings: &Settings) -> Result<Option<Self>, Unsolved> {
-        let method = method(settings);
-        let Some(overlap) = Overlap::of(contact.gap(), depth)? else { return Ok(None) };
-        let scaled = overlap.scaled();
-        let refined = exact::refined(&scaled, settings, method, None)?;
-        let errors = Errors::of(&refined)?;
-        Ok(Some(Self { errors, ..Self::grown(scaled, refined)? }))
-    }
-
-    /// A state good to a few percent: one coarse grid.
-    pub fn roughly(contact: &Contact, depth: f64, settings: &Settings) -> Result<Option<Self>, Unsolved> {
-        let Some(overlap) = Overlap::of(contact.gap(), depth)? else { return Ok(None) };
-        let scaled = overlap.scaled();
-        let window = domain::locate(&scaled)?;
-        let grid = Grid::over(&window, domain::shape(&window, ROUGH_CELLS));
-        let problem = Discrete::sample(&scaled.gap, scaled.depth, grid, settings.kernel);
-        let solution = domain::coarse(&problem)?;
-        let state = GridState::of(Method::Fft, problem, solution);
-        Ok(Some(Self::grown(scaled, Refined::of(state, f64::INFINITY))?))
-    }
-
-    /// The state at another depth on the same cells, from here; `None` when they do not hold its contact, or when it takes
-    /// the limit of many grids.
-    ///
-    /// # Errors
-    /// `IterationLimit`.
-    pub fn moved(&self, contact: &Contact, depth: f64, settings: &Settings) -> Result<Option<Self>, Unsolved> {
-        let Some(growing) = &self.growing else { return Ok(None) };
-        let Refined { state: before, force, error, .. } = &self.refined;
-        let Some(overlap) = Overlap::of(contact.gap(), depth)? else { return Ok(None) };
-        let units = self.scaled.units;
-        // A smaller reach takes no cell away.
-        let reach = units.rect_inward(&overlap.reach).union(&self.scaled.reach);
-        let certain = overlap.certain && self.scaled.certain;
-        let scaled = Scaled { depth: depth / units.height, reach, certain, ..self.scaled.clone() };
-        let deeper = scaled.depth - self.scaled.depth;
-        let problem =
-            Discrete { overlap: before.problem.overlap.iter().map(|f| f + deeper).collect(), ..before.problem.clone() };
-        // To first order in the change, exactly.
-        let start: Vec<f64> = before.solution.pressure.iter().zip(growing).map(|(p, m)| p + deeper * m).collect();
-        let Settings { threads, deadline, .. } = *settings;
-        let settings = matrix_free::Settings { threads, deadline, ..matrix_free::Settings::default() };
-        let solution = matrix_free::solve(&problem, Some(&start), &settings)?;
-        if outgrown(&scaled, &problem.grid.extent(), &problem.grid, &solution.pressure).is_some() {
-            return Ok(None);
-        }
-        let state = GridState {
-            iterations: solution.iterations,
-            operator_products: solution.operator_products,
-            problem,
-            solution,
-            ..before.clone()
-        };
-        let error = error / force * state.force();
-        Ok(Some(Self { errors: self.errors, ..Self::grown(scaled, Refined::of(state, error))? }))
-    }
-
-    fn grown(scaled: Scaled, refined: Refined) -> Result<Self, Unsolved> {
-        let grow = || one_grid::growth(&refined.state, &vec![1.0; refined.state.problem.grid.len()]);
-        let growing = if refined.ladder.is_none() { Some(grow()?) } else { None };
-        Ok(Self { scaled, refined, growing, errors: Errors::default() })
-    }
-
-    /// In the user's units.
-    ///
-    /// # Errors
-    /// Those of the stiffness, where it is the limit of many grids; `ToleranceNotReached` and `TimeLimit` with the state.
-    pub fn solution(&self, contact: &Contact, settings: &Settings) -> Result<Solution, Unsolved> {
-        let Errors { stiffness, energy, area, peak } = self.errors;
-        let stiffness = match &self.growing {
-            Some(growing) => (growing.iter().sum::<f64>() * self.refined.state.problem.grid.cell_area(), stiffness),
-            None => stiffness_of(&self.refined)?,
-        };
-        let depth = self.scaled.depth * self.scaled.units.height;
-        let mut solution = in_users_units(contact, &self.scaled, &self.refined, stiffness, depth, [0.0; 2], settings)?;
-        solution.energy_error = solution.energy_error.or(energy);
-        solution.area_error = solution.area_error.or(area);
-        if solution.pressure.singular.is_none() && solution.touches_edge.is_none() {
-            solution.pressure.max_error = solution.pressure.max_error.or(peak);
-        }
-        match self.refined.shortfall(settings) {
-            None => Ok(solution),
-            Some(short) => Err(short.with_best(solution)),
-        }
-    }
-}
-
-/// Cells along the longer side of the grid that only has to show the way.
-const ROUGH_CELLS: usize = 32;
-
 /// What the box of an upright contact is enlarged by before the punch tilts.
 const ROOM: f64 = 1.3;
 
@@ -311,18 +176,19 @@ pub(crate) fn dimensional(
 }
 
 /// An estimate of a relative error that rests on a boundary between cells: one step from grid to grid may be small by luck.
-fn at_least(refined: &Refined, change: f64) -> f64 {
+pub(crate) fn at_least(refined: &Refined, change: f64) -> f64 {
     let of_cells = || unresolved::boundary(&refined.state.problem.grid, &refined.state.solution.pressure);
     if refined.ladder.is_some() { change } else { change.max(of_cells()) }
 }
 
 /// dP/dd with an estimate of its relative error.
-fn stiffness_of(refined: &Refined) -> Result<(f64, Option<f64>), Unsolved> {
+pub(crate) fn stiffness_of(refined: &Refined) -> Result<(f64, Option<f64>), Unsolved> {
     let [(stiffness, change)] = refined.estimated(|state| Ok([one_grid::stiffness(state)?]))?;
     Ok((stiffness, change.map(|change| at_least(refined, change))))
 }
 
-fn in_users_units(
+/// The same, its stiffness and the relative error of that known.
+pub(crate) fn in_users_units(
     contact: &Contact,
     scaled: &Scaled,
     refined: &Refined,
@@ -468,7 +334,7 @@ fn infinite(gap: &AnyGap, state: &GridState, ends: &Ends, patch: &mut Patch, pea
 const MOST_LOOKED_AT: usize = 64;
 
 /// The cell of the largest pressure.
-fn strongest(pressure: &[f64]) -> usize {
+pub(crate) fn strongest(pressure: &[f64]) -> usize {
     (0..pressure.len()).max_by(|&a, &b| pressure[a].total_cmp(&pressure[b])).unwrap_or(0)
 }
 

@@ -1,9 +1,10 @@
 //! A contact as the search for equilibrium sees it: states at depths and tilts, each from what the last one left.
 
-use crate::by_grid::{self, Frame, Held};
+use crate::by_grid::{self, Frame};
 use crate::contact::Contact;
 use crate::equilibrium::Respond;
 use crate::error::{Unsolved, Verdict};
+use crate::held::Held;
 use crate::respond::{respond, without_grid};
 use crate::settings::{Method, Outputs, Settings};
 use crate::solution::{Cost, Solution};

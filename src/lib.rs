@@ -67,6 +67,7 @@ mod files;
 pub mod gap;
 pub mod geometry;
 mod grid;
+mod held;
 pub mod influence;
 mod material;
 pub mod matrix_free;

@@ -68,8 +68,8 @@ pub struct Solution {
     pub force_error: Option<f64>,
     /// Relative error of the depth; 0 where that was prescribed, `None` when nothing is known of it.
     pub depth_error: Option<f64>,
-    /// What the samples of a measured gap leave open of the force, relative, beside its error: an estimate from coarser samples. `None` for
-    /// gaps that are no measurements.
+    /// The part of the error that the samples of a measured gap leave open, relative to the force: an estimate from coarser samples. `None`
+    /// for gaps that are no measurements.
     pub map_error: Option<f64>,
     /// Relative error of the stiffness; `None` when nothing is known of it.
     pub stiffness_error: Option<f64>,

@@ -10,7 +10,7 @@ use crate::error::{Unsolved, Verdict};
 use crate::gap::{AnyGap, Gap, Law, Reach};
 use crate::overlap::{Overlap, least};
 use crate::respond::respond;
-use crate::sampled;
+use crate::sampled::with_samples;
 use crate::settings::Settings;
 use crate::solution::Solution;
 use crate::stated;
@@ -96,11 +96,11 @@ fn at(contact: &Contact, load: Load, settings: &Settings, similar: &mut Option<S
         Ok(solution) if settings.outputs.bracket => with_bracket(contact, load, solution, settings),
         answer => answer,
     };
+    let answer = with_samples(contact, load, settings, answer);
     let mut answer = accepted(contact, load, settings, answer);
     if let Some(state) = answer.as_mut().map_or_else(|e| e.best.as_deref_mut(), Some) {
         stated::errors(contact, load, state);
         stated::remarks(contact, state);
-        sampled::of_map(contact, state);
         state.cost.seconds = started.seconds();
     }
     answer

@@ -28,7 +28,7 @@ pub(crate) fn boundary(grid: &Grid, pressure: &[f64]) -> f64 {
 const SMOOTH: f64 = 2.9;
 
 /// Error of a peak over the drop to the cells beside it: smooth, and not.
-const OF_DROP: [f64; 2] = [0.5, 2.0];
+const OF_DROP: [f64; 2] = [0.5, 2.5];
 
 /// Relative error of the largest pressure of a grid, from how much the pressure varies from cell to cell about it.
 pub(crate) fn peak(grid: &Grid, pressure: &[f64], strongest: usize) -> f64 {

@@ -212,6 +212,18 @@ impl ForceBracket {
         both.then(|| Self::of_energy([more(self.lower(), -ROUNDED), more(self.upper(), ROUNDED)]))
     }
 
+    /// For a gap that is known to within what changes the force by at most `more`, as samples show: discs make that good, too.
+    pub(crate) fn widened(mut self, more: f64) -> Self {
+        for (side, sign) in [(&mut self.lower, -1.0), (&mut self.upper, 1.0)] {
+            side.force = (side.force + sign * more).max(0.0);
+            side.repair.discs += more;
+            if side.evidence == Evidence::Proved {
+                side.evidence = Evidence::Sampled { per_cell: 0 };
+            }
+        }
+        self
+    }
+
     /// Lower bound of the force.
     #[must_use]
     pub fn lower(&self) -> f64 {

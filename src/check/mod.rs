@@ -33,6 +33,8 @@ mod formula;
 #[cfg(feature = "scene")]
 mod grid;
 mod homogeneous;
+#[cfg(feature = "scene")]
+mod keys;
 mod one_cell;
 #[cfg(feature = "scene")]
 mod result;

@@ -13,7 +13,7 @@
 //! | `origin` | how the force was found: `{kind, grids?, count?}`, `kind` one of `closed_form`, `approximate`, `one_grid`, `many_grids`, `separate_contacts`, `edge_fitted`, `no_contact` |
 //! | `grid` | `{shape, spacing}` of the finest grid |
 //! | `depth`, `force`, `stiffness` | approach, normal force, dP/dd |
-//! | `map_error` | what the samples of a measured gap leave open of the force, relative, beside the error of its contact; left out where nothing was measured |
+//! | `map_error` | the part of `force_error` (of the force at the depth, under a force) that the samples of a measured gap leave open; left out where nothing was measured |
 //! | `force_error`, `depth_error`, `stiffness_error`, `energy_error`, `area_error` | relative error of each; 0 for what was prescribed, `null` where nothing is known |
 //! | `evidence` | what the error of the force is, of the depth under a force: `exact` (rounding), `proved` (of a bracket), `sampled`, `estimated` |
 //! | `energy`, `moment`, `tilt`, `stiffness_matrix`, `centre_of_pressure` | where the method gives them |

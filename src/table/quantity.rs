@@ -52,7 +52,7 @@ const WORDS: [(&str, WordOf); 5] = [
 const REASON: &str = "reason";
 
 /// The keys of a result that have numbers in them.
-const KEYS: [&str; 24] = [
+const KEYS: [&str; 25] = [
     "area_error",
     "bracket",
     "centre_of_pressure",
