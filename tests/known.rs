@@ -92,7 +92,7 @@ fn profile(random: &mut Random) -> AnyGap {
     let mut y = -1.0;
     let mut point = |k: usize, random: &mut Random| {
         y += random.between(0.3, 1.7) * 2.0 / n as f64;
-        [y, 0.3 * y * y + random.between(0.0, if k % 2 == 0 { 0.1 } else { 0.01 })]
+        [y, 0.3 * y * y + random.between(0.0, if k.is_multiple_of(2) { 0.1 } else { 0.01 })]
     };
     let line = Line::new((0..n).map(|k| point(k, random)).collect()).unwrap();
     let along = if random.below(2) == 0 { Along::X } else { Along::Y };

@@ -53,7 +53,7 @@ impl Overlap {
         let reach = match found {
             Reach::Within(rect) => rect,
             Reach::Nowhere => return Ok(None),
-            Reach::Unbounded { from, along } if certain != Reach::Unknown => return Err(endless(from, along)),
+            Reach::Unbounded { from, along } if certain != Reach::Unknown => return Err(endless(depth, from, along)),
             _ => {
                 let reason = format!(
                     "the gap stays below the depth {depth:e} however far it was followed: the contact has no end"
@@ -129,10 +129,10 @@ fn known_or_searched(known: Reach, gap: &AnyGap, depth: f64) -> Reach {
     }
 }
 
-fn endless([x, y]: [f64; 2], along: f64) -> Unsolved {
+fn endless(depth: f64, [x, y]: [f64; 2], along: f64) -> Unsolved {
     let degrees = along.to_degrees();
     let reason = format!(
-        "the undeformed bodies overlap without end along the ray from ({x:.3e}, {y:.3e}) in the direction of {degrees:.1} degrees: \
+        "at depth {depth:e} the undeformed bodies overlap without end along the ray from ({x:.3e}, {y:.3e}) in the direction of {degrees:.1} degrees: \
          the contact is as long as one looks, and so is its force. So it is with line contacts: cylinders, wedges of two faces, \
          extruded profiles"
     );
