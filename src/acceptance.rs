@@ -131,15 +131,14 @@ fn consistent(contact: &Contact, state: &Solution) -> Result<(), Unsolved> {
     if state.force == 0.0 {
         return Ok(());
     }
-    let e_star = contact.modulus().e_star();
-    let force = state.force / e_star;
-    let claim = Claim { force, error: error * force };
+    let claim = Claim { force: state.force, error: error * state.force };
     if let Some(bracket) = state.bracket.as_ref().filter(|bracket| bracket.evidence() == Evidence::Proved) {
-        within([bracket.lower() / e_star, bracket.upper() / e_star], claim, "the proof")?;
+        within([bracket.lower(), bracket.upper()], claim, "the proof")?;
     }
     let gap = contact.tilted_gap(state.tilt);
-    if let Some(grid) = &state.grid {
-        nothing_left_out(&gap, state.depth, &[grid.extent()], force)?;
+    let load = state.force / contact.modulus().e_star();
+    if let Some(grid) = state.grid.filter(|_| load.is_normal()) {
+        nothing_left_out(&gap, state.depth, &[grid.extent()], load)?;
     }
     let known = gap.known();
     let depth = state.depth - known.law.map_or_else(|| least(&gap).1, |law| law.lowest);
@@ -148,14 +147,7 @@ fn consistent(contact: &Contact, state: &Solution) -> Result<(), Unsolved> {
         return Ok(());
     }
     let degree = known.law.map(|law| law.degree);
-    let response = Response {
-        claim,
-        energy: state.energy.map(|u| u / e_star),
-        stiffness: state.stiffness / e_star,
-        depth,
-        degree,
-    };
-    response.of_one_contact()
+    Response { claim, energy: state.energy, stiffness: state.stiffness, depth, degree }.of_one_contact()
 }
 
 /// Numbers that are not finite, and positive ones that are too small to hold all their digits.
@@ -172,7 +164,7 @@ fn lost(state: &Solution) -> Vec<&'static str> {
         ("stiffness", positive(state.stiffness)),
         ("stiffness_matrix", state.stiffness_matrix.iter().flatten().flatten().all(|k| k.is_finite())),
         ("moment", state.moment.is_none_or(|moment| point(&moment))),
-        ("energy", state.energy.is_none_or(positive)),
+        ("energy", state.energy.is_none_or(|u| positive(u) && (u > 0.0 || state.force == 0.0))),
         ("patch.area", positive(state.patch.area)),
         ("patch.centroid", state.patch.centroid.is_none_or(|centroid| point(&centroid))),
         ("patch.max_radius", positive(state.patch.max_radius)),

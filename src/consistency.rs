@@ -31,8 +31,8 @@ pub(crate) struct Claim {
     pub error: f64,
 }
 
-/// 1/(2^p - 1) at p = 1/2: how far the limit may lie from the finer of two grids, one of twice the cells, in steps between the two.
-const HALF_AN_ORDER: f64 = 2.42;
+/// The least order of convergence; of a homogeneous gap whose degree is less, that: its pressure is singular at the tip.
+const LEAST_ORDER: f64 = 0.5;
 
 /// What a rule of quadrature, the cells of a patch, or a stiffness on them may be off by.
 const ROOM: f64 = 5e-3;
@@ -42,10 +42,13 @@ const ROOM_OF_STIFFNESS: f64 = 0.1;
 
 /// # Errors
 /// `Inconsistent`, when the limit of grids is not that of their sums of pressures, coarse to fine.
-pub(crate) fn limit_of(sums: &[f64], claim: Claim) -> Result<(), Unsolved> {
+pub(crate) fn limit_of(sums: &[f64], degree: Option<Degree>, claim: Claim) -> Result<(), Unsolved> {
     let Some(&finest) = sums.last() else { return Ok(()) };
     let steps = sums.iter().rev().take(3).map(|s| (s - finest).abs()).fold(0.0, f64::max);
-    let room = HALF_AN_ORDER * steps + claim.error + 1e-9 * finest;
+    let order = degree.map_or(LEAST_ORDER, |k| LEAST_ORDER.min(1.0 / k.inverse()));
+    // From the finer of two grids, one of twice the cells, the limit lies so many steps between the two.
+    let steps_left = 1.0 / (order.exp2() - 1.0);
+    let room = steps_left * steps + claim.error + 1e-9 * finest;
     if (claim.force - finest).abs() <= room {
         return Ok(());
     }
@@ -89,6 +92,9 @@ const BUDGET: usize = 400;
 /// How far beyond the boxes is looked, in the size of all of them.
 const BEYOND: f64 = 8.0;
 
+/// Size of the smallest contact that is looked for, in that of the place that is looked at.
+const POINT: f64 = 1e-6;
+
 /// Points a side where a gap has no bounds.
 const LATTICE: usize = 32;
 
@@ -99,8 +105,8 @@ const LATTICE: usize = 32;
 /// `Inconsistent`, with the place.
 pub(crate) fn nothing_left_out(gap: &AnyGap, depth: f64, boxes: &[Rect], force: f64) -> Result<(), Unsolved> {
     let Some(all) = boxes.iter().copied().reduce(|a, b| a.union(&b)) else { return Ok(()) };
-    let search = Search { gap, depth, boxes, force };
     let beyond = all.scaled(BEYOND);
+    let search = Search { gap, depth, boxes, force, least: POINT * beyond.size()[0].max(beyond.size()[1]) };
     for ring in [1.0, 2.0, BEYOND] {
         let rect = all.scaled(ring);
         let ([w, h], [x, y]) = (rect.size(), rect.centre());
@@ -129,6 +135,8 @@ struct Search<'a> {
     depth: f64,
     boxes: &'a [Rect],
     force: f64,
+    /// What touches only nearer to a point than this is a needle that carries nothing.
+    least: f64,
 }
 
 /// A rectangle and the most that the overlap in it can exceed the displacement by.
@@ -170,6 +178,12 @@ impl Search<'_> {
         self.depth - self.gap.gap(point[0], point[1]) - self.force / (PI * self.distance(point)) * (1.0 + 1e-6)
     }
 
+    /// Whether there is an excess at a point and on all sides of it.
+    fn touches_about(&self, [x, y]: [f64; 2]) -> bool {
+        let h = self.least;
+        [[x, y], [x - h, y], [x + h, y], [x, y - h], [x, y + h]].into_iter().all(|point| self.excess(point) > 0.0)
+    }
+
     fn candidate(&self, rect: Rect) -> Option<Candidate> {
         let [lower, _] = self.gap.bounds(&rect, [0.0; 2])?;
         let [w, h] = rect.size();
@@ -186,7 +200,7 @@ impl Search<'_> {
                 break;
             }
             let centre = rect.centre();
-            if self.excess(centre) > 0.0 {
+            if self.touches_about(centre) {
                 return Some(Some(centre));
             }
             let axis = usize::from(rect.size()[1] > rect.size()[0]);
@@ -201,7 +215,9 @@ impl Search<'_> {
     fn on_lattice(&self, domain: &Rect) -> Option<[f64; 2]> {
         let size = domain.size();
         let at = |n: usize, m: usize| domain.min[m] + size[m] * (n as f64 + 0.5) / LATTICE as f64;
-        (0..LATTICE * LATTICE).map(|k| [at(k % LATTICE, 0), at(k / LATTICE, 1)]).find(|&point| self.excess(point) > 0.0)
+        (0..LATTICE * LATTICE)
+            .map(|k| [at(k % LATTICE, 0), at(k / LATTICE, 1)])
+            .find(|&point| self.touches_about(point))
     }
 }
 
@@ -275,7 +291,7 @@ impl Ellipse {
     }
 }
 
-/// Force, energy and stiffness of one state, and the depth above first touch.
+/// Force, energy and stiffness of one state, and the depth above first touch, in any units.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Response {
     pub claim: Claim,
@@ -291,24 +307,27 @@ impl Response {
     pub fn of_one_contact(&self) -> Result<(), Unsolved> {
         let Self { claim: Claim { force, error }, energy, stiffness, depth, degree } = *self;
         let error = error / force + 1e-9;
-        if let (Some(energy), Some(degree)) = (energy, degree) {
-            let law = force * depth / (2.0 + degree.inverse());
-            if !((energy - law).abs() <= error * law) {
-                return broken(format!(
-                    "the energy {energy:e} is not {law:e}, that of the force {force:e} by the law of the gap"
-                ));
-            }
-        }
-        if !(force <= stiffness * depth * (1.0 + error + ROOM_OF_STIFFNESS)) {
+        // P/(S d) and U/(P d), factor by factor: products may be beyond the range of numbers.
+        let straight = force / stiffness / depth;
+        if !(straight <= 1.0 + error + ROOM_OF_STIFFNESS) {
             return broken(format!("the force {force:e} is more than stiffness {stiffness:e} times depth {depth:e}"));
         }
         let Some(energy) = energy else { return Ok(()) };
-        let (low, high) = (force * force / (2.0 * stiffness), 0.5 * force * depth);
-        if low * (1.0 - 2.0 * error - ROOM_OF_STIFFNESS) <= energy && energy <= high * (1.0 + error + ROOM) {
+        let share = energy / force / depth;
+        if let Some(degree) = degree {
+            let law = 1.0 / (2.0 + degree.inverse());
+            if !((share - law).abs() <= error * law) {
+                return broken(format!(
+                    "the energy {energy:e} is {share:e} of force {force:e} times depth {depth:e}; by the law of the gap it is {law:e}"
+                ));
+            }
+        }
+        let (low, high) = (0.5 * straight, 0.5);
+        if low * (1.0 - error - ROOM_OF_STIFFNESS) <= share && share <= high * (1.0 + error + ROOM) {
             return Ok(());
         }
         broken(format!(
-            "the energy {energy:e} does not lie between {low:e} and {high:e}, as that of force {force:e} and stiffness {stiffness:e}"
+            "the energy {energy:e} is {share:e} of force {force:e} times depth {depth:e}, not from {low:e} (by the stiffness) to {high}"
         ))
     }
 }

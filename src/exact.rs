@@ -146,9 +146,9 @@ impl Refined {
 
     /// # Errors
     /// `Inconsistent`, when the force breaks a law that every contact obeys.
-    fn is_consistent(&self, scaled: &Scaled) -> Result<(), Unsolved> {
+    fn is_consistent(&self, scaled: &Scaled, degree: Option<Degree>) -> Result<(), Unsolved> {
         let claim = Claim { force: self.force, error: self.error };
-        consistency::limit_of(&self.sums, claim)?;
+        consistency::limit_of(&self.sums, degree, claim)?;
         consistency::above_ellipse(scaled, &self.state, claim)?;
         self.proved.map_or(Ok(()), |bounds| consistency::within(bounds, claim, "the energy"))
     }
@@ -190,6 +190,10 @@ pub(crate) fn as_far_as(
     method: Method,
     law: Option<Law>,
 ) -> Result<Refined, Unsolved> {
+    if !scaled.units.height.is_normal() {
+        let reason = "beyond the range of numbers (1e-308 to 1e308): the overlap of the bodies";
+        return Err(Unsolved::new(Verdict::Incomplete, reason).with_hint("units in which lengths are closer to 1"));
+    }
     let degree = law.filter(|_| settings.kernel == Kernel::Galerkin).map(|law| law.degree);
     // Grids of energies begin anew in a larger box.
     let closely = settings.cells.is_none() && matches!(degree, Some(Degree::Power(_)));
@@ -213,7 +217,7 @@ pub(crate) fn as_far_as(
         let reason = "the bodies overlap, but no cell does as a whole: the grid is too coarse to see the contact";
         Unsolved::new(Verdict::ToleranceNotReached, reason)
     })?;
-    best.is_consistent(scaled)?;
+    best.is_consistent(scaled, degree)?;
     Ok(best)
 }
 

@@ -18,14 +18,14 @@ fn assert_stopped(answer: Result<Solution, Unsolved>) {
 }
 
 /// g inside a rectangle, no material outside.
-fn clipped(g: fn(f64, f64) -> f64, half: [f64; 2]) -> impl Fn(f64, f64) -> f64 + Clone + Send + Sync + 'static {
-    move |x: f64, y: f64| if x.abs() <= half[0] && y.abs() <= half[1] { g(x, y) } else { f64::INFINITY }
+fn clipped(g: fn(f64) -> f64, half: [f64; 2]) -> impl Fn(f64, f64) -> f64 + Clone + Send + Sync + 'static {
+    move |x: f64, y: f64| if x.abs() <= half[0] && y.abs() <= half[1] { g(x) } else { f64::INFINITY }
 }
 
 #[test]
 fn a_law_of_similarity_that_an_edge_cuts() {
-    let cases: [(fn(f64, f64) -> f64, f64, f64); 2] = [(|x, _| 0.5 * x * x, 2.0, 1e-3), (|x, _| x.abs(), 1.0, 1e-2)];
-    for (g, degree, depth) in cases {
+    let parabola = |x: f64| 0.5 * x * x;
+    for (g, degree, depth) in [(parabola as fn(f64) -> f64, 2.0, 1e-3), (f64::abs, 1.0, 1e-2)] {
         let g = clipped(g, [0.5, 1.0]);
         for evidence in [ErrorBar::Proof, ErrorBar::Estimate] {
             let settings = Settings { evidence, ..Settings::default() };
