@@ -141,11 +141,7 @@ fn consistent(contact: &Contact, state: &Solution) -> Result<(), Unsolved> {
         nothing_left_out(&gap, state.depth, &[grid.extent()], load)?;
     }
     let known = gap.known();
-    let depth = state.depth - known.law.map_or_else(|| least(&gap).1, |law| law.lowest);
-    // The lowest point that was found may be none of the material's.
-    if !(depth.is_finite() && depth > 0.0) {
-        return Ok(());
-    }
+    let depth = state.depth - known.law.map_or(known.floor, |law| law.lowest);
     let degree = known.law.map(|law| law.degree);
     Response { claim, energy: state.energy, stiffness: state.stiffness, depth, degree }.of_one_contact()
 }

@@ -291,7 +291,8 @@ impl Ellipse {
     }
 }
 
-/// Force, energy and stiffness of one state, and the depth above first touch, in any units.
+/// Force, energy and stiffness of one state in any units, and the depth above first touch, or above a bound of all gaps where that is not
+/// known.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Response {
     pub claim: Claim,
@@ -307,27 +308,27 @@ impl Response {
     pub fn of_one_contact(&self) -> Result<(), Unsolved> {
         let Self { claim: Claim { force, error }, energy, stiffness, depth, degree } = *self;
         let error = error / force + 1e-9;
-        // P/(S d) and U/(P d), factor by factor: products may be beyond the range of numbers.
-        let straight = force / stiffness / depth;
-        if !(straight <= 1.0 + error + ROOM_OF_STIFFNESS) {
+        // P/S and U/P, lengths: products may be beyond the range of numbers.
+        let straight = force / stiffness;
+        if !(straight <= depth * (1.0 + error + ROOM_OF_STIFFNESS)) {
             return broken(format!("the force {force:e} is more than stiffness {stiffness:e} times depth {depth:e}"));
         }
         let Some(energy) = energy else { return Ok(()) };
-        let share = energy / force / depth;
+        let mean = energy / force;
         if let Some(degree) = degree {
-            let law = 1.0 / (2.0 + degree.inverse());
-            if !((share - law).abs() <= error * law) {
+            let law = depth / (2.0 + degree.inverse());
+            if !((mean - law).abs() <= error * law) {
                 return broken(format!(
-                    "the energy {energy:e} is {share:e} of force {force:e} times depth {depth:e}; by the law of the gap it is {law:e}"
+                    "the energy {energy:e} is {mean:e} times the force {force:e}; by the law of the gap it is {law:e}"
                 ));
             }
         }
-        let (low, high) = (0.5 * straight, 0.5);
-        if low * (1.0 - error - ROOM_OF_STIFFNESS) <= share && share <= high * (1.0 + error + ROOM) {
+        let (low, high) = (0.5 * straight, 0.5 * depth);
+        if low * (1.0 - error - ROOM_OF_STIFFNESS) <= mean && mean <= high * (1.0 + error + ROOM) {
             return Ok(());
         }
         broken(format!(
-            "the energy {energy:e} is {share:e} of force {force:e} times depth {depth:e}, not from {low:e} (by the stiffness) to {high}"
+            "the energy {energy:e} is {mean:e} times the force {force:e}, not from {low:e} (by the stiffness) to {high:e}"
         ))
     }
 }
