@@ -1,9 +1,11 @@
 //! Facts about a gap that are false, told to the program by its caller: what comes of them breaks a law that every contact obeys, and is
 //! not called solved.
 
-use contact_patch::gap::{AnyGap, Declared, Known, Reach};
+use contact_patch::gap::{AnyGap, Declared, Known, Minimum, Paraboloid, Place, Reach};
 use contact_patch::geometry::Rect;
-use contact_patch::{Contact, EffectiveModulus, ErrorBar, Gap, Loading, Settings, Solution, Unsolved, Verdict, solve};
+use contact_patch::{
+    Contact, EffectiveModulus, ErrorBar, Gap, Loading, Origin, Settings, Solution, Unsolved, Verdict, solve,
+};
 
 fn answer(gap: AnyGap, depth: f64, settings: &Settings) -> Result<Solution, Unsolved> {
     let contact = Contact::new(EffectiveModulus::from_e_star(1.0).unwrap(), gap, Loading::depth(depth)).unwrap();
@@ -109,4 +111,17 @@ fn tips_that_were_lost() {
     let six = answer(told(&all), 0.5, &Settings::default()).unwrap();
     assert!(six.patch.regions == 6);
     assert_stopped(answer(told(&all[..3]), 0.5, &Settings::default()));
+}
+
+#[test]
+fn tips_beside_one_another_are_not_taken_for_lost_ones() {
+    let places = || (0..9).map(|k| [4.5 * f64::from(k % 3), 4.5 * f64::from(k / 3)]);
+    let ball = Paraboloid::new([1.0, 1.0]).unwrap();
+    let balls = Minimum::new(places().map(|at| ball.placed(at, 0.0).unwrap()).collect()).unwrap();
+    let state = answer(balls.into_any(), 0.5, &Settings::default()).unwrap();
+    assert_eq!(state.origin, Origin::SeparateContacts { count: 9 });
+    // One ball alone carries more than a ninth: each takes depth from the others.
+    let alone = answer(ball.into_any(), 0.5, &Settings::default()).unwrap();
+    assert!(state.force < 9.0 * alone.force && state.force > 5.0 * alone.force);
+    assert_eq!(state.patch.regions, 9);
 }
