@@ -1,19 +1,19 @@
 //! Brackets without a solve: the best ellipse or a corrected Fabrikant pressure from below, a simpler gap from above.
 //!
 //! Below: the exact pressure m of a flat elliptical punch has S m <= 1, so that the integral of f m is at most P (Rayleigh &
-//! Ritz; [`crate::ritz`]); so has any pressure over the supremum of its displacement ([`super::measure`]). Above:
+//! Ritz; [`crate::approximate::ritz`]); so has any pressure over the supremum of its displacement ([`super::measure`]). Above:
 //! [`super::comparison`].
 
 use super::comparison::Comparisons;
 use super::{BracketCost, Evidence, ForceBracket, Repair, Side, Theorem, measure};
+use crate::approximate::fabrikant;
+use crate::approximate::ritz;
 use crate::clock::Stopwatch;
 use crate::closed_form::FlatPunch;
 use crate::error::Unsolved;
-use crate::fabrikant;
 use crate::gap::{AnyGap, Gap};
-use crate::material::EffectiveModulus;
 use crate::overlap::Overlap;
-use crate::ritz;
+use crate::problem::EffectiveModulus;
 
 /// Times the quadrature's own estimate of its error that the lower bound gives up.
 const DOUBT: f64 = 10.0;

@@ -12,8 +12,8 @@ use super::Theorem;
 use super::frame::Frame;
 use super::outside::Outside;
 use super::violation::Violation;
-use crate::geometry::Rect;
 use crate::grid::Grid;
+use crate::numeric::geometry::Rect;
 
 /// A side of the bracket in the units of the frame.
 pub(super) struct Closed {

@@ -10,9 +10,9 @@ use super::depth::first_touch;
 use super::{Evidence, Repair, Side, Theorem};
 use crate::closed_form::{FlatPunch, Hertz, Power};
 use crate::gap::{AnyGap, Gap};
-use crate::geometry::Rect;
 use crate::grid::Grid;
-use crate::material::EffectiveModulus;
+use crate::numeric::geometry::Rect;
+use crate::problem::EffectiveModulus;
 
 /// Points a side of the lattice on which comparison gaps are chosen.
 const LATTICE: usize = 48;

@@ -8,10 +8,10 @@ use super::violation::{self, Subject, Violation};
 use super::{Evidence, ForceBracket, Repair, Side, kernel, no_contact};
 use crate::error::{Unsolved, Verdict};
 use crate::gap::{AnyGap, Degree, Gap};
-use crate::geometry::Rect;
 use crate::grid::{Grid, Pressure};
-use crate::material::EffectiveModulus;
+use crate::numeric::geometry::Rect;
 use crate::overlap::{Overlap, Units};
+use crate::problem::EffectiveModulus;
 
 /// What `work` makes of the problem in its own units, or the bracket around nothing when the bodies do not touch.
 pub(super) fn within(

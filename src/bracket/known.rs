@@ -4,7 +4,7 @@ use super::frame::Frame;
 use super::mirrors::Image;
 use super::polynomial::{LATTICE, QUARTERS};
 use crate::gap::Gap;
-use crate::geometry::Rect;
+use crate::numeric::geometry::Rect;
 
 /// Rounding of f and of the last sums, relative to the depth.
 pub(super) const ROUNDING: f64 = 1e-13;

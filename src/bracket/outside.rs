@@ -1,7 +1,7 @@
 //! The part of {f > 0} that the grid does not cover: where the bodies could overlap unseen.
 
 use super::frame::Frame;
-use crate::geometry::Rect;
+use crate::numeric::geometry::Rect;
 
 /// Blocks a side into which the load is gathered.
 const BLOCKS: usize = 16;

@@ -16,8 +16,8 @@ use crate::discrete::Discrete;
 use crate::error::Unsolved;
 use crate::gap::{AnyGap, Gap};
 use crate::grid::{Kernel, Pressure};
-use crate::material::EffectiveModulus;
 use crate::matrix_free;
+use crate::problem::EffectiveModulus;
 
 /// Largest residual of a solve, as a share of the largest violation that it is to make good.
 const SHARE: f64 = 0.03;

@@ -4,8 +4,8 @@ use super::summation::{Near, Receiver, Summation};
 use crate::discrete::{Discrete, DiscreteSolution, Residuals};
 use crate::gap::Gap;
 use crate::grid::{Kernel, Pressure};
-use crate::material::EffectiveModulus;
 use crate::patch;
+use crate::problem::EffectiveModulus;
 use crate::solution::Patch;
 
 /// Pressed cells up to which flat punches are solved for: about two seconds each at this limit.

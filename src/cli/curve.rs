@@ -8,11 +8,11 @@ use clap::{Args, ValueEnum};
 
 use super::outputs::outputs;
 use super::{Failure, Overrides, inputs, scene};
-use crate::contact::Load;
 use crate::curve::Curve;
 use crate::error::{InputError, Unsolved};
 use crate::overlap::least;
 use crate::plot;
+use crate::problem::Load;
 use crate::scene::Scene;
 use crate::units::UnitLabels;
 
@@ -136,7 +136,7 @@ impl CurveCommand {
             }
         }
         if strongest > 0.0 {
-            let contact = scene.contact.under(crate::contact::Loading::force(strongest));
+            let contact = scene.contact.under(crate::problem::Loading::force(strongest));
             match crate::solve(&contact, &scene.settings).remove(0).or_else(Unsolved::accept_best) {
                 Ok(solution) => deepest = deepest.max(solution.depth),
                 Err(unsolved) => return Ok(Err(unsolved)),

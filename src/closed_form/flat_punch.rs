@@ -6,7 +6,7 @@ use nalgebra::{Matrix3, Rotation2, Vector2};
 
 use super::{ClosedForm, Distribution, Ellipse, ROUNDING, r_d, r_f};
 use crate::error::{InputError, Unsolved, Verdict, finite, positive};
-use crate::material::EffectiveModulus;
+use crate::problem::EffectiveModulus;
 
 /// A flat punch of elliptic plan-form, with sharp edges.
 #[derive(Debug, Clone, Copy, PartialEq)]

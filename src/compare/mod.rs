@@ -4,9 +4,9 @@ mod distance;
 mod front;
 
 use crate::bracket::{self, BracketSettings, ForceBracket};
-use crate::contact::{Contact, Load, Loading};
 use crate::error::Unsolved;
-use crate::settings::{Method, Outputs, Settings};
+use crate::problem::{Contact, Load, Loading};
+use crate::problem::{Method, Outputs, Settings};
 use crate::solution::Solution;
 use crate::solve::solve;
 

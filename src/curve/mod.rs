@@ -7,10 +7,10 @@ mod spline;
 
 pub use spline::Knot;
 
-use crate::contact::Contact;
 use crate::error::{InputError, Unsolved, Verdict, positive};
 use crate::overlap::least;
-use crate::settings::Settings;
+use crate::problem::Contact;
+use crate::problem::Settings;
 use crate::solution::Singular;
 use family::Family;
 use law::Law;

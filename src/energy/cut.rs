@@ -5,7 +5,7 @@ use super::field::Field;
 use super::lanes::{Expansion, LANES, Lane, add};
 use super::overlap::{OverlapBounds, Taylor};
 use super::quarter::{CORNERS, INNER, LATTICE, MISSED, POINTS, Rule, WEIGHTS};
-use crate::geometry::Rect;
+use crate::numeric::geometry::Rect;
 
 /// f over a sub-square: a polynomial about the centre of the cell, and how far f may be from it.
 #[derive(Clone, Copy)]

@@ -7,7 +7,7 @@
 use super::basis::{DEGREES, POLYNOMIALS, legendre, slopes};
 use super::lanes::{LANES, Lane};
 use super::tables::{TOUCHING, Touching};
-use crate::quadrature::GaussLegendre;
+use crate::numeric::quadrature::GaussLegendre;
 
 /// Points along half a side.
 pub(super) const POINTS: usize = 7;

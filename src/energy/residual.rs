@@ -9,7 +9,7 @@ use super::overlap::{OverlapBounds, Taylor};
 use super::tables::MOST_SLENDER;
 use super::whole::integrals;
 use super::{basis, whole};
-use crate::geometry::Rect;
+use crate::numeric::geometry::Rect;
 
 /// Which halves of the grid are worked out: the upper one along an axis where pressure and overlap are their own images.
 pub(super) type Halves = [bool; 2];

@@ -17,7 +17,7 @@ use super::potential::Corners;
 use super::quarter::Rule;
 use crate::grid::Kernel;
 use crate::influence::InfluenceTable;
-use crate::quadrature::GaussLegendre;
+use crate::numeric::quadrature::GaussLegendre;
 
 /// Half side of the near block, in longer sides of a cell, less half a cell.
 const NEAR: f64 = 4.0;

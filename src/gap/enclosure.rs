@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 use super::{Gap, Reach};
-use crate::geometry::Rect;
+use crate::numeric::geometry::Rect;
 
 /// A side is found to this part of the rectangle's extent.
 const FINE: f64 = 1.0 / 32.0;

@@ -3,8 +3,8 @@
 use super::sum::{common_axis, common_mirrors, tips_of};
 use super::{AnyGap, Gap, Generatrix, Growth, Known, Material, Reach, Taylor, enclosure};
 use crate::error::InputError;
-use crate::geometry::Rect;
 use crate::numeric::Interval;
+use crate::numeric::geometry::Rect;
 
 /// More parts than this are refused.
 const MOST_PARTS: usize = 100_000;

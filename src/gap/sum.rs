@@ -2,8 +2,8 @@
 
 use super::{AnyGap, Axis, Gap, Generatrix, Growth, Known, Law, Material, Quadratic, Reach, Taylor, enclosure, growth};
 use crate::error::InputError;
-use crate::geometry::Rect;
 use crate::numeric::Interval;
+use crate::numeric::geometry::Rect;
 
 /// The sum of several gaps: two curved bodies, each turned its own way, against each other.
 ///

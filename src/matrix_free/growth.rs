@@ -97,8 +97,8 @@ pub fn displacement(problem: &Discrete, pressure: &[f64]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::Rect;
     use crate::grid::{Grid, Kernel};
+    use crate::numeric::geometry::Rect;
 
     #[test]
     fn a_full_square_under_unit_rate_is_a_flat_punch() {

@@ -4,13 +4,13 @@ use super::{Step, numbers};
 use crate::bracket::{self, BracketSettings, ForceBracket};
 use crate::clock::Stopwatch;
 use crate::compare::{self, Comparison};
-use crate::contact::{Contact, Load, Loading};
 use crate::curve::Curve;
 use crate::error::Unsolved;
 use crate::plan::{Plan, plan};
 use crate::plot::Section;
+use crate::problem::{Contact, Load, Loading};
+use crate::problem::{Method, Outputs, Settings};
 use crate::scene::Scene;
-use crate::settings::{Method, Outputs, Settings};
 use crate::solution::Solution;
 use crate::solve::solve;
 

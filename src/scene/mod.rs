@@ -35,13 +35,13 @@ pub use given::Given;
 #[cfg(feature = "cli")]
 pub use schema::schema;
 
-use crate::contact::{Contact, Load, Loading};
 use crate::error::InputError;
 use crate::files;
 use crate::files::named::Directory;
 use crate::gap::AnyGap;
-use crate::material::EffectiveModulus;
-use crate::settings::Settings;
+use crate::problem::EffectiveModulus;
+use crate::problem::Settings;
+use crate::problem::{Contact, Load, Loading};
 use crate::units::UnitLabels;
 use decode::decode;
 use document::ROOT;

@@ -15,9 +15,9 @@ pub(super) use text::decoded;
 use super::extremes::Extremes;
 use super::{DataEdge, Gap, Growth, Known, Material, Reach, Taylor};
 use crate::error::InputError;
-use crate::geometry::Rect;
 use crate::grid::Grid;
 use crate::numeric::Interval;
+use crate::numeric::geometry::Rect;
 
 /// Heights by rows with their number and steps along x and y, from a file that carries its unit.
 #[derive(Debug)]

@@ -10,8 +10,8 @@ use super::height_map::{Surface, Zero};
 use super::spline::{Ends, PiecewiseCubic};
 use super::{DataEdge, Gap, Growth, Known, Reach, Taylor};
 use crate::error::{InputError, positive};
-use crate::geometry::Rect;
 use crate::numeric::Interval;
+use crate::numeric::geometry::Rect;
 
 /// The axis along which a profile is extruded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

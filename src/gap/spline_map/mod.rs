@@ -8,9 +8,9 @@ use super::profile::{MARGIN, left_out};
 use super::spline::{Ends, bernstein};
 use super::{DataEdge, Gap, Growth, Known, Material, Reach, Taylor};
 use crate::error::InputError;
-use crate::geometry::Rect;
 use crate::grid::Grid;
 use crate::numeric::Interval;
+use crate::numeric::geometry::Rect;
 use surface::Splines;
 
 /// With more cells than this the extremes of blocks stand for them.
