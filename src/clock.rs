@@ -7,8 +7,6 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-use crate::error::{Unsolved, Verdict};
-
 /// CPU seconds that one state of loading may take unless said.
 pub(crate) const DEFAULT_SECONDS: f64 = 60.0;
 
@@ -164,17 +162,27 @@ impl Deadline {
     }
 
     /// # Errors
-    /// [`Verdict::TimeLimit`] once the time is used up.
-    pub fn check(&self) -> Result<(), Unsolved> {
+    /// Once the time is used up, or a user has interrupted.
+    pub fn check(&self) -> Result<(), OutOfTime> {
         if !self.has_passed() {
             return Ok(());
         }
-        if self.is_interrupted() {
-            return Err(Unsolved::new(Verdict::TimeLimit, "the solve was interrupted"));
-        }
-        let reason = format!("the time allowed, {} CPU seconds, is used up", self.seconds);
-        Err(Unsolved::new(Verdict::TimeLimit, reason))
+        Err(if self.is_interrupted() { OutOfTime::Interrupted } else { OutOfTime::UsedUp { seconds: self.seconds } })
     }
+}
+
+/// Why a solve had to stop.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum OutOfTime {
+    /// The allowance is gone.
+    #[error("the time allowed, {seconds} CPU seconds, is used up")]
+    UsedUp {
+        /// The allowance, CPU seconds.
+        seconds: f64,
+    },
+    /// By an [`Interrupt`].
+    #[error("the solve was interrupted")]
+    Interrupted,
 }
 
 impl Default for Deadline {

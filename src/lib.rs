@@ -79,10 +79,10 @@ pub mod table;
 mod units;
 
 pub use approximate::{fabrikant, ritz};
-pub use clock::{Deadline, Interrupt};
+pub use clock::{Deadline, Interrupt, OutOfTime};
 pub use curve::{Curve, CurveRange};
-pub use discrete::{Discrete, DiscreteSolution, Residuals, symmetry};
-pub use error::{InputError, Unsolved, Verdict};
+pub use discrete::{Discrete, DiscreteSolution, symmetry};
+pub use error::InputError;
 pub use gap::Gap;
 pub use grid::{Grid, Kernel, Pressure};
 pub use influence::InfluenceTable;
@@ -93,7 +93,8 @@ pub use problem::{BoundaryFamily, ErrorBar, Method, Outputs, Settings};
 #[cfg(feature = "scene")]
 pub use scene::Scene;
 pub use solution::{
-    Cost, ForceEvidence, Origin, Patch, Piece, PressureSummary, Singular, Solution, TouchesEdge, Validity,
+    Cost, ForceEvidence, Origin, Patch, Piece, PressureSummary, Residuals, Singular, Solution, TouchesEdge, Unsolved,
+    Validity, Verdict,
 };
 pub use solve::solve;
 pub use units::UnitLabels;

@@ -7,7 +7,6 @@ use crate::clock::Deadline;
 use crate::closed_form::select;
 use crate::discrete::Discrete;
 use crate::discrete::symmetry::Symmetry;
-use crate::error::Unsolved;
 use crate::gap::Degree;
 use crate::grid::{Grid, Kernel};
 use crate::grid_method::domain::{coarsest, shape};
@@ -16,6 +15,7 @@ use crate::numeric::geometry::Rect;
 use crate::overlap::{Overlap, Scaled, least};
 use crate::problem::{Contact, Load};
 use crate::problem::{Method, Settings};
+use crate::solution::Unsolved;
 
 /// The decision and its reasons.
 #[derive(Debug, Clone, PartialEq)]

@@ -5,7 +5,6 @@ use crate::acceptance::stated;
 use crate::acceptance::{accepted, within_memory};
 use crate::bracket::refined::with_bracket;
 use crate::clock::Stopwatch;
-use crate::error::{Unsolved, Verdict};
 use crate::gap::{AnyGap, Gap, Law, Reach};
 use crate::loading::engine::{Engine, close};
 use crate::loading::equilibrium;
@@ -15,6 +14,7 @@ use crate::overlap::{Overlap, least};
 use crate::problem::Settings;
 use crate::problem::{Contact, Load};
 use crate::solution::Solution;
+use crate::solution::{Unsolved, Verdict};
 
 /// Solves every state of the loading, in order.
 ///

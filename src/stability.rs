@@ -13,7 +13,7 @@
 
 use serde::Deserialize;
 
-use crate::error::{InputError, Unsolved};
+use crate::error::InputError;
 use crate::grid::{Grid, Kernel, Pressure};
 use crate::influence::InfluenceTable;
 use crate::matrix_free::{Operator, Scratch};
@@ -21,6 +21,7 @@ use crate::problem::Load;
 use crate::problem::{Method, Outputs, Settings};
 use crate::scene::Scene;
 use crate::solution::Solution;
+use crate::solution::Unsolved;
 use crate::solve::solve;
 
 /// Topic and text of each file of cases.

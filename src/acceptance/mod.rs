@@ -14,12 +14,12 @@ pub(crate) mod validity;
 
 use crate::bracket::Evidence;
 use crate::consistency::{Claim, Response, nothing_left_out, within};
-use crate::error::{Unsolved, Verdict};
 use crate::gap::Gap;
 use crate::overlap::least;
 use crate::problem::Settings;
 use crate::problem::{Contact, Load};
 use crate::solution::{Origin, Solution};
+use crate::solution::{Unsolved, Verdict};
 
 /// The answer as it leaves the library: a state that fails a condition becomes a verdict, and a verdict keeps its best state
 /// only when that is complete.

@@ -6,12 +6,12 @@
 //! ([`crate::gap::Gap::sampling_error`]), and makes the evidence one.
 
 use crate::bracket::DepthBracket;
-use crate::error::{Unsolved, Verdict};
 use crate::gap::Gap;
 use crate::overlap::Overlap;
 use crate::problem::Settings;
 use crate::problem::{Contact, Load};
 use crate::solution::Solution;
+use crate::solution::{Unsolved, Verdict};
 
 /// The answer with the error of the measured gap in its error and its bracket.
 ///

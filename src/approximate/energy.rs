@@ -17,11 +17,11 @@ use nalgebra::{Matrix2, SymmetricEigen};
 
 use super::fabrikant::{Approximation, Family};
 use crate::closed_form::{Ellipse, tilt_stiffness};
-use crate::error::{Unsolved, Verdict};
 use crate::gap::AnyGap;
 use crate::numeric::geometry;
 use crate::numeric::quadrature::GaussLegendre;
 use crate::overlap::least;
+use crate::solution::{Unsolved, Verdict};
 
 /// Depths of one panel.
 const NODES: usize = 8;

@@ -5,13 +5,13 @@ pub mod fabrikant;
 pub mod ritz;
 
 use self::fabrikant::{Approximation, Error, Family};
-use crate::error::{Unsolved, Verdict};
 use crate::gap::AnyGap;
 use crate::numeric::geometry::Rect;
 use crate::overlap::{Overlap, least};
 use crate::problem::Contact;
 use crate::problem::{BoundaryFamily, Method, Settings};
 use crate::solution::{Cost, Origin, Patch, Piece, PressureSummary, Solution, Validity};
+use crate::solution::{Unsolved, Verdict};
 
 /// The state at a depth and tilt (`gap` is the contact's gap under that tilt), in the user's units. `with_matrix`: energy, moments
 /// and the stiffness against tilts too, whether or not they come for nothing.

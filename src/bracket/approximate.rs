@@ -10,10 +10,10 @@ use crate::approximate::fabrikant;
 use crate::approximate::ritz;
 use crate::clock::Stopwatch;
 use crate::closed_form::FlatPunch;
-use crate::error::Unsolved;
 use crate::gap::{AnyGap, Gap};
 use crate::overlap::Overlap;
 use crate::problem::EffectiveModulus;
+use crate::solution::Unsolved;
 
 /// Times the quadrature's own estimate of its error that the lower bound gives up.
 const DOUBT: f64 = 10.0;
@@ -36,7 +36,9 @@ const DOUBT: f64 = 10.0;
 pub fn approximate(gap: impl Into<AnyGap>, modulus: EffectiveModulus, depth: f64) -> Result<ForceBracket, Unsolved> {
     let gap = &gap.into();
     let started = Stopwatch::start();
-    let Some(Overlap { reach, certain, .. }) = Overlap::of(gap, depth)? else { return Ok(super::no_contact(None)) };
+    let Some(Overlap { reach, certain, .. }) = Overlap::of(gap, depth)? else {
+        return Ok(ForceBracket::no_contact(None));
+    };
     let settings = fabrikant::Settings { tolerance: 1e-6, boundary_points: 64, ..fabrikant::Settings::default() };
     let found = ritz::ellipse(gap, modulus, depth, &settings).ok();
     let lower = found.as_ref().and_then(|e| e.lower_bound.map(|b| e.force - DOUBT * (e.force - b.force())));

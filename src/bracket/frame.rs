@@ -5,13 +5,13 @@ use super::field::{Field, Surroundings};
 use super::known::Known;
 use super::mirrors::Mirrors;
 use super::violation::{self, Subject, Violation};
-use super::{Evidence, ForceBracket, Repair, Side, kernel, no_contact};
-use crate::error::{Unsolved, Verdict};
+use super::{Evidence, ForceBracket, Repair, Side, kernel};
 use crate::gap::{AnyGap, Degree, Gap};
 use crate::grid::{Grid, Pressure};
 use crate::numeric::geometry::Rect;
 use crate::overlap::{Overlap, Units};
 use crate::problem::EffectiveModulus;
+use crate::solution::{Unsolved, Verdict};
 
 /// What `work` makes of the problem in its own units, or the bracket around nothing when the bodies do not touch.
 pub(super) fn within(
@@ -23,7 +23,9 @@ pub(super) fn within(
 ) -> Result<ForceBracket, Unsolved> {
     Ok(match Frame::enter(gap, modulus, depth, pressure)? {
         Some((frame, q)) => work(&frame, q),
-        None => no_contact(Some(Pressure { grid: pressure.grid, values: vec![0.0; pressure.values.len()] })),
+        None => {
+            ForceBracket::no_contact(Some(Pressure { grid: pressure.grid, values: vec![0.0; pressure.values.len()] }))
+        }
     })
 }
 

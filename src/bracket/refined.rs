@@ -2,7 +2,6 @@
 
 use crate::bracket::{self, BracketSettings, DepthBracket, Evidence, ForceBracket};
 use crate::clock::Stopwatch;
-use crate::error::Unsolved;
 use crate::gap::AnyGap;
 use crate::grid::{Grid, Pressure};
 use crate::grid_method::domain::locate;
@@ -12,6 +11,7 @@ use crate::problem::Contact;
 use crate::problem::Load;
 use crate::problem::{Method, Settings};
 use crate::solution::Solution;
+use crate::solution::Unsolved;
 
 /// Cells along the longer side of the first and the last grid, when the scene does not say.
 const GRIDS: [usize; 2] = [64, 512];

@@ -13,11 +13,11 @@ use super::violation::{self, Violation};
 use super::{BracketCost, BracketSettings, Evidence, ForceBracket, look, outside};
 use crate::clock::Stopwatch;
 use crate::discrete::Discrete;
-use crate::error::Unsolved;
 use crate::gap::{AnyGap, Gap};
 use crate::grid::{Kernel, Pressure};
 use crate::matrix_free;
 use crate::problem::EffectiveModulus;
+use crate::solution::Unsolved;
 
 /// Largest residual of a solve, as a share of the largest violation that it is to make good.
 const SHARE: f64 = 0.03;

@@ -12,7 +12,6 @@ mod rings;
 
 use crate::bracket::ForceBracket;
 use crate::edge_fitted::Limits;
-use crate::error::{Unsolved, Verdict};
 use crate::gap::{AnyGap, Gap};
 use crate::grid::{Grid, Kernel, Pressure};
 use crate::grid_method::domain::shape;
@@ -21,6 +20,7 @@ use crate::overlap::Overlap;
 use crate::problem::Contact;
 use crate::problem::{Method, Settings};
 use crate::solution::{Cost, Origin, Patch, Piece, PressureSummary, Singular, Solution, TouchesEdge, Validity};
+use crate::solution::{Unsolved, Verdict};
 
 /// What the cells are fitted to.
 pub(crate) enum Route {

@@ -9,11 +9,12 @@ use clap::{Args, ValueEnum};
 use super::outputs::outputs;
 use super::{Failure, Overrides, inputs, scene};
 use crate::curve::Curve;
-use crate::error::{InputError, Unsolved};
+use crate::error::InputError;
 use crate::overlap::least;
 use crate::plot;
 use crate::problem::Load;
 use crate::scene::Scene;
+use crate::solution::Unsolved;
 use crate::units::UnitLabels;
 
 /// Steps in a file that asks for none.

@@ -4,7 +4,6 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use crate::clock::Deadline;
 use crate::closed_form::{ClosedForm, Ellipse, FlatPunch, Hertz, Power, Quadratic, Sneddon, Sphere};
-use crate::error::{Unsolved, Verdict};
 use crate::gap::{self, AnyGap, Axis, Face, Gap, Generatrix};
 use crate::grid::{Grid, Pressure};
 use crate::numeric::geometry::Rect;
@@ -13,6 +12,7 @@ use crate::problem::Contact;
 use crate::problem::EffectiveModulus;
 use crate::problem::{Method, Settings};
 use crate::solution::{Cost, Origin, Patch, Piece, PressureSummary, Singular, Solution, TouchesEdge, Validity};
+use crate::solution::{Unsolved, Verdict};
 
 /// A closed form and what it stands for.
 #[derive(Debug, Clone)]
@@ -42,7 +42,8 @@ pub(crate) fn of(overlap: &Overlap, modulus: EffectiveModulus, deadline: Deadlin
     }
     match known.axis {
         // Past the deadline integrals are not numbers, whatever verdict that leads to.
-        Some(axis) => revolution(overlap, axis, modulus, deadline).map_err(|e| deadline.check().err().unwrap_or(e)),
+        Some(axis) => revolution(overlap, axis, modulus, deadline)
+            .map_err(|e| deadline.check().map_or_else(Unsolved::from, |()| e)),
         None => {
             let reason = "the gap is not known to be quadratic, of revolution, or a flat ellipse";
             Err(Unsolved::new(Verdict::NoClosedForm, reason))
@@ -241,7 +242,7 @@ pub(crate) fn solution(
     };
     // Past the deadline a pressure is not a number.
     if max.is_some_and(f64::is_nan) {
-        settings.deadline.check().map_err(|e| e.with_best(solution.clone()))?;
+        settings.deadline.check().map_err(|e| Unsolved::from(e).with_best(solution.clone()))?;
     }
     if outputs.pressure {
         match sampled(&form, cells, settings.deadline) {

@@ -17,12 +17,12 @@ use std::collections::BinaryHeap;
 use std::f64::consts::{PI, TAU};
 
 use crate::approximate::fabrikant::agm;
-use crate::error::{Unsolved, Verdict};
 use crate::gap::{AnyGap, Degree, Gap};
 use crate::grid_method::single_grid::GridState;
 use crate::numeric::geometry::Rect;
 use crate::numeric::quadrature::GaussLegendre;
 use crate::overlap::Scaled;
+use crate::solution::{Unsolved, Verdict};
 
 /// The force of a contact at a depth, and its error, absolute.
 #[derive(Debug, Clone, Copy)]

@@ -1,7 +1,6 @@
 //! The states of one contact at many depths, each as exact as the curve needs it.
 
 use super::Sample;
-use crate::error::{Unsolved, Verdict};
 use crate::gap::Law;
 use crate::grid_method::refinement;
 use crate::grid_method::{dimensional, on_several_grids};
@@ -10,6 +9,7 @@ use crate::overlap::Overlap;
 use crate::problem::Contact;
 use crate::problem::{Method, Outputs, Settings};
 use crate::solution::Solution;
+use crate::solution::{Unsolved, Verdict};
 
 /// Cells along the longer side of the finest grid of one state, or half of them where twice as many are enough. Where they are
 /// not, the error of that state says so and the curve is no better.

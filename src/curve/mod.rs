@@ -7,11 +7,12 @@ mod spline;
 
 pub use spline::Knot;
 
-use crate::error::{InputError, Unsolved, Verdict, positive};
+use crate::error::{InputError, positive};
 use crate::overlap::least;
 use crate::problem::Contact;
 use crate::problem::Settings;
 use crate::solution::Singular;
+use crate::solution::{Unsolved, Verdict};
 use family::Family;
 use law::Law;
 use spline::Spline;

@@ -4,10 +4,10 @@ pub mod symmetry;
 
 use std::convert::Infallible;
 
-use crate::clock::Deadline;
-use crate::error::Unsolved;
+use crate::clock::{Deadline, OutOfTime};
 use crate::gap::{Gap, lattice};
 use crate::grid::{Grid, Kernel};
+use crate::solution::Residuals;
 
 /// Find p >= 0 with A p >= f, p (A p - f) = 0 on the cells of a grid (E* = 1). What every grid solver solves.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,14 +31,14 @@ impl Discrete {
     /// As [`Discrete::sample`], stopped at the deadline: a gap may be dear.
     ///
     /// # Errors
-    /// [`crate::Verdict::TimeLimit`].
+    /// [`OutOfTime`].
     pub fn sample_before(
         gap: &dyn Gap,
         depth: f64,
         grid: Grid,
         kernel: Kernel,
         deadline: Deadline,
-    ) -> Result<Self, Unsolved> {
+    ) -> Result<Self, OutOfTime> {
         Self::sampled(gap, depth, grid, kernel, || deadline.check())
     }
 
@@ -81,25 +81,6 @@ impl Discrete {
             }
         }
         worst
-    }
-}
-
-/// How far a pressure is from a solution, recomputed from the pressure alone.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Residuals {
-    /// Largest p |u - f|, relative to the largest pressure times the largest overlap.
-    pub complementarity: f64,
-    /// Largest tensile pressure, relative to the largest pressure.
-    pub tension: f64,
-    /// Largest f - u, also outside the candidate cells, relative to the largest overlap.
-    pub penetration: f64,
-}
-
-impl Residuals {
-    /// The largest of the three.
-    #[must_use]
-    pub fn worst(&self) -> f64 {
-        self.complementarity.max(self.tension).max(self.penetration)
     }
 }
 

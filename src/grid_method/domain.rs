@@ -6,12 +6,12 @@
 
 use crate::discrete::symmetry::Symmetry;
 use crate::discrete::{Discrete, DiscreteSolution};
-use crate::error::Unsolved;
 use crate::gap::{Degree, Gap, lattice};
 use crate::grid::{Grid, Kernel};
 use crate::matrix_free;
 use crate::numeric::geometry::Rect;
 use crate::overlap::Scaled;
+use crate::solution::Unsolved;
 
 /// Cells along the longer side of the coarse grids.
 const COARSE: usize = 16;

@@ -17,7 +17,6 @@ use self::single_grid::GridState;
 use crate::bracket::ForceBracket;
 use crate::by_edges;
 use crate::consistency::{Claim, within};
-use crate::error::Unsolved;
 use crate::gap::{AnyGap, Law};
 use crate::grid::{Grid, Pressure};
 use crate::numeric::geometry::Rect;
@@ -26,6 +25,7 @@ use crate::patch;
 use crate::patch::peak::{self, Ends};
 use crate::problem::Contact;
 use crate::problem::{Method, Settings};
+use crate::solution::Unsolved;
 use crate::solution::{Cost, Origin, Patch, PressureSummary, Singular, Solution, TouchesEdge, Validity};
 
 /// The method on a grid that the settings ask for.

@@ -6,12 +6,12 @@ use super::sharp_edges::{self, Border, Edge, Ladder};
 use super::single_grid::{GridState, Way, laid, other_kernel};
 use crate::consistency::{self, Claim};
 use crate::energy::{Trial, force_bounds};
-use crate::error::{Unsolved, Verdict};
 use crate::gap::{Degree, Gap, Law};
 use crate::grid::{Grid, Kernel};
 use crate::numeric::geometry::Rect;
 use crate::overlap::Scaled;
 use crate::problem::{ErrorBar, Method, Settings};
+use crate::solution::{Unsolved, Verdict};
 
 /// Cells along the longer side that no grid has more of.
 const FINEST: usize = 2560;

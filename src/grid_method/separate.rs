@@ -9,7 +9,6 @@ use super::displaced::{self, DisplacedGap};
 use super::refinement::{self, Refined};
 use super::single_grid;
 use crate::consistency::nothing_left_out;
-use crate::error::{Unsolved, Verdict};
 use crate::gap::{AnyGap, Gap};
 use crate::grid::{Grid, Pressure};
 use crate::grid_method;
@@ -18,6 +17,7 @@ use crate::overlap::{Overlap, Scaled};
 use crate::problem::Contact;
 use crate::problem::{Method, Settings};
 use crate::solution::{Origin, Patch, Piece, PressureSummary, Solution, TouchesEdge, Validity};
+use crate::solution::{Unsolved, Verdict};
 
 /// More contacts than that share one grid.
 const MOST: usize = 256;
@@ -115,7 +115,7 @@ pub(crate) fn solution(
             let before = total(&current);
             let mut next = Vec::new();
             for (k, &within) in rectangles.iter().enumerate() {
-                let solved = settings.deadline.check();
+                let solved = settings.deadline.check().map_err(Unsolved::from);
                 let solved = solved.and_then(|()| One::solve(&gaps[k], depth, within, &others(&current, k), &settings));
                 let one = match solved {
                     // The sweep before serves.

@@ -7,11 +7,11 @@
 
 use super::extrapolation::{Estimate, Intercept};
 use super::single_grid::{GridState, at_resolution};
-use crate::error::{Unsolved, Verdict};
 use crate::gap::Gap;
 use crate::numeric::geometry::Rect;
 use crate::overlap::Scaled;
 use crate::problem::{Method, Settings};
+use crate::solution::{Unsolved, Verdict};
 
 /// Cells along the longer side of the first grid.
 const COARSEST: f64 = 32.0;

@@ -4,12 +4,12 @@ use super::domain::shape;
 use super::expansion::outgrown;
 use crate::clock::Deadline;
 use crate::discrete::{Discrete, DiscreteSolution};
-use crate::error::{Unsolved, Verdict};
 use crate::grid::{Grid, Kernel};
 use crate::matrix_free;
 use crate::numeric::geometry::Rect;
 use crate::overlap::Scaled;
 use crate::problem::{Method, Settings};
+use crate::solution::{Unsolved, Verdict};
 
 /// Times a box may grow before the contact is taken to have no end.
 const MOST_GROWTHS: usize = 12;

@@ -6,7 +6,6 @@ use super::refinement::{self, Refined};
 use super::single_grid::{self, GridState};
 use super::unresolved;
 use crate::discrete::Discrete;
-use crate::error::Unsolved;
 use crate::grid::Grid;
 use crate::grid_method::{at_least, in_users_units, stiffness_of, strongest};
 use crate::matrix_free;
@@ -15,6 +14,7 @@ use crate::patch;
 use crate::problem::Contact;
 use crate::problem::{Method, Settings};
 use crate::solution::Solution;
+use crate::solution::Unsolved;
 
 /// Cells along the longer side of the grid that only has to show the way.
 const ROUGH_CELLS: usize = 32;

@@ -1,13 +1,13 @@
 //! A contact as the search for equilibrium sees it: states at depths and tilts, each from what the last one left.
 
 use super::equilibrium::Respond;
-use crate::error::{Unsolved, Verdict};
 use crate::grid_method::warm_start::Held;
 use crate::grid_method::{self, Frame};
 use crate::loading::{respond, without_grid};
 use crate::problem::Contact;
 use crate::problem::{Method, Outputs, Settings};
 use crate::solution::{Cost, Solution};
+use crate::solution::{Unsolved, Verdict};
 
 /// A contact and settings, as the search for equilibrium sees them.
 pub(crate) struct Engine<'a> {

@@ -7,11 +7,11 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::error::{Unsolved, Verdict};
 use crate::gap::{AnyGap, Reach};
 use crate::overlap::{least, reach_of};
 use crate::problem::Method;
 use crate::solution::Solution;
+use crate::solution::{Unsolved, Verdict};
 
 /// Steps of the quick search before the load is taken to have no depth.
 const MOST_STEPS: usize = 60;

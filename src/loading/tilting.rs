@@ -2,7 +2,6 @@
 
 use super::engine::Engine;
 use super::equilibrium;
-use crate::error::{Unsolved, Verdict};
 use crate::gap::{AnyGap, Gap, Reach};
 use crate::grid_method::extrapolation::Intercept;
 use crate::grid_method::sharp_edges;
@@ -11,6 +10,7 @@ use crate::overlap::least;
 use crate::problem::Contact;
 use crate::problem::{Method, Settings};
 use crate::solution::{Origin, Solution};
+use crate::solution::{Unsolved, Verdict};
 
 /// A box around everything that can touch at any tilt: where the gap is less than a depth beyond all measure.
 fn material(gap: &AnyGap, depth: f64) -> Option<Rect> {

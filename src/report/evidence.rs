@@ -5,13 +5,13 @@ use crate::bracket::{self, BracketSettings, ForceBracket};
 use crate::clock::Stopwatch;
 use crate::compare::{self, Comparison};
 use crate::curve::Curve;
-use crate::error::Unsolved;
 use crate::plan::{Plan, plan};
 use crate::plot::Section;
 use crate::problem::{Contact, Load, Loading};
 use crate::problem::{Method, Outputs, Settings};
 use crate::scene::Scene;
 use crate::solution::Solution;
+use crate::solution::Unsolved;
 use crate::solve::solve;
 
 /// Cells along the longer side of the grid behind the pictures, unless the scene says.

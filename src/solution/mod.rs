@@ -1,10 +1,21 @@
 //! The answer: force, stiffness, patch and pressure of one state of loading, in the user's units.
 
-use crate::bracket::{DepthBracket, Evidence, ForceBracket, ROUNDED};
-use crate::discrete::Residuals;
-use crate::gap::{DataEdge, Law};
-use crate::grid::{Grid, Pressure};
+mod bounds;
+mod patch;
+mod pressure;
+mod residuals;
+mod unsolved;
+
+use crate::gap::Law;
+use crate::grid::Grid;
 use crate::problem::Method;
+
+pub(crate) use bounds::ROUNDED;
+pub use bounds::{BracketCost, DepthBracket, Evidence, ForceBracket, Repair, Side, Theorem};
+pub use patch::{Patch, Piece, TouchesEdge};
+pub use pressure::{PressureSummary, Singular};
+pub use residuals::Residuals;
+pub use unsolved::{Unsolved, Verdict};
 
 /// How the force of a state was found: what a checker needs to know to judge it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -268,89 +279,6 @@ impl Solution {
     }
 }
 
-/// Where the bodies touch.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Patch {
-    /// Area.
-    pub area: f64,
-    /// Centroid of the area; `None` without contact.
-    pub centroid: Option<[f64; 2]>,
-    /// Number of separate regions.
-    pub regions: usize,
-    /// Largest distance of a point of the patch from the reference point of the gap.
-    pub max_radius: f64,
-    /// Closed polylines, the first point not repeated, when asked for: outer boundaries counter-clockwise, holes clockwise.
-    pub boundary: Option<Vec<Vec<[f64; 2]>>>,
-    /// The separate regions, largest force first; together they carry the force and have the area.
-    pub pieces: Vec<Piece>,
-    /// Semi-axes a >= b of a patch that is an ellipse by a closed form, or of the best one.
-    pub semi_axes: Option<[f64; 2]>,
-    /// Angle from x to the longer axis of such an ellipse, radians counter-clockwise, in (-pi/2, pi/2]; 0 for a disc.
-    pub angle: Option<f64>,
-}
-
-/// One of the separate regions of a patch.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Piece {
-    /// Area.
-    pub area: f64,
-    /// The part of the force that it carries.
-    pub force: f64,
-    /// Centroid of its area.
-    pub centroid: [f64; 2],
-    /// Lower left and upper right corner of the rectangle around it.
-    pub extent: [[f64; 2]; 2],
-    /// Largest pressure in it; `None` where the exact one is infinite or the method gives none.
-    pub max_pressure: Option<f64>,
-}
-
-impl Patch {
-    /// Lower left and upper right corner of the rectangle around all pieces; `None` without contact.
-    ///
-    /// ```
-    /// use contact_patch::{Patch, Piece};
-    /// let piece = |x: f64| Piece {
-    ///     area: 1.0, force: 1.0, centroid: [x, 0.0], extent: [[x - 0.5, -0.5], [x + 0.5, 0.5]], max_pressure: None,
-    /// };
-    /// let patch = Patch { pieces: vec![piece(0.0), piece(3.0)], ..Patch::default() };
-    /// assert_eq!(patch.extent(), Some([[-0.5, -0.5], [3.5, 0.5]]));
-    /// ```
-    #[must_use]
-    pub fn extent(&self) -> Option<[[f64; 2]; 2]> {
-        let corners = self.pieces.iter().flat_map(|piece| piece.extent);
-        crate::numeric::geometry::Rect::holding(corners).map(|rect| [rect.min, rect.max])
-    }
-}
-
-/// Why the exact pressure is infinite somewhere in a patch.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Singular {
-    /// Along a line: the end of the material, or a sharp ridge.
-    Edge,
-    /// At a point: a cone, the apex of a pyramid, any tip that is not rounded.
-    Tip,
-}
-
-impl Singular {
-    /// The word in results.
-    #[must_use]
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::Edge => "edge",
-            Self::Tip => "tip",
-        }
-    }
-}
-
-/// The edge of measured or declared data that a patch meets: beyond it there may be a body that nobody told of.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct TouchesEdge {
-    /// Which.
-    pub edge: DataEdge,
-    /// Share of the force on the cells beside it, from 0 to 1; `None` for methods without cells.
-    pub share: Option<f64>,
-}
-
 /// How far a state is from what small-strain half-space theory assumes: all three small against 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Validity {
@@ -360,25 +288,6 @@ pub struct Validity {
     pub size_over_radius: Option<f64>,
     /// Mean pressure over E*.
     pub pressure_over_modulus: f64,
-}
-
-/// How the pressure is spread.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct PressureSummary {
-    /// Largest pressure found; `None` where the exact one is infinite ([`PressureSummary::singular`]) or not given by the method.
-    pub max: Option<f64>,
-    /// Relative error of the largest pressure: an estimate from several grids, rounding for closed forms; `None` when nothing is known.
-    pub max_error: Option<f64>,
-    /// Why the exact pressure is infinite somewhere, where it is known to be.
-    pub singular: Option<Singular>,
-    /// Force over area; `None` without contact.
-    pub mean: Option<f64>,
-    /// Where the largest pressure was found.
-    pub at: Option<[f64; 2]>,
-    /// The field on its grid, when asked for.
-    pub field: Option<Pressure>,
-    /// The gap that is left after loading, cell by cell, when asked for; infinite where there is no material.
-    pub gap: Option<(Grid, Vec<f64>)>,
 }
 
 /// What a solution took.

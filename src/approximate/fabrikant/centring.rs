@@ -4,7 +4,7 @@ use nalgebra::Vector2;
 
 use super::star::Star;
 use super::sweeps::{Found, LOW};
-use crate::error::{Unsolved, Verdict};
+use crate::solution::{Unsolved, Verdict};
 
 /// Moves of the centre on one layout of rays: where they do not suffice, what is left is the error of the layout.
 const MOST_MOVES: usize = 24;

@@ -2,9 +2,10 @@
 
 use super::family::{self, Family};
 use crate::approximate::fabrikant::{Approximation, Error, Settings, stationary};
-use crate::error::{InputError, Unsolved, Verdict};
+use crate::error::InputError;
 use crate::gap::{AnyGap, Gap, Paraboloid};
 use crate::problem::EffectiveModulus;
+use crate::solution::{Unsolved, Verdict};
 
 /// The boundary asked for: equation (15), or the best of a family.
 ///
@@ -25,7 +26,7 @@ pub fn solve(
         Family::Fourier(_) | Family::PlanForm => family::best(gap, modulus, depth, family, settings),
     };
     // Cut short, it fails for one reason or another.
-    found.map_err(|e| settings.deadline.check().map_or_else(Error::from, |()| e))
+    found.map_err(|e| settings.deadline.check().map_or_else(|out_of_time| Unsolved::from(out_of_time).into(), |()| e))
 }
 
 /// The depth at which the force of `family` is `force`, and what was found there: Newton's method on log P over log d with

@@ -8,9 +8,10 @@ use super::problem::several_parts;
 use super::star::{Ray, Star};
 use super::sweeps::Found;
 use crate::approximate::fabrikant::{Approximation, Error, Problem, Settings, first_rung};
-use crate::error::{InputError, Unsolved, Verdict};
+use crate::error::InputError;
 use crate::gap::AnyGap;
 use crate::problem::EffectiveModulus;
+use crate::solution::{Unsolved, Verdict};
 
 /// What the boundary is chosen from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

@@ -4,9 +4,10 @@ use std::f64::consts::{PI, TAU};
 
 use super::sectors::{SIXTH, Sectors};
 use crate::approximate::fabrikant::Error;
-use crate::error::{InputError, Unsolved, Verdict, finite};
+use crate::error::{InputError, finite};
 use crate::numeric::geometry::{area, centroid};
 use crate::problem::EffectiveModulus;
+use crate::solution::{Unsolved, Verdict};
 
 /// A flat punch whose plan-form is r = a(theta) about its centroid.
 ///

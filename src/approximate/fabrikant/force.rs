@@ -4,9 +4,10 @@ use super::radial::Stand;
 use super::sectors::{SIXTH, Sectors};
 use super::star::Star;
 use crate::approximate::fabrikant::{Error, Problem, Settings, first_rung};
-use crate::error::{InputError, Unsolved, Verdict};
+use crate::error::InputError;
 use crate::gap::{AnyGap, Gap};
 use crate::problem::EffectiveModulus;
+use crate::solution::{Unsolved, Verdict};
 
 /// P(A) of a given boundary, and what goes with it.
 #[derive(Debug, Clone, Copy, PartialEq)]

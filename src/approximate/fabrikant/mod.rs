@@ -53,7 +53,8 @@ pub(crate) use sectors::{Sectors, Spoke, THIRD};
 pub use stationary::stationary;
 
 use crate::clock::Deadline;
-use crate::error::{InputError, Unsolved, Verdict};
+use crate::error::InputError;
+use crate::solution::{Unsolved, Verdict};
 use star::radius_in;
 
 /// What can go wrong: the input, or the method.

@@ -4,10 +4,10 @@ use std::f64::consts::TAU;
 
 use super::problem::Problem;
 use crate::approximate::fabrikant::{Approximation, Boundary, Error, Family, FlatPunch, Settings};
-use crate::error::{Unsolved, Verdict};
 use crate::gap::{AnyGap, Degree, Gap};
 use crate::numeric::quadrature::GaussLegendre;
 use crate::problem::EffectiveModulus;
+use crate::solution::{Unsolved, Verdict};
 
 /// Crossings of the edge that differ by less than this share are one: a corner.
 const CORNER: f64 = 1e-9;

@@ -5,8 +5,9 @@ use std::sync::OnceLock;
 
 use super::radial::gauss_legendre;
 use crate::approximate::fabrikant::Error;
-use crate::error::{InputError, Unsolved, Verdict};
+use crate::error::InputError;
 use crate::gap::Polyhedron;
+use crate::solution::{Unsolved, Verdict};
 
 /// The stationary boundary of an n-faced regular punch, in units of depth = 1 and tan(inclination) = 1.
 ///

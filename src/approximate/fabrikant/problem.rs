@@ -2,10 +2,11 @@
 
 use crate::approximate::fabrikant::{Boundary, Error, ScaledOverlap};
 use crate::clock::Deadline;
-use crate::error::{InputError, Unsolved, Verdict, finite};
+use crate::error::{InputError, finite};
 use crate::gap::{AnyGap, Gap};
 use crate::overlap::{self, Units, least};
 use crate::problem::EffectiveModulus;
+use crate::solution::{Unsolved, Verdict};
 
 /// The problem in units of its own.
 pub(crate) struct Problem {

@@ -18,9 +18,9 @@ use super::problem::{Problem, first_rung, several_parts};
 use super::star::{Ray, Star};
 use super::sweeps::LOW;
 use crate::approximate::fabrikant::{Approximation, Error, Family, Settings};
-use crate::error::{Unsolved, Verdict};
 use crate::gap::AnyGap;
 use crate::problem::EffectiveModulus;
+use crate::solution::{Unsolved, Verdict};
 
 /// How often the rays are laid anew along the crossings of the boundary with the ridges.
 const MOST_LOOKS: usize = 8;

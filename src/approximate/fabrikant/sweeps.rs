@@ -2,7 +2,7 @@
 
 use super::hump::Hump;
 use super::star::{Ray, Star, radius_in};
-use crate::error::{Unsolved, Verdict};
+use crate::solution::{Unsolved, Verdict};
 
 /// Sweeps over all rays before giving up.
 const MOST_SWEEPS: usize = 80;

@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, Matrix2, SMatrix};
 use super::coordinates::{Ellipse, Step, eigen, mean_and_share};
 use super::disc::{Disc, Means};
 use super::runaway;
-use crate::error::Unsolved;
+use crate::solution::Unsolved;
 
 /// Steps before giving up.
 const MOST_STEPS: usize = 100;

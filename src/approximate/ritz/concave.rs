@@ -15,7 +15,7 @@ use super::coordinates::{Ellipse, Step, eigen, mean_and_share};
 use super::disc::{Means, logarithmic_slope};
 use super::ridged::{Bend, Ridged};
 use super::runaway;
-use crate::error::Unsolved;
+use crate::solution::Unsolved;
 
 /// Newton steps before the ellipsoid method is called.
 const MOST_STEPS: usize = 60;

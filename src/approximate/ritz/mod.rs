@@ -29,9 +29,9 @@ use nalgebra::{Matrix2, Vector2};
 use crate::approximate::fabrikant::{
     Approximation, Error, Family, LowerBound, Problem, RadialRule, Sectors, Settings, THIRD, first_rung,
 };
-use crate::error::{Unsolved, Verdict};
 use crate::gap::{AnyGap, Gap};
 use crate::problem::EffectiveModulus;
+use crate::solution::{Unsolved, Verdict};
 use climb::{curvature, maximise};
 use concave::Concave;
 use coordinates::{Ellipse, mean_and_share};

@@ -20,8 +20,8 @@ use super::coordinates::{Ellipse, Step};
 use super::disc::Disc;
 use super::runaway;
 use crate::approximate::fabrikant::ScaledOverlap;
-use crate::error::Unsolved;
 use crate::gap::Gap;
+use crate::solution::Unsolved;
 
 /// Rays that trace the edge.
 const RAYS: usize = 120;
