@@ -258,8 +258,7 @@ mod tests {
             assert!(watch.seconds() < 60.0);
         }
         let error = deadline.check().unwrap_err();
-        assert_eq!(error.verdict, Verdict::TimeLimit);
-        assert!(error.reason.contains("0.05 CPU seconds"), "{error}");
+        assert!(error.to_string().contains("0.05 CPU seconds"), "{error}");
     }
 
     #[test]
@@ -271,7 +270,7 @@ mod tests {
         one.set();
         one.set();
         assert!(mine.has_passed() && mine.remaining() == 0.0 && !theirs.has_passed());
-        assert!(mine.check().unwrap_err().reason.contains("interrupted"));
+        assert!(mine.check().unwrap_err().to_string().contains("interrupted"));
         // A counter that is used again starts quiet.
         drop(one);
         let next = Interrupt::new();

@@ -13,8 +13,7 @@ use crate::grid_method::domain::{coarsest, shape};
 use crate::loading::equilibrium::overlap_of_size;
 use crate::numeric::geometry::Rect;
 use crate::overlap::{Overlap, Scaled, least};
-use crate::problem::{Contact, Load};
-use crate::problem::{Method, Settings};
+use crate::problem::{Contact, Load, Method, Settings};
 use crate::solution::Unsolved;
 
 /// The decision and its reasons.

@@ -11,10 +11,8 @@ use crate::loading::equilibrium;
 use crate::loading::respond;
 use crate::loading::tilting;
 use crate::overlap::{Overlap, least};
-use crate::problem::Settings;
-use crate::problem::{Contact, Load};
-use crate::solution::Solution;
-use crate::solution::{Unsolved, Verdict};
+use crate::problem::{Contact, Load, Settings};
+use crate::solution::{Solution, Unsolved, Verdict};
 
 /// Solves every state of the loading, in order.
 ///

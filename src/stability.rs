@@ -17,11 +17,9 @@ use crate::error::InputError;
 use crate::grid::{Grid, Kernel, Pressure};
 use crate::influence::InfluenceTable;
 use crate::matrix_free::{Operator, Scratch};
-use crate::problem::Load;
-use crate::problem::{Method, Outputs, Settings};
+use crate::problem::{Load, Method, Outputs, Settings};
 use crate::scene::Scene;
-use crate::solution::Solution;
-use crate::solution::Unsolved;
+use crate::solution::{Solution, Unsolved};
 use crate::solve::solve;
 
 /// Topic and text of each file of cases.

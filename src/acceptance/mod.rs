@@ -16,10 +16,8 @@ use crate::bracket::Evidence;
 use crate::consistency::{Claim, Response, nothing_left_out, within};
 use crate::gap::Gap;
 use crate::overlap::least;
-use crate::problem::Settings;
-use crate::problem::{Contact, Load};
-use crate::solution::{Origin, Solution};
-use crate::solution::{Unsolved, Verdict};
+use crate::problem::{Contact, Load, Settings};
+use crate::solution::{Origin, Solution, Unsolved, Verdict};
 
 /// The answer as it leaves the library: a state that fails a condition becomes a verdict, and a verdict keeps its best state
 /// only when that is complete.

@@ -8,10 +8,8 @@
 use crate::bracket::DepthBracket;
 use crate::gap::Gap;
 use crate::overlap::Overlap;
-use crate::problem::Settings;
-use crate::problem::{Contact, Load};
-use crate::solution::Solution;
-use crate::solution::{Unsolved, Verdict};
+use crate::problem::{Contact, Load, Settings};
+use crate::solution::{Solution, Unsolved, Verdict};
 
 /// The answer with the error of the measured gap in its error and its bracket.
 ///
@@ -55,6 +53,9 @@ fn widen(contact: &Contact, load: Load, state: &mut Solution) -> Option<f64> {
         return None;
     }
     let gap = contact.tilted_gap(state.tilt);
+    if !gap.is_measured() {
+        return None;
+    }
     let reach = Overlap::of(&gap, state.depth).ok().flatten()?.reach;
     let rect = state.grid.and_then(|grid| grid.extent().intersection(&reach)).unwrap_or(reach);
     let off = gap.sampling_error(&rect);

@@ -1,23 +1,24 @@
 //! A state of contact from the approximate methods.
 
+mod choice;
 pub(crate) mod energy;
 pub mod fabrikant;
 pub mod ritz;
+
+pub use choice::{at_force, auto, solve};
 
 use self::fabrikant::{Approximation, Error, Family};
 use crate::gap::AnyGap;
 use crate::numeric::geometry::Rect;
 use crate::overlap::{Overlap, least};
-use crate::problem::Contact;
-use crate::problem::{BoundaryFamily, Method, Settings};
-use crate::solution::{Cost, Origin, Patch, Piece, PressureSummary, Solution, Validity};
-use crate::solution::{Unsolved, Verdict};
+use crate::problem::{BoundaryFamily, Contact, Method, Settings};
+use crate::solution::{Cost, Origin, Patch, Piece, PressureSummary, Solution, Unsolved, Validity, Verdict};
 
 /// The state at a depth and tilt (`gap` is the contact's gap under that tilt), in the user's units. `with_matrix`: energy, moments
 /// and the stiffness against tilts too, whether or not they come for nothing.
 ///
 /// # Errors
-/// The verdicts of [`fabrikant::solve`]; nothing is passed off as a solution when the method does not apply.
+/// The verdicts of [`solve`]; nothing is passed off as a solution when the method does not apply.
 pub(crate) fn solution(
     contact: &Contact,
     gap: &AnyGap,
@@ -81,9 +82,9 @@ fn boundary(
         return Err(Unsolved::new(Verdict::NotStarShaped, reason));
     }
     let found = match (settings.method, settings.boundary) {
-        (Method::Ritz, _) => fabrikant::solve(gap, modulus, depth, Family::Ellipse, fine),
-        (_, BoundaryFamily::Auto) => fabrikant::auto(gap, modulus, depth, fine),
-        (_, family) => fabrikant::solve(gap, modulus, depth, family_of(family), fine),
+        (Method::Ritz, _) => solve(gap, modulus, depth, Family::Ellipse, fine),
+        (_, BoundaryFamily::Auto) => auto(gap, modulus, depth, fine),
+        (_, family) => solve(gap, modulus, depth, family_of(family), fine),
     };
     let found = found.map_err(verdict)?;
     let off = found.quadrature_error.iter().sum::<f64>();
@@ -96,7 +97,7 @@ fn boundary(
         // The pressure under a disc is exact, so that its force is too low: a stationary boundary with less, by more than may
         // be wrong with either, is the wrong one.
         let rough = fabrikant::Settings { tolerance: 1e-4, boundary_points: 0, ..*fine };
-        if let Ok(disc) = fabrikant::solve(gap, modulus, depth, Family::Circle, &rough)
+        if let Ok(disc) = solve(gap, modulus, depth, Family::Circle, &rough)
             && disc.force * (1.0 - disc.quadrature_error.iter().sum::<f64>())
                 > found.force * (1.0 + off + settings.tolerance)
         {

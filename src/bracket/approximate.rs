@@ -6,8 +6,8 @@
 
 use super::comparison::Comparisons;
 use super::{BracketCost, Evidence, ForceBracket, Repair, Side, Theorem, measure};
-use crate::approximate::fabrikant;
 use crate::approximate::ritz;
+use crate::approximate::{fabrikant, solve};
 use crate::clock::Stopwatch;
 use crate::closed_form::FlatPunch;
 use crate::gap::{AnyGap, Gap};
@@ -47,7 +47,7 @@ pub fn approximate(gap: impl Into<AnyGap>, modulus: EffectiveModulus, depth: f64
     let ellipse = lower.unwrap_or(0.0).max(inscribed(&comparisons));
     let fabrikant = [fabrikant::Family::Stationary, fabrikant::Family::PlanForm]
         .into_iter()
-        .find_map(|family| fabrikant::solve(gap, modulus, depth, family, &settings).ok())
+        .find_map(|family| solve(gap, modulus, depth, family, &settings).ok())
         .map_or(0.0, |found| measure::corrected_fabrikant(gap, modulus, depth, &found.boundary));
     let below = Side {
         force: ellipse.max(fabrikant),

@@ -1,6 +1,6 @@
 //! The depth under a prescribed force, from a bracket of the force near it.
 
-use super::frame::degree_of;
+use super::problem::degree_of;
 use super::{DepthBracket, Evidence, ForceBracket};
 use crate::gap::{AnyGap, Gap, Reach};
 

@@ -15,22 +15,23 @@
 mod approximate;
 mod away;
 mod cell;
-mod close;
 mod comparison;
 mod depth;
+mod evaluate;
+mod exterior;
 mod field;
-mod frame;
+mod gap_bounds;
 pub(crate) mod kernel;
-mod known;
-mod look;
 mod measure;
 mod mirrors;
-mod outside;
 mod polynomial;
+mod problem;
 pub(crate) mod refined;
+mod repair;
 mod sharp;
 mod source;
 mod spread;
+mod suprema;
 mod tables;
 mod trend;
 mod violation;
@@ -41,9 +42,9 @@ use crate::grid::Pressure;
 use crate::problem::EffectiveModulus;
 use crate::solution::Unsolved;
 use field::Surroundings;
-use frame::Attention;
-use known::Known;
+use gap_bounds::GapBounds;
 use mirrors::Mirrors;
+use suprema::{BoundState, suprema};
 
 pub use crate::solution::{BracketCost, DepthBracket, Evidence, ForceBracket, Repair, Side, Theorem};
 pub use approximate::approximate;
@@ -101,17 +102,17 @@ pub fn certify(
     settings: &BracketSettings,
 ) -> Result<ForceBracket, Unsolved> {
     let gap = &gap.into();
-    frame::within(gap, modulus, depth, pressure, |frame, mut q| {
+    problem::within(gap, modulus, depth, pressure, |problem, mut q| {
         let started = Stopwatch::start();
-        let mirrors = Mirrors::found(&mut q, frame);
-        let mut around = Surroundings::new(&frame.grid, settings.per_cell.max(1));
-        let known = Known::new(q.len(), false);
-        let closely = vec![look::WHOLE; q.len()];
-        let mut attention = Attention { known, closely, mirrors, prove: settings.prove };
-        let (_, found, evidence) = frame.look(&mut around, &q, violation::Side::Both, &mut attention);
-        let outside = outside::look(frame, &q);
-        let (upper, lower) = (close::upper(frame, &q, &found, &outside), close::lower(frame, &q, &found));
+        let mirrors = Mirrors::found(&mut q, problem);
+        let mut around = Surroundings::new(&problem.grid, settings.per_cell.max(1));
+        let known = GapBounds::new(q.len(), false);
+        let closely = vec![evaluate::WHOLE; q.len()];
+        let mut state = BoundState { known, closely, mirrors, prove: settings.prove };
+        let (_, found, evidence) = suprema(problem, &mut around, &q, violation::Side::Both, &mut state);
+        let exterior = exterior::uncovered(problem, &q);
+        let (upper, lower) = (repair::upper(problem, &q, &found, &exterior), repair::lower(problem, &q, &found));
         let cost = BracketCost { seconds: started.seconds(), products: 1, solves: 0 };
-        ForceBracket { lower: frame.side(lower, &q, evidence), upper: frame.side(upper, &q, evidence), cost }
+        ForceBracket { lower: lower.side(problem, &q, evidence), upper: upper.side(problem, &q, evidence), cost }
     })
 }

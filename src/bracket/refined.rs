@@ -7,11 +7,8 @@ use crate::grid::{Grid, Pressure};
 use crate::grid_method::domain::locate;
 use crate::grid_method::single_grid::at_resolution;
 use crate::overlap::Overlap;
-use crate::problem::Contact;
-use crate::problem::Load;
-use crate::problem::{Method, Settings};
-use crate::solution::Solution;
-use crate::solution::Unsolved;
+use crate::problem::{Contact, Load, Method, Settings};
+use crate::solution::{Solution, Unsolved};
 
 /// Cells along the longer side of the first and the last grid, when the scene does not say.
 const GRIDS: [usize; 2] = [64, 512];

@@ -4,8 +4,7 @@ use super::{Found, field_grid};
 use crate::edge_fitted::{FlatStiffness, Limits, Outline, flat_stiffness, resample};
 use crate::gap::Face;
 use crate::numeric::geometry::{Rect, area, centroid};
-use crate::problem::Contact;
-use crate::problem::Settings;
+use crate::problem::{Contact, Settings};
 use crate::solution::Patch;
 
 /// A polygon, and the outline that the cells are fitted to: in units of half its longer side, about the middle of its box.

@@ -17,8 +17,7 @@ use crate::edge_fitted::Limits;
 use crate::gap::Gap;
 use crate::numeric::geometry::{Rect, clip};
 use crate::overlap::Overlap;
-use crate::problem::Contact;
-use crate::problem::Settings;
+use crate::problem::{Contact, Settings};
 
 /// A flat with flanks.
 pub(crate) struct Layer {

@@ -17,10 +17,10 @@ use crate::grid::{Grid, Kernel, Pressure};
 use crate::grid_method::domain::shape;
 use crate::numeric::geometry::Rect;
 use crate::overlap::Overlap;
-use crate::problem::Contact;
-use crate::problem::{Method, Settings};
-use crate::solution::{Cost, Origin, Patch, Piece, PressureSummary, Singular, Solution, TouchesEdge, Validity};
-use crate::solution::{Unsolved, Verdict};
+use crate::problem::{Contact, Method, Settings};
+use crate::solution::{
+    Cost, Origin, Patch, Piece, PressureSummary, Singular, Solution, TouchesEdge, Unsolved, Validity, Verdict,
+};
 
 /// What the cells are fitted to.
 pub(crate) enum Route {

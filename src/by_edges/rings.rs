@@ -7,8 +7,7 @@ use crate::edge_fitted::{Annular, Law, Limits, RadialBounds, RadialJet, Span, an
 use crate::gap::{AnyGap, Axis, Gap};
 use crate::numeric::geometry::Rect;
 use crate::overlap::Overlap;
-use crate::problem::Contact;
-use crate::problem::Settings;
+use crate::problem::{Contact, Settings};
 use crate::solution::{Patch, Piece};
 
 /// The overlap along a radius: lengths in units of the reach, heights in units of the deepest overlap.

@@ -6,8 +6,7 @@ use crate::gap::Gap;
 use crate::grid::{Kernel, Pressure};
 use crate::patch;
 use crate::problem::EffectiveModulus;
-use crate::solution::Patch;
-use crate::solution::Residuals;
+use crate::solution::{Patch, Residuals};
 
 /// Pressed cells up to which flat punches are solved for: about two seconds each at this limit.
 const MOST_PRESSED: usize = 20_000;

@@ -8,11 +8,10 @@ use crate::gap::{self, AnyGap, Axis, Face, Gap, Generatrix};
 use crate::grid::{Grid, Pressure};
 use crate::numeric::geometry::Rect;
 use crate::overlap::Overlap;
-use crate::problem::Contact;
-use crate::problem::EffectiveModulus;
-use crate::problem::{Method, Settings};
-use crate::solution::{Cost, Origin, Patch, Piece, PressureSummary, Singular, Solution, TouchesEdge, Validity};
-use crate::solution::{Unsolved, Verdict};
+use crate::problem::{Contact, EffectiveModulus, Method, Settings};
+use crate::solution::{
+    Cost, Origin, Patch, Piece, PressureSummary, Singular, Solution, TouchesEdge, Unsolved, Validity, Verdict,
+};
 
 /// A closed form and what it stands for.
 #[derive(Debug, Clone)]

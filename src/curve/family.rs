@@ -2,14 +2,13 @@
 
 use super::Sample;
 use crate::gap::Law;
+use crate::grid_method::dimensional::dimensional;
+use crate::grid_method::on_several_grids;
 use crate::grid_method::refinement;
-use crate::grid_method::{dimensional, on_several_grids};
 use crate::loading::{respond, without_grid};
 use crate::overlap::Overlap;
-use crate::problem::Contact;
-use crate::problem::{Method, Outputs, Settings};
-use crate::solution::Solution;
-use crate::solution::{Unsolved, Verdict};
+use crate::problem::{Contact, Method, Outputs, Settings};
+use crate::solution::{Solution, Unsolved, Verdict};
 
 /// Cells along the longer side of the finest grid of one state, or half of them where twice as many are enough. Where they are
 /// not, the error of that state says so and the curve is no better.

@@ -9,10 +9,8 @@ pub use spline::Knot;
 
 use crate::error::{InputError, positive};
 use crate::overlap::least;
-use crate::problem::Contact;
-use crate::problem::Settings;
-use crate::solution::Singular;
-use crate::solution::{Unsolved, Verdict};
+use crate::problem::{Contact, Settings};
+use crate::solution::{Singular, Unsolved, Verdict};
 use family::Family;
 use law::Law;
 use spline::Spline;

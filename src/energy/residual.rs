@@ -1,9 +1,10 @@
 //! The energy norm of the residual: a trial displacement w, continued beyond the contact, and the integrals of w^2 and |grad w|^2.
 
 use super::cut::{Cell, left_out, scaled};
+use super::expansion::{Expansions, Room};
 use super::extension::Extension;
 use super::field::{Field, RING};
-use super::lanes::{Expansions, LANES, Room};
+use super::lane::LANES;
 use super::outside::{Loads, clear_beyond, near};
 use super::overlap::{OverlapBounds, Taylor};
 use super::tables::MOST_SLENDER;

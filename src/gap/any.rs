@@ -248,6 +248,10 @@ impl Gap for AnyGap {
         self.transform.growth_outward(sector, from, |sector, from| self.inner.growth(sector, from))
     }
 
+    fn is_measured(&self) -> bool {
+        self.inner.is_measured()
+    }
+
     fn sampling_error(&self, rect: &Rect) -> f64 {
         self.transform.height_scale() * self.inner.sampling_error(&self.transform.rect_inward(rect))
     }

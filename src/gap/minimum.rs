@@ -202,6 +202,10 @@ impl Gap for Minimum {
         lasting.or_else(|| parts.first().copied())
     }
 
+    fn is_measured(&self) -> bool {
+        self.parts.iter().any(Gap::is_measured)
+    }
+
     fn sampling_error(&self, rect: &Rect) -> f64 {
         self.parts.iter().map(|part| part.sampling_error(rect)).fold(0.0, f64::max)
     }

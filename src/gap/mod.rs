@@ -175,6 +175,11 @@ pub trait Gap: Send + Sync {
         None
     }
 
+    /// Whether parts of the gap are measured, so that its samples leave something open ([`Gap::sampling_error`]).
+    fn is_measured(&self) -> bool {
+        false
+    }
+
     /// How far the gap may be, over a rectangle, from the surface that was measured: what lies between its samples, and what is left
     /// of their noise. An estimate from the samples alone; 0 where the gap is given by construction.
     fn sampling_error(&self, _rect: &Rect) -> f64 {

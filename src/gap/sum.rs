@@ -288,6 +288,10 @@ impl Gap for Sum {
         parts.try_fold(first, |sum, part| part.map(|part| sum.plus(&part)))
     }
 
+    fn is_measured(&self) -> bool {
+        self.parts.iter().any(Gap::is_measured)
+    }
+
     fn sampling_error(&self, rect: &Rect) -> f64 {
         self.parts.iter().map(|part| part.sampling_error(rect)).sum()
     }

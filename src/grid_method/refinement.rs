@@ -149,7 +149,7 @@ impl Refined {
     fn is_consistent(&self, scaled: &Scaled, degree: Option<Degree>) -> Result<(), Unsolved> {
         let claim = Claim { force: self.force, error: self.error };
         consistency::limit_of(&self.sums, degree, claim)?;
-        consistency::above_ellipse(scaled, &self.state, claim)?;
+        consistency::above_ellipse(scaled, &self.state.problem, &self.state.solution.pressure, claim)?;
         self.proved.map_or(Ok(()), |bounds| consistency::within(bounds, claim, "the energy"))
     }
 

@@ -5,19 +5,17 @@
 //! is solved in turn on the gap that the others have left (block Gauss-Seidel), until the force no longer changes. The
 //! factor from sweep to sweep is about the square of size over distance.
 
+use super::dimensional::dimensional;
 use super::displaced::{self, DisplacedGap};
 use super::refinement::{self, Refined};
 use super::single_grid;
 use crate::consistency::nothing_left_out;
 use crate::gap::{AnyGap, Gap};
 use crate::grid::{Grid, Pressure};
-use crate::grid_method;
 use crate::numeric::geometry::Rect;
 use crate::overlap::{Overlap, Scaled};
-use crate::problem::Contact;
-use crate::problem::{Method, Settings};
-use crate::solution::{Origin, Patch, Piece, PressureSummary, Solution, TouchesEdge, Validity};
-use crate::solution::{Unsolved, Verdict};
+use crate::problem::{Contact, Method, Settings};
+use crate::solution::{Origin, Patch, Piece, PressureSummary, Solution, TouchesEdge, Unsolved, Validity, Verdict};
 
 /// More contacts than that share one grid.
 const MOST: usize = 256;
@@ -143,7 +141,7 @@ pub(crate) fn solution(
     let quiet = Settings { outputs: crate::problem::Outputs { pressure: true, ..settings.outputs }, ..*settings };
     for (k, one) in ones.iter().enumerate() {
         let (Some(refined), Some(scaled)) = (&one.solved, &one.scaled) else { continue };
-        let mut state = grid_method::dimensional(contact, scaled, refined, None, depth, tilt, &quiet)?;
+        let mut state = dimensional(contact, scaled, refined, None, depth, tilt, &quiet)?;
         // The others' last displacement against the one this contact was solved with.
         let latest = DisplacedGap::new(gap.clone(), rectangles[k], &others(&current, k));
         let moved = rectangles[k].corners().into_iter().chain([rectangles[k].centre()]);

@@ -1,5 +1,6 @@
 //! A solved grid that goes on from one depth to the next on the same cells: what a search for a depth asks for.
 
+use super::dimensional::{at_least, in_users_units, stiffness_of, strongest};
 use super::domain;
 use super::expansion::outgrown;
 use super::refinement::{self, Refined};
@@ -7,14 +8,11 @@ use super::single_grid::{self, GridState};
 use super::unresolved;
 use crate::discrete::Discrete;
 use crate::grid::Grid;
-use crate::grid_method::{at_least, in_users_units, stiffness_of, strongest};
 use crate::matrix_free;
 use crate::overlap::{Overlap, Scaled};
 use crate::patch;
-use crate::problem::Contact;
-use crate::problem::{Method, Settings};
-use crate::solution::Solution;
-use crate::solution::Unsolved;
+use crate::problem::{Contact, Method, Settings};
+use crate::solution::{Solution, Unsolved};
 
 /// Cells along the longer side of the grid that only has to show the way.
 const ROUGH_CELLS: usize = 32;

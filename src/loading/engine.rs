@@ -4,10 +4,8 @@ use super::equilibrium::Respond;
 use crate::grid_method::warm_start::Held;
 use crate::grid_method::{self, Frame};
 use crate::loading::{respond, without_grid};
-use crate::problem::Contact;
-use crate::problem::{Method, Outputs, Settings};
-use crate::solution::{Cost, Solution};
-use crate::solution::{Unsolved, Verdict};
+use crate::problem::{Contact, Method, Outputs, Settings};
+use crate::solution::{Cost, Solution, Unsolved, Verdict};
 
 /// A contact and settings, as the search for equilibrium sees them.
 pub(crate) struct Engine<'a> {

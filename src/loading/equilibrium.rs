@@ -10,8 +10,7 @@ use nalgebra::{Matrix3, Vector3};
 use crate::gap::{AnyGap, Reach};
 use crate::overlap::{least, reach_of};
 use crate::problem::Method;
-use crate::solution::Solution;
-use crate::solution::{Unsolved, Verdict};
+use crate::solution::{Solution, Unsolved, Verdict};
 
 /// Steps of the quick search before the load is taken to have no depth.
 const MOST_STEPS: usize = 60;

@@ -7,10 +7,8 @@ pub(crate) mod tilting;
 use crate::closed_form::select;
 use crate::gap::AnyGap;
 use crate::overlap::Overlap;
-use crate::problem::Contact;
-use crate::problem::{Method, Settings};
-use crate::solution::Solution;
-use crate::solution::{Unsolved, Verdict};
+use crate::problem::{Contact, Method, Settings};
+use crate::solution::{Solution, Unsolved, Verdict};
 use crate::{approximate, by_edges, grid_method};
 
 /// The state; `with_matrix`: its stiffness against tilts too.

@@ -7,10 +7,8 @@ use crate::grid_method::extrapolation::Intercept;
 use crate::grid_method::sharp_edges;
 use crate::numeric::geometry::Rect;
 use crate::overlap::least;
-use crate::problem::Contact;
-use crate::problem::{Method, Settings};
-use crate::solution::{Origin, Solution};
-use crate::solution::{Unsolved, Verdict};
+use crate::problem::{Contact, Method, Settings};
+use crate::solution::{Origin, Solution, Unsolved, Verdict};
 
 /// A box around everything that can touch at any tilt: where the gap is less than a depth beyond all measure.
 fn material(gap: &AnyGap, depth: f64) -> Option<Rect> {

@@ -7,11 +7,9 @@ use crate::compare::{self, Comparison};
 use crate::curve::Curve;
 use crate::plan::{Plan, plan};
 use crate::plot::Section;
-use crate::problem::{Contact, Load, Loading};
-use crate::problem::{Method, Outputs, Settings};
+use crate::problem::{Contact, Load, Loading, Method, Outputs, Settings};
 use crate::scene::Scene;
-use crate::solution::Solution;
-use crate::solution::Unsolved;
+use crate::solution::{Solution, Unsolved};
 use crate::solve::solve;
 
 /// Cells along the longer side of the grid behind the pictures, unless the scene says.

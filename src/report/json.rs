@@ -45,8 +45,7 @@ use super::{Step, centre_of_pressure, numbers, said_once};
 use crate::bracket::{DepthBracket, Evidence, ForceBracket, Side, Theorem};
 use crate::curve::Curve;
 use crate::grid::Grid;
-use crate::problem::Loading;
-use crate::problem::Settings;
+use crate::problem::{Loading, Settings};
 use crate::scene::Scene;
 use crate::solution::{Origin, Piece, Solution, TouchesEdge, Validity};
 

@@ -9,9 +9,7 @@ use super::document::{Json, key_in_path, quoted};
 use crate::error::{InputError, finite};
 use crate::gap::{AnyGap, Gap};
 use crate::grid::Kernel;
-use crate::problem::{Body, EffectiveModulus};
-use crate::problem::{BoundaryFamily, ErrorBar, Method, Outputs, Settings};
-use crate::problem::{Load, Loading};
+use crate::problem::{Body, BoundaryFamily, EffectiveModulus, ErrorBar, Load, Loading, Method, Outputs, Settings};
 use crate::units::UnitLabels;
 
 /// States of loading in one scene: more than any curve needs. Each one is a solve, unless the gap is homogeneous.

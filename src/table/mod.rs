@@ -11,8 +11,7 @@ use std::sync::{Mutex, PoisonError};
 
 use crate::clock::{Deadline, Interrupt};
 use crate::error::InputError;
-use crate::problem::Loading;
-use crate::problem::Settings;
+use crate::problem::{Loading, Settings};
 use crate::report::Step;
 use crate::scene::{self, Given, Json, Parts, Scene, quoted};
 use pointer::Pointer;

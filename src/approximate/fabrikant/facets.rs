@@ -152,7 +152,7 @@ fn span(ridge: &Ridge, ridges: &Ridges, centre: [f64; 2], at_centre: f64, throug
 
 #[cfg(test)]
 mod tests {
-    use super::ray::RayLine;
+    use super::super::ray::RayLine;
     use super::*;
     use crate::gap::Polyhedron;
 

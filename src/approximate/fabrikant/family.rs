@@ -4,29 +4,15 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::approximation::{Approximation, Error, Family, Settings};
 use super::problem::several_parts;
+use super::problem::{Problem, first_rung};
 use super::star::{Ray, Star};
 use super::sweeps::Found;
-use crate::approximate::fabrikant::{Approximation, Error, Problem, Settings, first_rung};
 use crate::error::InputError;
 use crate::gap::AnyGap;
 use crate::problem::EffectiveModulus;
 use crate::solution::{Unsolved, Verdict};
-
-/// What the boundary is chosen from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Family {
-    /// Every boundary: equation (15).
-    Stationary,
-    /// Circles, of any centre. Exact flat-punch pressure, so a lower bound.
-    Circle,
-    /// Ellipses, of any centre, axes and orientation (section 2.2). Exact flat-punch pressure, so a lower bound.
-    Ellipse,
-    /// a = q_0 + sum over k = 1..m of (q_k cos k theta + s_k sin k theta) about the centroid.
-    Fourier(usize),
-    /// The contour of the gap at the present depth (the plan-form of the punch), scaled about its centroid.
-    PlanForm,
-}
 
 /// Newton steps before giving up.
 const MOST_STEPS: usize = 60;
@@ -34,7 +20,7 @@ const MOST_STEPS: usize = 60;
 const HIGHEST_ORDER: usize = 64;
 
 /// The best boundary of a Fourier series or of the scaled plan-form.
-pub(super) fn best(
+pub(crate) fn best(
     gap: &AnyGap,
     modulus: EffectiveModulus,
     depth: f64,

@@ -2,8 +2,8 @@
 
 use std::f64::consts::{PI, TAU};
 
+use super::approximation::Error;
 use super::sectors::{SIXTH, Sectors};
-use crate::approximate::fabrikant::Error;
 use crate::error::{InputError, finite};
 use crate::numeric::geometry::{area, centroid};
 use crate::problem::EffectiveModulus;

@@ -1,9 +1,10 @@
 //! P(A) of any boundary, equation (12).
 
+use super::approximation::{Error, Settings};
+use super::problem::{Problem, first_rung};
 use super::radial::Stand;
 use super::sectors::{SIXTH, Sectors};
 use super::star::Star;
-use crate::approximate::fabrikant::{Error, Problem, Settings, first_rung};
 use crate::error::InputError;
 use crate::gap::{AnyGap, Gap};
 use crate::problem::EffectiveModulus;

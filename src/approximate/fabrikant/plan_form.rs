@@ -2,8 +2,9 @@
 
 use std::f64::consts::TAU;
 
+use super::approximation::{Approximation, Boundary, Error, Family, Settings};
+use super::flat_punch::FlatPunch;
 use super::problem::Problem;
-use crate::approximate::fabrikant::{Approximation, Boundary, Error, Family, FlatPunch, Settings};
 use crate::gap::{AnyGap, Degree, Gap};
 use crate::numeric::quadrature::GaussLegendre;
 use crate::problem::EffectiveModulus;

@@ -3,8 +3,8 @@
 use std::f64::consts::PI;
 use std::sync::OnceLock;
 
+use super::approximation::Error;
 use super::radial::gauss_legendre;
-use crate::approximate::fabrikant::Error;
 use crate::error::InputError;
 use crate::gap::Polyhedron;
 use crate::solution::{Unsolved, Verdict};

@@ -1,6 +1,7 @@
 //! The problem at the door: units taken off.
 
-use crate::approximate::fabrikant::{Boundary, Error, ScaledOverlap};
+use super::approximation::{Boundary, Error};
+use super::ray::ScaledOverlap;
 use crate::clock::Deadline;
 use crate::error::{InputError, finite};
 use crate::gap::{AnyGap, Gap};

@@ -9,8 +9,8 @@ use super::facets::Facets;
 use super::hidden_kinks;
 use super::radial::{RadialRule, Stand};
 use super::ray::{Along, RayLine, ScaledOverlap};
+use super::ridges::ridge_directions;
 use super::sectors::{SIXTH, Sectors, Spoke};
-use super::surroundings::look_around;
 use crate::gap::Gap;
 
 /// Evaluations of the gap after which a solve is given up: many times what a gap takes whose boundary is one smooth curve.
@@ -89,7 +89,7 @@ impl<'a> Star<'a> {
     /// Rays about `centre`, the boundary a circle of radius `start`.
     pub fn about(overlap: &'a ScaledOverlap, centre: [f64; 2], start: f64, rung: usize) -> Self {
         let mut directions = Vec::new();
-        look_around(overlap, centre, &mut directions);
+        ridge_directions(overlap, centre, &mut directions);
         let mut star = Self {
             overlap,
             centre,
@@ -213,7 +213,7 @@ impl<'a> Star<'a> {
         self.f0 = self.overlap.at(centre);
         self.facets = Facets::about(self.overlap, centre, AT_CENTRE);
         self.directions.clear();
-        look_around(self.overlap, centre, &mut self.directions);
+        ridge_directions(self.overlap, centre, &mut self.directions);
         self.move_sectors();
         self.lay(&outline);
     }
@@ -264,14 +264,11 @@ impl<'a> Star<'a> {
                 let (mut lo, mut hi) = (0.0, ray.a);
                 while hi - lo > f64::EPSILON * hi {
                     let middle = 0.5 * (lo + hi);
-                    if inside(middle) {
-                        lo = middle
-                    } else {
-                        hi = middle
-                    }
-                    if middle == lo && middle == hi {
+                    // Neighbours among the numbers, which below the least normal one are far apart.
+                    if !(lo < middle && middle < hi) {
                         break;
                     }
+                    if inside(middle) { lo = middle } else { hi = middle }
                 }
                 ray.limit = lo * (1.0 - f64::EPSILON);
                 ray.a = ray.limit;

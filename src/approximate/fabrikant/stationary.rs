@@ -13,11 +13,11 @@
 //! Departures from the paper: D by the quotient, not by a search for the largest P; the centre, which the flat-punch
 //! pressure wants at the centroid of the region, is moved until it is.
 
+use super::approximation::{Approximation, Error, Family, Settings};
 use super::plan_form::flat;
 use super::problem::{Problem, first_rung, several_parts};
 use super::star::{Ray, Star};
 use super::sweeps::LOW;
-use crate::approximate::fabrikant::{Approximation, Error, Family, Settings};
 use crate::gap::AnyGap;
 use crate::problem::EffectiveModulus;
 use crate::solution::{Unsolved, Verdict};

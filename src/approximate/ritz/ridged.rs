@@ -195,7 +195,7 @@ fn stretch(
 
 #[cfg(test)]
 mod tests {
-    use super::disc::Disc;
+    use super::super::disc::Disc;
     use super::*;
     use crate::approximate::fabrikant::{ScaledOverlap, Sectors, THIRD};
     use crate::gap::{AnyGap, Polyhedron};

@@ -1,6 +1,6 @@
 //! The part of {f > 0} that the grid does not cover: where the bodies could overlap unseen.
 
-use super::frame::Frame;
+use super::problem::BracketProblem;
 use crate::numeric::geometry::Rect;
 
 /// Blocks a side into which the load is gathered.
@@ -10,7 +10,7 @@ const BLOCKS: usize = 16;
 const MOST: usize = 100_000;
 
 /// A rectangle where f may exceed u.
-pub(super) struct Spill {
+pub(super) struct UncoveredCell {
     pub rect: Rect,
     /// Supremum of f less infimum of u.
     pub over: f64,
@@ -21,15 +21,15 @@ pub(super) struct Spill {
 }
 
 /// What lies beyond the grid.
-pub(super) struct Outside {
+pub(super) struct Exterior {
     /// Rectangles, as small as a cell, that cover every point with f > 0 and f > u.
-    pub spills: Vec<Spill>,
+    pub uncovered: Vec<UncoveredCell>,
     /// Whether there may be points with 0 < f <= u: then no pressure may be scaled down.
     pub covered: bool,
 }
 
-pub(super) fn look(frame: &Frame, q: &[f64]) -> Outside {
-    let (inner, outer) = (frame.grid.extent(), frame.reach);
+pub(super) fn uncovered(problem: &BracketProblem, q: &[f64]) -> Exterior {
+    let (inner, outer) = (problem.grid.extent(), problem.reach);
     let mut waiting = Vec::new();
     let strips = [
         Rect { min: outer.min, max: [inner.min[0], outer.max[1]] },
@@ -40,25 +40,25 @@ pub(super) fn look(frame: &Frame, q: &[f64]) -> Outside {
     waiting.extend(
         strips.into_iter().filter_map(|s| s.intersection(&outer)).filter(|s| s.size().iter().all(|&w| w > 0.0)),
     );
-    let loads = gathered(frame, q);
-    let smallest = frame.grid.spacing[0].max(frame.grid.spacing[1]);
-    let mut outside = Outside { spills: Vec::new(), covered: false };
+    let loads = gathered(problem, q);
+    let smallest = problem.grid.spacing[0].max(problem.grid.spacing[1]);
+    let mut exterior = Exterior { uncovered: Vec::new(), covered: false };
     let mut seen = 0;
     while let Some(rect) = waiting.pop() {
         seen += 1;
-        let f = frame.most_overlap(&rect);
+        let f = problem.most_overlap(&rect);
         if f <= 0.0 {
             continue;
         }
         let u = loads.iter().map(|load| load.least(&rect)).sum::<f64>() * (1.0 - 1e-12);
         if f <= u {
-            outside.covered = true;
+            exterior.covered = true;
             continue;
         }
         let [w, h] = rect.size();
         if w.max(h) <= smallest || seen > MOST {
             let short = if u > 0.0 { f / u } else { f64::INFINITY };
-            outside.spills.push(Spill { rect, over: f - u, short, least: u });
+            exterior.uncovered.push(UncoveredCell { rect, over: f - u, short, least: u });
             continue;
         }
         let c = rect.centre();
@@ -67,7 +67,7 @@ pub(super) fn look(frame: &Frame, q: &[f64]) -> Outside {
         (low.max[axis], high.min[axis]) = (c[axis], c[axis]);
         waiting.extend([low, high]);
     }
-    outside
+    exterior
 }
 
 /// The load of a block of cells: its force, where it acts, and its mean square distance from there.
@@ -87,8 +87,8 @@ impl Load {
     }
 }
 
-fn gathered(frame: &Frame, q: &[f64]) -> Vec<Load> {
-    let (grid, [nx, ny]) = (&frame.grid, frame.grid.shape);
+fn gathered(problem: &BracketProblem, q: &[f64]) -> Vec<Load> {
+    let (grid, [nx, ny]) = (&problem.grid, problem.grid.shape);
     let [bx, by] = [nx.div_ceil(BLOCKS), ny.div_ceil(BLOCKS)];
     let own = (grid.spacing[0].powi(2) + grid.spacing[1].powi(2)) / 12.0;
     let mut loads = Vec::new();

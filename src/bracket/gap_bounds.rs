@@ -1,8 +1,8 @@
 //! What is known of the gap from one look to the next: it does not change while the pressure does.
 
-use super::frame::Frame;
 use super::mirrors::Image;
 use super::polynomial::{LATTICE, QUARTERS};
+use super::problem::BracketProblem;
 use crate::gap::Gap;
 use crate::numeric::geometry::Rect;
 
@@ -20,7 +20,7 @@ struct Quarter {
 }
 
 /// Overlap in the cells of a grid, computed when it is asked for. What one look alone would ask for is not kept.
-pub(super) struct Known {
+pub(super) struct GapBounds {
     keeps: bool,
     /// Supremum of f, or the largest value seen; NaN where it was not asked for.
     highest: Vec<f64>,
@@ -30,7 +30,7 @@ pub(super) struct Known {
     lattices: Vec<(Image, [f64; 16])>,
 }
 
-impl Known {
+impl GapBounds {
     pub fn new(cells: usize, keeps: bool) -> Self {
         let (highest, place) = if keeps { (vec![f64::NAN; cells], vec![0; cells]) } else { Default::default() };
         Self { keeps, highest, place, quarters: Vec::new(), lattices: Vec::new() }
@@ -44,13 +44,13 @@ impl Known {
     }
 
     /// Supremum of f over a cell; `None` when the gap proves none.
-    pub fn supremum(&mut self, frame: &Frame, cell: usize) -> Option<f64> {
+    pub fn supremum(&mut self, problem: &BracketProblem, cell: usize) -> Option<f64> {
         if self.keeps && !self.highest[cell].is_nan() {
             return Some(self.highest[cell]);
         }
-        let nx = frame.grid.shape[0];
-        let low = frame.gap.bounds(&frame.grid.cell(cell % nx, cell / nx), [0.0; 2])?[0];
-        let highest = frame.depth * (1.0 + ROUNDING) - low;
+        let nx = problem.grid.shape[0];
+        let low = problem.gap.bounds(&problem.grid.cell(cell % nx, cell / nx), [0.0; 2])?[0];
+        let highest = problem.depth * (1.0 + ROUNDING) - low;
         if self.keeps {
             self.highest[cell] = highest;
         }
@@ -58,13 +58,13 @@ impl Known {
     }
 
     /// f at the points of [`LATTICE`] along both sides of the cell that it is an image of.
-    pub fn lattice(&mut self, frame: &Frame, image: &Image) -> [f64; 16] {
+    pub fn lattice(&mut self, problem: &BracketProblem, image: &Image) -> [f64; 16] {
         let cell = image.cell;
         let kept = if self.keeps { self.place[cell] as usize } else { 0 };
         if kept > 0 && self.lattices[kept - 1].0 == *image {
             return self.lattices[kept - 1].1;
         }
-        let values = std::array::from_fn(|k| frame.overlap(cell, image.turn([LATTICE[k % 4], LATTICE[k / 4]])));
+        let values = std::array::from_fn(|k| problem.overlap(cell, image.turn([LATTICE[k % 4], LATTICE[k / 4]])));
         if kept > 0 {
             self.lattices[kept - 1] = (*image, values);
         } else if self.keeps {
@@ -75,14 +75,14 @@ impl Known {
     }
 
     /// Bounds of the gap and planes with these slopes together over the quarters of a cell; `None` when the gap proves none.
-    pub fn quarters(&mut self, frame: &Frame, cell: usize, planes: &[[f64; 3]; 4]) -> Option<[[f64; 2]; 4]> {
+    pub fn quarters(&mut self, problem: &BracketProblem, cell: usize, planes: &[[f64; 3]; 4]) -> Option<[[f64; 2]; 4]> {
         let kept = if self.keeps { self.place[cell] as usize } else { 0 };
         let mut bounds = [[0.0; 2]; 4];
         if kept == 0 {
             let mut found = [Quarter { slopes: [0.0; 2], bounds: [0.0; 2] }; 4];
             for (k, quarter) in found.iter_mut().enumerate() {
                 let slopes = [planes[k][1], planes[k][2]];
-                *quarter = Quarter { slopes, bounds: range(frame, cell, QUARTERS[k], 0.25, slopes)? };
+                *quarter = Quarter { slopes, bounds: range(problem, cell, QUARTERS[k], 0.25, slopes)? };
                 bounds[k] = quarter.bounds;
             }
             if self.keeps {
@@ -96,11 +96,11 @@ impl Known {
             // The planes differ by no more than this within the quarter.
             let off = 0.25 * (1.0 + 1e-9) * ((s - quarter.slopes[0]).abs() + (t - quarter.slopes[1]).abs());
             let [low, high] = quarter.bounds;
-            let residual = (frame.depth - value - low).abs().max((frame.depth - value - high).abs());
+            let residual = (problem.depth - value - low).abs().max((problem.depth - value - high).abs());
             bounds[k] = if off <= WIDER * residual {
                 [low - off, high + off]
             } else {
-                *quarter = Quarter { slopes: [s, t], bounds: range(frame, cell, QUARTERS[k], 0.25, [s, t])? };
+                *quarter = Quarter { slopes: [s, t], bounds: range(problem, cell, QUARTERS[k], 0.25, [s, t])? };
                 quarter.bounds
             };
         }
@@ -110,9 +110,15 @@ impl Known {
 
 /// Bounds of the gap and a plane together over a square about `at`, half a side and slopes in sides of the cell: g + u, where
 /// the plane is that of u.
-pub(super) fn range(frame: &Frame, cell: usize, at: [f64; 2], half: f64, slopes: [f64; 2]) -> Option<[f64; 2]> {
-    let spacing = frame.grid.spacing;
+pub(super) fn range(
+    problem: &BracketProblem,
+    cell: usize,
+    at: [f64; 2],
+    half: f64,
+    slopes: [f64; 2],
+) -> Option<[f64; 2]> {
+    let spacing = problem.grid.spacing;
     // A hair larger, so that the squares cover the cell however the sums are rounded.
-    let square = Rect::around(frame.place(cell, at), spacing.map(|h| h * half * (1.0 + 1e-9)));
-    frame.gap.bounds(&square, [-slopes[0] / spacing[0], -slopes[1] / spacing[1]])
+    let square = Rect::around(problem.place(cell, at), spacing.map(|h| h * half * (1.0 + 1e-9)));
+    problem.gap.bounds(&square, [-slopes[0] / spacing[0], -slopes[1] / spacing[1]])
 }

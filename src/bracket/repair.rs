@@ -8,15 +8,15 @@
 //! any other depth; likewise S q <= f + e. Discs then repair what exceeds e.
 //! A lower pressure may also drop cells: what is left displaces less everywhere.
 
-use super::Theorem;
-use super::frame::Frame;
-use super::outside::Outside;
+use super::exterior::Exterior;
+use super::problem::BracketProblem;
 use super::violation::Violation;
-use crate::grid::Grid;
+use super::{Evidence, Repair, Side, Theorem};
+use crate::grid::{Grid, Pressure};
 use crate::numeric::geometry::Rect;
 
-/// A side of the bracket in the units of the frame.
-pub(super) struct Closed {
+/// A side of the bracket in the units of the problem.
+pub(super) struct Repaired {
     pub force: f64,
     pub theorem: Theorem,
     /// What every pressure is multiplied by.
@@ -31,6 +31,28 @@ pub(super) struct Closed {
     pub level: f64,
     /// The cell, or rectangle, with the largest violation before repair.
     pub at: [f64; 2],
+}
+
+impl Repaired {
+    /// A side in the user's units.
+    pub fn side(self, problem: &BracketProblem, q: &[f64], evidence: Evidence) -> Side {
+        let kept = |k: usize| self.kept.as_ref().is_none_or(|kept| kept[k]);
+        let factor = self.factor * problem.unit_pressure;
+        let values = q.iter().enumerate().map(|(k, q)| if kept(k) { q * factor } else { 0.0 }).collect();
+        Side {
+            force: self.force * problem.unit_force,
+            theorem: self.theorem,
+            evidence,
+            violation: self.left * problem.units.height,
+            at: problem.units.outward(self.at),
+            repair: Repair {
+                discs: self.discs * problem.unit_force,
+                level: self.level * problem.units.height,
+                degree: problem.degree.filter(|_| self.level > 0.0),
+            },
+            pressure: Some(Pressure { grid: problem.given, values }),
+        }
+    }
 }
 
 /// Steps between no scaling and scaling alone.
@@ -112,12 +134,12 @@ fn stacks(
 const FURTHEST: f64 = 0.25;
 
 /// (depth'/depth)^(1 + 1/k), where a homogeneous gap allows it; without one, 1 for the same depth.
-fn stronger(frame: &Frame, by: f64) -> Option<f64> {
+fn stronger(problem: &BracketProblem, by: f64) -> Option<f64> {
     if by == 0.0 {
         return Some(1.0);
     }
-    let near = by.abs() <= FURTHEST * frame.depth;
-    frame.degree.filter(|_| near).map(|k| (1.0 + by / frame.depth).powf(1.0 + 1.0 / k))
+    let near = by.abs() <= FURTHEST * problem.depth;
+    problem.degree.filter(|_| near).map(|k| (1.0 + by / problem.depth).powf(1.0 + 1.0 / k))
 }
 
 /// Sum by rows, so that its rounding grows with the side of the grid and not with its cells.
@@ -132,22 +154,22 @@ fn rounding(grid: &Grid) -> f64 {
 }
 
 /// The least force that the pressure `q`, repaired, proves to be enough.
-pub(super) fn upper(frame: &Frame, q: &[f64], found: &Violation, outside: &Outside) -> Closed {
-    let (grid, spills) = (&frame.grid, &outside.spills);
+pub(super) fn upper(problem: &BracketProblem, q: &[f64], found: &Violation, exterior: &Exterior) -> Repaired {
+    let (grid, uncovered) = (&problem.grid, &exterior.uncovered);
     let nx = grid.shape[0];
     let base = total(grid, |k| q[k]);
     // Beyond the grid u >= f is known, and no more.
-    let floor = if outside.covered { 1.0 } else { f64::NEG_INFINITY };
-    let shortest = found.short.iter().copied().chain(spills.iter().map(|s| s.short)).fold(floor, f64::max);
+    let floor = if exterior.covered { 1.0 } else { f64::NEG_INFINITY };
+    let shortest = found.short.iter().copied().chain(uncovered.iter().map(|s| s.short)).fold(floor, f64::max);
     let cell = |k: usize| grid.cell(k % nx, k / nx);
     let worst =
         (0..grid.len()).map(|k| (found.over[k], k)).fold((f64::NEG_INFINITY, 0), |a, b| if b.0 > a.0 { b } else { a });
-    let worst_spill = spills.iter().max_by(|a, b| a.over.total_cmp(&b.over));
+    let worst_spill = uncovered.iter().max_by(|a, b| a.over.total_cmp(&b.over));
     let at = match worst_spill {
         Some(spill) if spill.over > worst.0 => spill.rect.centre(),
         _ => cell(worst.1).centre(),
     };
-    let mut best = Closed {
+    let mut best = Repaired {
         force: f64::INFINITY,
         theorem: Theorem::Scaling,
         factor: 1.0,
@@ -159,27 +181,27 @@ pub(super) fn upper(frame: &Frame, q: &[f64], found: &Violation, outside: &Outsi
     };
     if shortest == f64::NEG_INFINITY {
         // No point has f > 0.
-        return Closed { force: 0.0, factor: 0.0, ..best };
+        return Repaired { force: 0.0, factor: 0.0, ..best };
     }
     let up = 1.0 + rounding(grid);
     if base > 0.0 && shortest.is_finite() {
         let factor = shortest.max(0.0) * (1.0 + 8.0 * f64::EPSILON);
-        best = Closed { force: (factor * base * up).next_up(), factor, ..best };
+        best = Repaired { force: (factor * base * up).next_up(), factor, ..best };
     }
     let furthest = if base > 0.0 && shortest.is_finite() { (shortest - 1.0).max(0.0) } else { 0.0 };
     for step in 0..MIXTURES {
         let more = furthest * step as f64 / MIXTURES as f64;
         // What is left of f - lambda u after scaling: at most (f - u) - (lambda - 1) u.
         let left = (0..grid.len()).map(|k| (found.over[k] - more * found.least[k].max(0.0), k));
-        let beyond = spills.iter().map(|s| (s.over - more * s.least, s.rect));
+        let beyond = uncovered.iter().map(|s| (s.over - more * s.least, s.rect));
         let highest = left.clone().map(|v| v.0).chain(beyond.clone().map(|v| v.0)).fold(0.0, f64::max);
         stacks(grid, left, beyond, |level, discs| {
             // S (lambda q + discs) >= f - level: enough for the depth less the level.
-            let Some(weaker) = stronger(frame, -level) else { return };
+            let Some(weaker) = stronger(problem, -level) else { return };
             let force = (((1.0 + more) * base + discs) / weaker * up).next_up();
             if force < best.force {
                 let theorem = if level > 0.0 { Theorem::OtherDepth } else { Theorem::Discs };
-                best = Closed { force, theorem, factor: 1.0 + more, left: highest, discs, level, kept: None, at };
+                best = Repaired { force, theorem, factor: 1.0 + more, left: highest, discs, level, kept: None, at };
             }
         });
         // More scaling alone would cost what the discs do.
@@ -192,12 +214,12 @@ pub(super) fn upper(frame: &Frame, q: &[f64], found: &Violation, outside: &Outsi
 }
 
 /// The largest force that the pressure `q`, repaired, proves to be carried.
-pub(super) fn lower(frame: &Frame, q: &[f64], found: &Violation) -> Closed {
-    let grid = &frame.grid;
+pub(super) fn lower(problem: &BracketProblem, q: &[f64], found: &Violation) -> Repaired {
+    let grid = &problem.grid;
     let nx = grid.shape[0];
     let cell = |k: usize| grid.cell(k % nx, k / nx);
     let mut loaded: Vec<usize> = (0..grid.len()).filter(|&k| q[k] > 0.0).collect();
-    let mut best = Closed {
+    let mut best = Repaired {
         force: 0.0,
         theorem: Theorem::Scaling,
         factor: 0.0,
@@ -228,7 +250,7 @@ pub(super) fn lower(frame: &Frame, q: &[f64], found: &Violation) -> Closed {
     if let Some(lambda) = chosen {
         let kept: Vec<bool> = (0..grid.len()).map(|k| q[k] > 0.0 && found.long[k] <= lambda).collect();
         let force = total(grid, |k| if kept[k] { q[k] } else { 0.0 }) / lambda * down;
-        best = Closed { force: force.next_down().max(0.0), factor: 1.0 / lambda, kept: Some(kept), ..best };
+        best = Repaired { force: force.next_down().max(0.0), factor: 1.0 / lambda, kept: Some(kept), ..best };
     }
 
     // Discs: the worst cells dropped up to a share of the load, the rest repaired.
@@ -260,7 +282,7 @@ pub(super) fn lower(frame: &Frame, q: &[f64], found: &Violation) -> Closed {
         let mut chosen: Option<(f64, f64, f64)> = None;
         stacks(grid, left, std::iter::empty(), |level, discs| {
             // S q <= f + level + what the discs displace: no more than the force at the depth plus the level, and theirs.
-            let Some(greater) = stronger(frame, level) else { return };
+            let Some(greater) = stronger(problem, level) else { return };
             let force = ((carried - discs * (1.0 + rounding(grid))) / greater).next_down();
             if force > chosen.map_or(best.force, |(force, ..)| force) {
                 chosen = Some((force, discs, level));
@@ -269,7 +291,7 @@ pub(super) fn lower(frame: &Frame, q: &[f64], found: &Violation) -> Closed {
         if let Some((force, discs, level)) = chosen {
             let theorem = if level > 0.0 { Theorem::OtherDepth } else { Theorem::Discs };
             let at = best.at;
-            best = Closed { force, theorem, factor: 1.0, kept: Some(kept), left: highest, discs, level, at };
+            best = Repaired { force, theorem, factor: 1.0, kept: Some(kept), left: highest, discs, level, at };
         }
         share = if share == 0.0 { 1e-4 } else { share * 2.0 };
         if dropped == front || share > 0.5 || (1.0 - share) * all * area <= best.force {

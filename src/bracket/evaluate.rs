@@ -2,10 +2,10 @@
 
 use super::away::away;
 use super::cell::{Cell, Jumps};
-use super::known::{Known, ROUNDING, range};
+use super::gap_bounds::{GapBounds, ROUNDING, range};
 use super::mirrors::Image;
 use super::tables::{Squares, Tables};
-use super::violation::{Part, Seen, Side, Subject, Violation};
+use super::violation::{BoundInput, CellBounds, Part, Side, Violation};
 
 /// How closely each cell is looked at: as a whole; in quarters; in the sub-squares of the lattice, with the jumps around it one by
 /// one; in sub-squares of half that size.
@@ -17,23 +17,23 @@ const DIVIDED: usize = 6;
 
 impl Violation {
     /// Suprema over every point of the cells. `None` when the gap proves no bounds.
-    pub fn proved(subject: &Subject, known: &mut Known, closely: &mut [u8]) -> Option<Self> {
-        let &Subject { frame, field, tables, q, mirrors, .. } = subject;
-        let (cells, nx) = (q.len(), frame.grid.shape[0]);
+    pub fn proved(input: &BoundInput, known: &mut GapBounds, closely: &mut [u8]) -> Option<Self> {
+        let &BoundInput { problem, field, tables, q, mirrors, .. } = input;
+        let (cells, nx) = (q.len(), problem.grid.shape[0]);
         let mut found = Self::empty(cells);
         let mut looked = vec![false; cells];
-        let away = away(q, frame.grid.shape);
+        let away = away(q, problem.grid.shape);
         for first in mirrors.firsts() {
             let mut parts = None;
             for image in mirrors.images(first) {
                 let cell = image.cell;
                 if q[cell] <= 0.0 {
                     // The lower side asks for nothing there.
-                    if subject.side == Side::Lower {
+                    if input.side == Side::Lower {
                         continue;
                     }
-                    let f = known.supremum(frame, cell)?;
-                    if f <= 0.0 || found.is_clear(subject, cell, away[cell], f) {
+                    let f = known.supremum(problem, cell)?;
+                    if f <= 0.0 || found.is_clear(input, cell, away[cell], f) {
                         continue;
                     }
                 }
@@ -42,7 +42,7 @@ impl Violation {
                     let inside = field.cell(first % nx, first / nx);
                     if closely[first] == WHOLE { Planes::whole(&inside) } else { Planes::quarters(&inside) }
                 });
-                found.note(cell, q[cell] > 0.0, &subject.seen(parts, known, &image)?);
+                found.note(cell, q[cell] > 0.0, &input.seen(parts, known, &image)?);
             }
         }
         for level in QUARTERED..=3 {
@@ -50,15 +50,15 @@ impl Violation {
             if level == QUARTERED && !wide.contains(&true) {
                 continue;
             }
-            found.add_worst(subject, &looked, closely, level);
+            found.add_worst(input, &looked, closely, level);
             for first in mirrors.firsts().filter(|&k| closely[k] == level && (level > QUARTERED || wide[k])) {
                 let inside = field.cell(first % nx, first / nx);
                 let quarters = (level == QUARTERED).then(|| Planes::quarters(&inside));
                 let mut close = (level > QUARTERED).then(|| Close::new(&inside, tables));
                 for image in mirrors.images(first).filter(|image| looked[image.cell]) {
                     let seen = match (&quarters, &mut close) {
-                        (Some(planes), _) => subject.seen(planes, known, &image)?,
-                        (_, Some(close)) => subject.squares(close, &image, level)?,
+                        (Some(planes), _) => input.seen(planes, known, &image)?,
+                        (_, Some(close)) => input.squares(close, &image, level)?,
                         _ => continue,
                     };
                     found.narrow(image.cell, q[image.cell] > 0.0, &seen);
@@ -70,22 +70,22 @@ impl Violation {
 
     /// At the points of a lattice, with a bound of what is left out of the displacement there; in the worst cells their borders
     /// are included and nearly nothing is left out.
-    pub fn sampled(subject: &Subject, known: &mut Known, closely: &mut [u8]) -> Self {
-        let &Subject { frame, field, tables, q, mirrors, .. } = subject;
-        let (cells, nx) = (q.len(), frame.grid.shape[0]);
+    pub fn sampled(input: &BoundInput, known: &mut GapBounds, closely: &mut [u8]) -> Self {
+        let &BoundInput { problem, field, tables, q, mirrors, .. } = input;
+        let (cells, nx) = (q.len(), problem.grid.shape[0]);
         let mut found = Self::empty(cells);
         let mut looked = vec![false; cells];
-        let away = away(q, frame.grid.shape);
+        let away = away(q, problem.grid.shape);
         for first in mirrors.firsts() {
             let mut parts = None;
             for image in mirrors.images(first) {
                 let (cell, loaded) = (image.cell, q[image.cell] > 0.0);
-                if !loaded && subject.side == Side::Lower {
+                if !loaded && input.side == Side::Lower {
                     continue;
                 }
-                let f = known.lattice(frame, &image);
+                let f = known.lattice(problem, &image);
                 let highest = f.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-                if !loaded && (highest <= 0.0 || found.is_clear(subject, cell, away[cell], highest)) {
+                if !loaded && (highest <= 0.0 || found.is_clear(input, cell, away[cell], highest)) {
                     continue;
                 }
                 looked[cell] = true;
@@ -95,14 +95,14 @@ impl Violation {
                     let u: [f64; 16] = std::array::from_fn(|k| values[k] + trend[k]);
                     (u, inside.left_out_beside_trend())
                 });
-                let mut seen = Seen::NOTHING;
+                let mut seen = CellBounds::NOTHING;
                 f.into_iter().zip(u).for_each(|(f, u)| point(&mut seen, loaded, f, [*u, *rest]));
                 found.note(cell, loaded, &seen);
             }
         }
         // No quarters: nothing is bounded over squares.
         closely.iter_mut().for_each(|level| *level = (*level).max(QUARTERED));
-        found.add_worst(subject, &looked, closely, 2);
+        found.add_worst(input, &looked, closely, 2);
         let mut room = Vec::new();
         for first in mirrors.firsts().filter(|&k| closely[k] > QUARTERED) {
             let inside = field.cell(first % nx, first / nx);
@@ -110,9 +110,9 @@ impl Violation {
             let values = inside.points(&jumps, &tables.points, &mut room);
             for image in mirrors.images(first).filter(|image| looked[image.cell]) {
                 let (cell, loaded) = (image.cell, q[image.cell] > 0.0);
-                let mut seen = Seen::NOTHING;
+                let mut seen = CellBounds::NOTHING;
                 for (u, at) in values.iter().zip(&tables.points.at) {
-                    point(&mut seen, loaded, frame.overlap(cell, image.turn(*at)), [*u, jumps.far]);
+                    point(&mut seen, loaded, problem.overlap(cell, image.turn(*at)), [*u, jumps.far]);
                 }
                 found.note(cell, loaded, &seen);
             }
@@ -122,11 +122,11 @@ impl Violation {
 
     /// Whether the cell is certainly covered: no load is nearer than D, so that u falls by D/(D + the diagonal) at most within
     /// it. Then the least displacement is noted.
-    fn is_clear(&mut self, subject: &Subject, cell: usize, away: u32, f: f64) -> bool {
+    fn is_clear(&mut self, input: &BoundInput, cell: usize, away: u32, f: f64) -> bool {
         if away <= 1 {
             return false;
         }
-        let (grid, field) = (&subject.frame.grid, subject.field);
+        let (grid, field) = (&input.problem.grid, input.field);
         let [a, b] = grid.spacing;
         let (d, diagonal) = (f64::from(away - 1) * a.min(b), a.hypot(b));
         let u = field.at_centre(cell % grid.shape[0], cell / grid.shape[0]);
@@ -185,18 +185,18 @@ fn turned(image: &Image, [u, s, t]: [f64; 3]) -> [f64; 3] {
     [u, s, t]
 }
 
-impl Subject<'_> {
+impl BoundInput<'_> {
     /// A cell, by the planes in the one that it is an image of.
-    fn seen(&self, of: &Planes, known: &mut Known, image: &Image) -> Option<Seen> {
-        let mut seen = Seen::NOTHING;
+    fn seen(&self, of: &Planes, known: &mut GapBounds, image: &Image) -> Option<CellBounds> {
+        let mut seen = CellBounds::NOTHING;
         if of.whole {
             let plane = turned(image, of.planes[0]);
-            let bounds = range(self.frame, image.cell, [0.0; 2], 0.5, [plane[1], plane[2]])?;
+            let bounds = range(self.problem, image.cell, [0.0; 2], 0.5, [plane[1], plane[2]])?;
             seen.add(self.square(0.5, plane, of.off[0], bounds));
             return Some(seen);
         }
         let planes = std::array::from_fn(|k| turned(image, of.planes[image.quarter(k)]));
-        let bounds = known.quarters(self.frame, image.cell, &planes)?;
+        let bounds = known.quarters(self.problem, image.cell, &planes)?;
         for (k, (plane, bounds)) in planes.into_iter().zip(bounds).enumerate() {
             seen.add(self.square(0.25, plane, of.off[image.quarter(k)], bounds));
         }
@@ -204,11 +204,11 @@ impl Subject<'_> {
     }
 
     /// The sub-squares of the lattice; at the last level those that decide the suprema are looked at in quarters of their own.
-    fn squares(&self, close: &mut Close, image: &Image, level: u8) -> Option<Seen> {
+    fn squares(&self, close: &mut Close, image: &Image, level: u8) -> Option<CellBounds> {
         let [coarse, fine] = &self.tables.squares;
         let part = |half: f64, at: [f64; 2], [u, s, t, rest]: [f64; 4]| {
             let plane = turned(image, [u, s, t]);
-            let bounds = range(self.frame, image.cell, image.turn(at), half, [plane[1], plane[2]])?;
+            let bounds = range(self.problem, image.cell, image.turn(at), half, [plane[1], plane[2]])?;
             Some(self.square(half, plane, [-rest, rest], bounds))
         };
         let parts = close.coarse.iter().zip(&coarse.at).map(|(plane, at)| part(coarse.half, *at, *plane));
@@ -231,7 +231,7 @@ impl Subject<'_> {
                 }
             }
         }
-        let mut seen = Seen::NOTHING;
+        let mut seen = CellBounds::NOTHING;
         parts.into_iter().for_each(|part| seen.add(part));
         Some(seen)
     }
@@ -239,7 +239,7 @@ impl Subject<'_> {
     /// A square of this half side over which u less its plane lies within `off`, and the gap and the slopes of that plane
     /// within `gap`.
     fn square(&self, half: f64, [u, s, t]: [f64; 3], off: [f64; 2], gap: [f64; 2]) -> Part {
-        let depth = self.frame.depth;
+        let depth = self.problem.depth;
         let hair = self.field.rounding(u) + ROUNDING * depth.abs().max(1.0);
         let [down, up] = [off[0] - hair, off[1] + hair];
         let slope = (s.abs() + t.abs()) * half;
@@ -253,7 +253,7 @@ fn highest(parts: &[Part], side: Side) -> Option<usize> {
     parts.iter().map(height).enumerate().reduce(|a, b| if b.1 > a.1 { b } else { a }).map(|(k, _)| k)
 }
 
-fn point(seen: &mut Seen, loaded: bool, f: f64, [u, rest]: [f64; 2]) {
+fn point(seen: &mut CellBounds, loaded: bool, f: f64, [u, rest]: [f64; 2]) {
     if loaded || f > 0.0 {
         seen.add(Part { r: [f - u - rest, f - u + rest], u: [u - rest, u + rest] });
     }

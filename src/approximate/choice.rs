@@ -1,7 +1,7 @@
 //! Which boundary: the one asked for, the one for a force, or the best that there is.
 
-use super::family::{self, Family};
-use crate::approximate::fabrikant::{Approximation, Error, Settings, stationary};
+use super::fabrikant::{Approximation, Error, Family, Settings, best, stationary};
+use super::ritz;
 use crate::error::InputError;
 use crate::gap::{AnyGap, Gap, Paraboloid};
 use crate::problem::EffectiveModulus;
@@ -21,9 +21,9 @@ pub fn solve(
     let gap = &gap.into();
     let found = match family {
         Family::Stationary => stationary(gap, modulus, depth, settings),
-        Family::Circle => crate::approximate::ritz::circle(gap, modulus, depth, settings),
-        Family::Ellipse => crate::approximate::ritz::ellipse(gap, modulus, depth, settings),
-        Family::Fourier(_) | Family::PlanForm => family::best(gap, modulus, depth, family, settings),
+        Family::Circle => ritz::circle(gap, modulus, depth, settings),
+        Family::Ellipse => ritz::ellipse(gap, modulus, depth, settings),
+        Family::Fourier(_) | Family::PlanForm => best(gap, modulus, depth, family, settings),
     };
     // Cut short, it fails for one reason or another.
     found.map_err(|e| settings.deadline.check().map_or_else(|out_of_time| Unsolved::from(out_of_time).into(), |()| e))
@@ -33,10 +33,10 @@ pub fn solve(
 /// the stiffness that comes with every solve, one step and a check for a homogeneous gap.
 ///
 /// ```
-/// use contact_patch::{EffectiveModulus, fabrikant, gap::Cone};
+/// use contact_patch::{EffectiveModulus, approximate, fabrikant, gap::Cone};
 /// let (cone, modulus) = (Cone::with_slope(1.0)?, EffectiveModulus::from_e_star(1.0)?);
 /// let settings = fabrikant::Settings::default();
-/// let (depth, _) = fabrikant::at_force(&cone, modulus, 4.0, fabrikant::Family::Stationary, &settings)?;
+/// let (depth, _) = approximate::at_force(&cone, modulus, 4.0, fabrikant::Family::Stationary, &settings)?;
 /// assert!((depth - (2.0 * std::f64::consts::PI).sqrt()).abs() < 1e-9); // P = 2 E* d^2/(pi tan(alpha))
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -84,10 +84,10 @@ pub fn at_force(
 /// The result names what ran in `family` and the reasons in `why`.
 ///
 /// ```
-/// use contact_patch::{EffectiveModulus, fabrikant, gap::Paraboloid};
+/// use contact_patch::{EffectiveModulus, approximate, fabrikant, gap::Paraboloid};
 /// let modulus = EffectiveModulus::from_e_star(1.0)?;
 /// let railway = Paraboloid::new([1000.0, 1.0])?;
-/// let found = fabrikant::auto(&railway, modulus, 1e-3, &fabrikant::Settings::default())?;
+/// let found = approximate::auto(&railway, modulus, 1e-3, &fabrikant::Settings::default())?;
 /// assert!(found.family == fabrikant::Family::Ellipse && !found.why.is_empty()); // Hertz's, and exact
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -155,7 +155,7 @@ const ORDERS: [usize; 2] = [4, 2];
 
 /// The relative error of a Fourier series for the paraboloid whose contact ellipse has this ratio of axes (at most 1).
 fn gain_over_hertz(ratio: f64, order: usize, settings: &Settings) -> Option<f64> {
-    let paraboloid = Paraboloid::new([1.0 / crate::approximate::ritz::curvature_ratio(ratio), 1.0]).ok()?;
+    let paraboloid = Paraboloid::new([1.0 / ritz::curvature_ratio(ratio), 1.0]).ok()?;
     let modulus = EffectiveModulus::from_e_star(1.0).ok()?;
     let settings = Settings { tolerance: settings.tolerance.max(1e-6), boundary_points: 0, ..*settings };
     let by = |family| solve(&paraboloid, modulus, 1.0, family, &settings).ok();

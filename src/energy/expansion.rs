@@ -2,13 +2,9 @@
 
 use super::basis::{CLASSES, EVEN, NODES, ODD, POLYNOMIALS};
 use super::field::Field;
-use super::tables::{FIRSTS, TOUCHING, WIDEST};
-
-/// Cells of a row that are worked out side by side.
-pub(super) const LANES: usize = 8;
-
-/// One number for each of them.
-pub(super) type Lane = [f64; LANES];
+use super::lane::{LANES, Lane, add};
+use super::tables::WIDEST;
+use super::touching::{FIRSTS, TOUCHING};
 
 /// The displacement in [`LANES`] cells: sum of c_k P_k plus sum of z_f Z_f ([`super::tables`]).
 pub(super) struct Expansions {
@@ -22,14 +18,6 @@ pub(super) struct Expansion {
     pub polynomial: [f64; POLYNOMIALS],
     /// p_j - p_0 of the cells that touch ([`TOUCHING`]).
     pub jumps: [f64; 8],
-}
-
-/// to += c x.
-#[inline(always)]
-pub(super) fn add(to: &mut Lane, c: f64, x: &Lane) {
-    for (to, x) in to.iter_mut().zip(x) {
-        *to += c * x;
-    }
 }
 
 /// Cells from place `k` of a row on.

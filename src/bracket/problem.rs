@@ -1,11 +1,6 @@
 //! The problem of a bracket in units of its own, and the way in and out.
 
-use super::close::Closed;
-use super::field::{Field, Surroundings};
-use super::known::Known;
-use super::mirrors::Mirrors;
-use super::violation::{self, Subject, Violation};
-use super::{Evidence, ForceBracket, Repair, Side, kernel};
+use super::ForceBracket;
 use crate::gap::{AnyGap, Degree, Gap};
 use crate::grid::{Grid, Pressure};
 use crate::numeric::geometry::Rect;
@@ -19,23 +14,14 @@ pub(super) fn within(
     modulus: EffectiveModulus,
     depth: f64,
     pressure: &Pressure,
-    work: impl FnOnce(&Frame, Vec<f64>) -> ForceBracket,
+    work: impl FnOnce(&BracketProblem, Vec<f64>) -> ForceBracket,
 ) -> Result<ForceBracket, Unsolved> {
-    Ok(match Frame::enter(gap, modulus, depth, pressure)? {
-        Some((frame, q)) => work(&frame, q),
+    Ok(match BracketProblem::enter(gap, modulus, depth, pressure)? {
+        Some((problem, q)) => work(&problem, q),
         None => {
             ForceBracket::no_contact(Some(Pressure { grid: pressure.grid, values: vec![0.0; pressure.values.len()] }))
         }
     })
-}
-
-/// What a look knows beforehand.
-pub(super) struct Attention {
-    pub known: Known,
-    /// How closely each cell is looked at.
-    pub closely: Vec<u8>,
-    pub mirrors: Mirrors,
-    pub prove: bool,
 }
 
 /// Cells around the load that are looked at one by one, and one more for so many of its width.
@@ -79,7 +65,7 @@ pub(super) fn degree_of(gap: &AnyGap) -> Option<f64> {
 const MOST_SLENDER: f64 = 100.0;
 
 /// The problem with E* = 1 and lengths of order 1: a pressure is proved in these units.
-pub(super) struct Frame {
+pub(super) struct BracketProblem {
     pub gap: AnyGap,
     pub units: Units,
     pub depth: f64,
@@ -87,16 +73,16 @@ pub(super) struct Frame {
     /// Holds {f > 0}.
     pub reach: Rect,
     /// Whether that is certain.
-    reach_known: bool,
+    pub reach_certain: bool,
     /// k when the gap is homogeneous about its centre and zero there, and the depth greater.
     pub degree: Option<f64>,
-    unit_pressure: f64,
-    unit_force: f64,
-    given: Grid,
+    pub unit_pressure: f64,
+    pub unit_force: f64,
+    pub given: Grid,
 }
 
-impl Frame {
-    /// The frame and the pressure in it; `None` when the bodies do not touch.
+impl BracketProblem {
+    /// The problem and the pressure in it; `None` when the bodies do not touch.
     fn enter(
         gap: &AnyGap,
         modulus: EffectiveModulus,
@@ -122,7 +108,7 @@ impl Frame {
             return Err(Unsolved::new(Verdict::NotApplicable, reason));
         }
         // What is certain may be larger than what is found; a strip of it is not worth a proof.
-        let Some(Overlap { reach, certain: reach_known, .. }) = Overlap::of(gap, depth)? else { return Ok(None) };
+        let Some(Overlap { reach, certain: reach_certain, .. }) = Overlap::of(gap, depth)? else { return Ok(None) };
         let Pressure { grid: given, values } = &around_load(pressure);
         let given = *given;
         let [w, h] = given.extent().size();
@@ -145,34 +131,9 @@ impl Frame {
         let degree = degree_of(gap).filter(|_| depth > 0.0);
         let depth = depth / height;
         Ok(Some((
-            Self { gap: scaled, units, depth, grid, reach, reach_known, degree, unit_pressure, unit_force, given },
+            Self { gap: scaled, units, depth, grid, reach, reach_certain, degree, unit_pressure, unit_force, given },
             q,
         )))
-    }
-
-    /// Suprema for the pressure `q` and what they are worth.
-    pub fn look(
-        &self,
-        around: &mut Surroundings,
-        q: &[f64],
-        side: violation::Side,
-        attention: &mut Attention,
-    ) -> (Field, Violation, Evidence) {
-        let Attention { known, closely, prove, mirrors } = attention;
-        let [a, b] = self.grid.spacing;
-        let slender = a.max(b) > kernel::MOST_SLENDER * a.min(b);
-        let (field, tables) = (Field::new(around, q), &around.tables);
-        let subject = Subject { frame: self, field: &field, tables, q, side, mirrors: *mirrors };
-        *prove &= self.reach_known && !slender;
-        if *prove {
-            if let Some(found) = Violation::proved(&subject, known, closely) {
-                return (field, found, Evidence::Proved);
-            }
-            *prove = false;
-            known.forget();
-        }
-        let found = Violation::sampled(&subject, known, closely);
-        (field, found, Evidence::Sampled { per_cell: tables.per_cell })
     }
 
     /// A point of a cell, in sides from its centre.
@@ -197,25 +158,5 @@ impl Frame {
         let points =
             (0..25).map(|k| [rect.min[0] + 0.25 * w * f64::from(k % 5), rect.min[1] + 0.25 * h * f64::from(k / 5)]);
         points.map(|[x, y]| self.depth - self.gap.gap(x, y)).fold(f64::NEG_INFINITY, f64::max)
-    }
-
-    /// A side in the user's units.
-    pub fn side(&self, closed: Closed, q: &[f64], evidence: Evidence) -> Side {
-        let kept = |k: usize| closed.kept.as_ref().is_none_or(|kept| kept[k]);
-        let factor = closed.factor * self.unit_pressure;
-        let values = q.iter().enumerate().map(|(k, q)| if kept(k) { q * factor } else { 0.0 }).collect();
-        Side {
-            force: closed.force * self.unit_force,
-            theorem: closed.theorem,
-            evidence,
-            violation: closed.left * self.units.height,
-            at: self.units.outward(closed.at),
-            repair: Repair {
-                discs: closed.discs * self.unit_force,
-                level: closed.level * self.units.height,
-                degree: self.degree.filter(|_| closed.level > 0.0),
-            },
-            pressure: Some(Pressure { grid: self.given, values }),
-        }
     }
 }

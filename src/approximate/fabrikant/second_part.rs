@@ -1,25 +1,9 @@
-//! What a star sees around its centre: the ridges, and parts of the contact that it does not hold.
+//! Parts of the contact that a star does not hold.
 
 use std::f64::consts::TAU;
 
-use super::ray::{RayLine, ScaledOverlap};
+use super::ray::RayLine;
 use super::star::Star;
-use crate::gap::Gap;
-
-/// The directions in which the gap is not smooth, seen from `centre`.
-pub(super) fn look_around(overlap: &ScaledOverlap, centre: [f64; 2], directions: &mut Vec<f64>) {
-    overlap.gap.kink_directions(centre, directions);
-    let Some(ridges) = overlap.gap.ridges().filter(|_| overlap.has_planes() && centre != [0.0; 2]) else { return };
-    // Ridges without end, about where the boundary crosses them.
-    for ridge in &ridges.all {
-        for (end, sense) in ridge.ends.iter().zip([-1.0, 1.0]) {
-            if end.is_none() {
-                let [x, y] = [0, 1].map(|m| ridge.point[m] + sense * ridge.direction[m] - centre[m]);
-                directions.push(y.atan2(x));
-            }
-        }
-    }
-}
 
 impl Star<'_> {
     /// Whether the overlap comes back, along a ray, after having been lost: a second tip that the star does not hold.
