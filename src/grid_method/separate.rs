@@ -7,7 +7,8 @@
 
 use super::dimensional::dimensional;
 use super::displaced::{self, DisplacedGap};
-use super::refinement::{self, Refined};
+use super::refined::Refined;
+use super::refinement;
 use super::single_grid;
 use crate::consistency::nothing_left_out;
 use crate::gap::{AnyGap, Gap};
