@@ -1,7 +1,7 @@
 //! The contact at one depth on one grid: box, cells, solver, stiffness.
 
 use super::domain::shape;
-use super::expansion::outgrown;
+use super::expansion::expanded;
 use crate::clock::Deadline;
 use crate::discrete::{Discrete, DiscreteSolution};
 use crate::grid::{Grid, Kernel};
@@ -94,7 +94,7 @@ pub(crate) fn laid(
         let problem = Discrete::sample_before(&scaled.gap, scaled.depth, grid, options.kernel, options.deadline)?;
         let state = solve(scaled, problem, options)?;
         spent = (spent.0 + state.iterations, spent.1 + state.operator_products);
-        match outgrown(scaled, window, &state.problem.grid, &state.solution.pressure) {
+        match expanded(scaled, window, &state.problem.grid, &state.solution.pressure) {
             None => return Ok(GridState { iterations: spent.0, operator_products: spent.1, ..state }),
             Some(larger) => *window = larger,
         }

@@ -2,7 +2,7 @@
 
 use super::dimensional::{at_least, in_users_units, stiffness_of, strongest};
 use super::domain;
-use super::expansion::outgrown;
+use super::expansion::expanded;
 use super::refined::Refined;
 use super::refinement;
 use super::single_grid::{self, GridState};
@@ -107,7 +107,7 @@ impl WarmStart {
         let Settings { threads, deadline, .. } = *settings;
         let settings = matrix_free::Settings { threads, deadline, ..matrix_free::Settings::default() };
         let solution = matrix_free::solve(&problem, Some(&start), &settings)?;
-        if outgrown(&scaled, &problem.grid.extent(), &problem.grid, &solution.pressure).is_some() {
+        if expanded(&scaled, &problem.grid.extent(), &problem.grid, &solution.pressure).is_some() {
             return Ok(None);
         }
         let state = GridState {

@@ -99,7 +99,7 @@ impl<T: Real> Columns<T> {
         arranged
     }
 
-    /// Room that [`Self::product`] needs: points of a column, and scratch.
+    /// Workspace that [`Self::product`] needs: points of a column, and scratch.
     pub(super) fn room(&self) -> [usize; 2] {
         let fft = self.forward.get_inplace_scratch_len().max(self.inverse.get_inplace_scratch_len());
         [self.classes() * self.length, fft]

@@ -1,4 +1,4 @@
-//! Room for the passes of a convolution, and their work shared out among threads.
+//! Workspace for the passes of a convolution, and their work shared out among threads.
 
 use std::ops::Range;
 
@@ -11,18 +11,18 @@ pub(super) const GROUP: usize = 32;
 
 /// Numbers that begin with a cache line; grown as needed.
 #[derive(Debug)]
-pub(super) struct Lines<T>(Vec<T>);
+pub(super) struct AlignedVec<T>(Vec<T>);
 
 /// Bytes of a cache line.
 const LINE: usize = 64;
 
-impl<T> Default for Lines<T> {
+impl<T> Default for AlignedVec<T> {
     fn default() -> Self {
         Self(Vec::new())
     }
 }
 
-impl<T: Copy + Default> Lines<T> {
+impl<T: Copy + Default> AlignedVec<T> {
     /// So many of them, with what was left in them.
     pub(super) fn of(&mut self, n: usize) -> &mut [T] {
         let spare = LINE / size_of::<T>();
@@ -36,37 +36,42 @@ impl<T: Copy + Default> Lines<T> {
     }
 }
 
-/// Room for the transforms of a [`super::transforms::Transforms`], grown as needed, kept from product to product.
+/// Workspace for the transforms of a [`super::transforms::Transforms`], grown as needed, kept from product to product.
 #[derive(Debug)]
-pub(super) struct Room<T> {
+pub(super) struct Workspace<T> {
     /// The columns between the passes.
-    pub(super) columns: Lines<Complex<T>>,
+    pub(super) columns: AlignedVec<Complex<T>>,
     pub(super) lanes: Vec<Lane<T>>,
 }
 
-/// Room that one thread needs.
+/// Workspace that one thread needs.
 #[derive(Debug)]
 pub(super) struct Lane<T> {
-    pub(super) row: Lines<T>,
+    pub(super) row: AlignedVec<T>,
     /// Spectra of a group of rows.
-    pub(super) spectra: Lines<Complex<T>>,
-    pub(super) column: Lines<Complex<T>>,
-    pub(super) fft: Lines<Complex<T>>,
+    pub(super) spectra: AlignedVec<Complex<T>>,
+    pub(super) column: AlignedVec<Complex<T>>,
+    pub(super) fft: AlignedVec<Complex<T>>,
 }
 
 impl<T> Default for Lane<T> {
     fn default() -> Self {
-        Self { row: Lines::default(), spectra: Lines::default(), column: Lines::default(), fft: Lines::default() }
+        Self {
+            row: AlignedVec::default(),
+            spectra: AlignedVec::default(),
+            column: AlignedVec::default(),
+            fft: AlignedVec::default(),
+        }
     }
 }
 
-impl<T> Default for Room<T> {
+impl<T> Default for Workspace<T> {
     fn default() -> Self {
-        Self { columns: Lines::default(), lanes: Vec::new() }
+        Self { columns: AlignedVec::default(), lanes: Vec::new() }
     }
 }
 
-impl<T> Room<T> {
+impl<T> Workspace<T> {
     /// Bytes held.
     pub(super) fn bytes(&self) -> usize {
         size_of::<Complex<T>>() * self.columns.0.capacity()

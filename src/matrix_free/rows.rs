@@ -68,7 +68,7 @@ impl<T: Real> Rows<T> {
         self.length / 2 + 1 + self.odd_columns()
     }
 
-    /// Room that [`Self::there`] and [`Self::back`] need: points of a row, and scratch.
+    /// Workspace that [`Self::there`] and [`Self::back`] need: points of a row, and scratch.
     pub(super) fn room(&self) -> [usize; 2] {
         let odd = self
             .odd
