@@ -393,3 +393,57 @@ fn curve_answers_every_scene_that_solve_answers() {
         assert!((last[1] / force - 1.0).abs() <= error + 1e-4, "{scene}: {} and {force}", last[1]);
     }
 }
+
+/// Grids that agree by chance: the limit of a contact that ends at a steep flank, of one with a sharp ridge on few cells, and of two tips on
+/// the first two grids. Truths: grids of 1024 and 2048 cells a side, a closed form.
+#[test]
+fn grids_that_agree_by_chance() {
+    let pyramid = |rotate: f64| json!({"kind": "pyramid", "faces": 8, "flat": 0.132_324_968_214_226_35, "inclination": 36.420_278_977_849_236, "rotate": rotate});
+    for rotate in [0.0, 156.793_638_828_248_6] {
+        assert_force(&solved(&pyramid(rotate), 0.003_749_673_632_781_512_3), 1.021_87e-3, 5e-5);
+    }
+    let ridge = |unit: f64| {
+        let expression = format!("{unit}*(1.4257495669932712*abs(x/{unit}) + 1.3564506723211895*(y/{unit})^2)");
+        json!({"kind": "formula", "expression": expression, "at": [0.197_604_042_209_491_13 * unit, -0.198_589_173_286_604_7 * unit]})
+    };
+    for unit in [1.0, 1e-6] {
+        assert_force(&solved(&ridge(unit), 0.018_520_851_454_888_06 * unit), 7.662_80e-4 * unit * unit, 1e-6);
+    }
+    let flank = "max(0, r - 0.10486196818804921) + 0.5366380607227617*r^2";
+    let flank = |region: f64| clipped(flank, &json!({"disc": region}));
+    let depth = 0.015_691_683_109_920_834;
+    let closed = solved(&flank(0.369_666_827_859_371_66), depth);
+    let inside =
+        json!({"kind": "sum", "of": [flank(0.5), {"kind": "flat", "outline": {"disc": 0.138_249_486_753_650_8}}]});
+    assert_same(&solved(&inside, depth), &closed);
+    let tips = json!({"kind": "min", "of": [
+        {"kind": "sphere", "radius": 3.297_110_575_807_386_6, "at": [0.194_091_930_375_893_45, 0.310_853_664_488_219_16]},
+        {"kind": "paraboloid", "radii": [0.917_716_757_493_438_2, 4.536_205_123_990_445], "at": [-0.362_734_070_497_442_7, 0.594_451_146_928_673_7]},
+        {"kind": "pyramid", "faces": 5, "inclination": 44.157_682_239_447_35, "at": [-0.237_143_041_038_221_15, -0.112_371_724_060_112_98]},
+    ]});
+    let scene = |method: &str, tolerance: f64| {
+        json!({"effective_modulus": 1.0, "gap": &tips, "loading": {"depth": 0.019_443_769_070_594_06},
+            "solve": {"method": method, "tolerance": tolerance}})
+    };
+    let good = answers(&scene("fft", 1e-3), Path::new(".")).remove(0).unwrap();
+    // The best there is on the grids that the method can hold.
+    let rough = answers(&scene("qp", 0.5), Path::new(".")).remove(0).or_else(Unsolved::accept_best).unwrap();
+    assert_same(&rough, &good);
+}
+
+/// Numbers near the ends of their range: no reader and no method goes on for ever.
+#[test]
+fn numbers_near_the_ends_of_their_range_end_a_solve() {
+    let maps = tempfile::tempdir().unwrap();
+    std::fs::write(maps.path().join("flat.txt"), "0 0\n0 0\n").unwrap();
+    let map = json!({"kind": "height_map", "file": "flat.txt", "interpolation": "linear", "rotate": 255.12, "spacing": [5.0, 5e-324],
+        "surface": "upper", "at": [90.0, 1.25]});
+    let scene = json!({"effective_modulus": 1e8, "gap": map, "loading": {"force": 0.06},
+        "solve": {"method": "fabrikant", "tolerance": 1e-9, "seconds": 5}});
+    assert!(answers(&scene, maps.path()).remove(0).is_err());
+    let profile = json!({"kind": "profile", "along": "y", "radius": 0.77, "surface": "lower", "smooth": 0.02,
+        "points": [[0.0, 0.0], [1.0, 0.5], [2.0, 2.0], [3.0, 4.0], [1e153, 1e306], [2e153, 1e306]]});
+    let scene = json!({"effective_modulus": 1.0, "gap": profile, "loading": {"force": 0.6}});
+    let refused = Scene::from_json_within(scene.to_string().as_bytes(), Path::new(".")).unwrap_err();
+    assert!(refused.path.starts_with("gap"), "{refused}");
+}

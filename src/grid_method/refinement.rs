@@ -5,6 +5,7 @@ use super::extrapolation::{self, Ends, Estimate};
 use super::refined::Refined;
 use super::sharp_edges::{self, CutCells, Edge};
 use super::single_grid::{GridOptions, GridState, laid, other_kernel};
+use super::unresolved;
 use crate::energy::{Trial, force_bounds};
 use crate::gap::{Degree, Gap, Law};
 use crate::grid::{Grid, Kernel};
@@ -355,7 +356,13 @@ impl Refinement<'_> {
         } else {
             extrapolation::of_forces(&self.forces)
         };
-        limit.unwrap_or(Estimate { value: force, error: force })
+        let estimate = limit.unwrap_or(Estimate { value: force, error: force });
+        if self.law.is_some() || self.forces.len() > 2 {
+            return estimate;
+        }
+        // Two coarse grids may agree by chance.
+        let left = unresolved::boundary(&state.problem.grid, &state.solution.pressure);
+        Estimate { error: estimate.error.max(left * force), ..estimate }
     }
 
     /// The degree of a gap whose force has a proof that is asked for.

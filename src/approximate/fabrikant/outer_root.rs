@@ -12,6 +12,8 @@ use crate::numeric::scalar::maximum;
 
 /// Evaluations on one ray before giving up: more than halving takes.
 const MOST_EVALUATIONS: usize = 300;
+/// The clock is read once in so many of them.
+const CHECKED: usize = 16;
 /// Places looked at beyond a root, each further out by a factor.
 const SCAN: usize = 160;
 const SCAN_STEP: f64 = 1.25;
@@ -65,7 +67,7 @@ impl Star<'_> {
     /// lies above it; or to the edge of the material.
     pub(crate) fn outer_root(&self, ray: Ray, d: f64, within: f64) -> Ray {
         let found = self.root_nearby(ray, d, within);
-        if !found.stuck || found.at_edge() {
+        if !found.stuck || found.at_edge() || self.overlap.deadline.has_passed() {
             return found;
         }
         // A kink makes a hump of its own; the one that counts may be another.
@@ -160,7 +162,10 @@ impl Star<'_> {
         // A point belongs to the outer side of the root when G_a is below D and falling.
         let mut lo = End { stand: RadialPosition::default(), g_a: 0.0 };
         let mut hi: Option<End> = None;
-        for _ in 0..MOST_EVALUATIONS {
+        for evaluation in 1..=MOST_EVALUATIONS {
+            if evaluation % CHECKED == 0 && self.overlap.deadline.has_passed() {
+                break;
+            }
             let along = ray.along;
             let here = End { stand: ray.stand, g_a: along.g_a };
             if ray.at_edge() && along.g_a >= d {

@@ -48,6 +48,9 @@ impl Star<'_> {
             let aim = self.aim(if sweep == 0 { 0.0 } else { d.max(0.0) });
             let bound = if sweep == 0 { 1e3 } else { 4.0 };
             for k in 0..self.rays.len() {
+                if self.overlap.deadline.has_passed() {
+                    break;
+                }
                 let ray = self.rays[k];
                 let y = match Hump::through(&ray, self.f0) {
                     Some(hump) => hump.root(aim).unwrap_or(hump.top[0]),
