@@ -2,14 +2,21 @@
 
 mod export;
 mod family;
+#[cfg(feature = "scene")]
+mod fmu;
+mod header;
 mod law;
 mod spline;
 
-pub use spline::Knot;
+pub use export::About;
+#[cfg(feature = "scene")]
+pub use fmu::{Binary, Source};
+pub use spline::{Beyond, Knot};
 
 use crate::contact::Contact;
 use crate::error::{InputError, Unsolved, Verdict, positive};
-use crate::overlap::least;
+use crate::gap::{Gap, Reach};
+use crate::overlap::{least, reach_of};
 use crate::settings::Settings;
 use crate::solution::Singular;
 use family::Family;
@@ -25,8 +32,17 @@ const OF_STATES: f64 = 0.4;
 /// Share of the accuracy by which the convex interpolant may differ from the law through the states.
 const OF_FORM: f64 = 0.02;
 
+/// Share of the accuracy by which the stiffness of the one may differ from that of the other.
+const OF_FORM_IN_SLOPE: f64 = 0.5;
+
 /// Least depth of a curve that is asked for by its end alone, as a share of it.
 const SHALLOWEST: f64 = 1.0 / 200.0;
+
+/// The same as a multiple of what the samples of a measured gap leave open: below it the force is that of their noise.
+const ABOVE_NOISE: f64 = 5.0;
+
+/// Largest share of the depth at which a curve that is asked for by its end alone begins, however coarse the samples.
+const DEEPEST_START: f64 = 0.25;
 
 /// What [`Curve::new`] is asked for.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -69,6 +85,9 @@ pub struct Sample {
     pub centre: Option<[f64; 2]>,
     /// Stored energy.
     pub energy: Option<f64>,
+    /// Share of the force that the samples of a measured gap leave open, on top of `force_error`; `None` for gaps that are no
+    /// measurements.
+    pub map_error: Option<f64>,
 }
 
 /// P = k s^e fitted to a curve, s the depth below first touch.
@@ -88,8 +107,13 @@ pub struct Curve {
     first_touch: f64,
     spline: Spline,
     samples: Vec<Sample>,
-    interpolation_error: f64,
+    /// Largest relative errors of force and stiffness between neighbouring samples.
+    errors: Vec<[f64; 2]>,
     solves: usize,
+    e_star: f64,
+    beyond: Beyond,
+    /// Whether one law holds at all depths.
+    homogeneous: bool,
 }
 
 impl Curve {
@@ -109,6 +133,20 @@ impl Curve {
     /// # Errors
     /// What stops the solve at some depth; `NotApplicable` when the range is not 0 < from < to.
     pub fn new(contact: &Contact, settings: &Settings, range: CurveRange) -> Result<Self, Unsolved> {
+        Self::watched(contact, settings, range, &mut |_, _| {})
+    }
+
+    /// As [`Curve::new`]; `told` is given the states solved so far and, once there are enough to tell, the largest relative error that
+    /// the widest distance between two of them leaves open.
+    ///
+    /// # Errors
+    /// As [`Curve::new`].
+    pub fn watched(
+        contact: &Contact,
+        settings: &Settings,
+        range: CurveRange,
+        told: &mut dyn FnMut(usize, Option<f64>),
+    ) -> Result<Self, Unsolved> {
         range.checked().map_err(|e| Unsolved::new(Verdict::NotApplicable, e.to_string()))?;
         let (_, first_touch) = least(contact.gap());
         let CurveRange { from, to, accuracy } = range;
@@ -117,12 +155,22 @@ impl Curve {
         let share = if settings.cells.is_some() { 0.1 } else { 1.0 };
         let doubt = |state: &Sample| share * state.force_error.unwrap_or(0.0);
         let left = (1.0 - OF_STATES - OF_FORM) * accuracy;
-        let (law, samples) = Law::solved([from, to], left, MOST_STATES, first_touch, doubt, |s| family.at(s))?;
-        let (spline, off) = convex(&law, OF_FORM * accuracy);
-        Ok(Self { first_touch, spline, samples, interpolation_error: law.error + off, solves: family.solves() })
+        let solve = |overlaps: &[f64]| family.at(overlaps);
+        let (law, samples) = Law::solved([from, to], left, MOST_STATES, first_touch, doubt, solve, told)?;
+        let (spline, errors) = convex(&law, accuracy);
+        Ok(Self {
+            first_touch,
+            spline,
+            samples,
+            errors,
+            solves: family.solves(),
+            e_star: contact.modulus().e_star(),
+            beyond: Beyond::Refuse,
+            homogeneous: contact.gap().known().law.is_some(),
+        })
     }
 
-    /// The curve up to a depth, from a two-hundredth of the overlap there on: as [`Curve::new`].
+    /// The curve up to a depth, from [`Curve::natural_start`] on: as [`Curve::new`].
     ///
     /// # Errors
     /// As [`Curve::new`]; `NotApplicable` when the bodies do not touch at that depth.
@@ -132,25 +180,101 @@ impl Curve {
             let reason = format!("a curve up to depth {depth:e}, at which the bodies do not touch");
             return Err(Unsolved::new(Verdict::NotApplicable, reason));
         }
-        Self::new(contact, settings, CurveRange { from: SHALLOWEST * to, to, accuracy })
+        Self::new(contact, settings, CurveRange { from: Self::natural_start(contact, depth), to, accuracy })
     }
 
-    /// Force at a depth: zero before first touch, `None` beyond the range.
+    /// Where a curve up to a depth begins unless said, as depth below first touch: at a two-hundredth of the whole, and for a measured
+    /// gap not below five times what its samples leave open, the states there being those of its noise; at most at a quarter.
+    #[must_use]
+    pub fn natural_start(contact: &Contact, depth: f64) -> f64 {
+        let to = depth - least(contact.gap()).1;
+        let off = match reach_of(contact.gap(), depth) {
+            Reach::Within(rect) => contact.gap().sampling_error(&rect),
+            _ => 0.0,
+        };
+        (SHALLOWEST * to).max((ABOVE_NOISE * off).min(DEEPEST_START * to))
+    }
+
+    /// The same curve with this continuation beyond its largest depth; [`Beyond::Refuse`] unless said.
+    ///
+    /// ```
+    /// use contact_patch::{Contact, Curve, EffectiveModulus, Loading, Settings, curve::Beyond, gap::Paraboloid};
+    /// let sphere = Contact::new(EffectiveModulus::from_e_star(1.0)?, Paraboloid::new([1.0, 1.0])?, Loading::depth(1.0))?;
+    /// let spring = Curve::up_to(&sphere, &Settings::default(), 1.0, 1e-4)?;
+    /// assert_eq!(spring.force(1.2), None);
+    /// let spring = spring.continued(Beyond::Power);
+    /// assert!((spring.force(1.2).unwrap() / (4.0 / 3.0 * 1.2f64.powf(1.5)) - 1.0).abs() < 1e-4);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn continued(self, beyond: Beyond) -> Self {
+        Self { beyond, ..self }
+    }
+
+    /// What it says beyond its largest depth.
+    #[must_use]
+    pub fn beyond(&self) -> Beyond {
+        self.beyond
+    }
+
+    /// Force, stiffness dP/dd and d2P/dd2 at a depth: zero before first touch; beyond the range as [`Curve::beyond`] says.
+    #[must_use]
+    pub fn derivatives(&self, depth: f64) -> Option<[f64; 3]> {
+        self.spline.at(depth - self.first_touch, self.beyond)
+    }
+
+    /// Force at a depth: zero before first touch; beyond the range as [`Curve::beyond`] says, `None` where it refuses.
     #[must_use]
     pub fn force(&self, depth: f64) -> Option<f64> {
-        self.spline.at(depth - self.first_touch).map(|p| p[0])
+        self.derivatives(depth).map(|p| p[0])
     }
 
-    /// dP/dd at a depth; `None` beyond the range.
+    /// dP/dd at a depth, as [`Curve::force`].
     #[must_use]
     pub fn stiffness(&self, depth: f64) -> Option<f64> {
-        self.spline.at(depth - self.first_touch).map(|p| p[1])
+        self.derivatives(depth).map(|p| p[1])
     }
 
-    /// Depth at a force: the inverse of [`Curve::force`]; `None` for a pull and beyond the range.
+    /// Depth at a force: the inverse of [`Curve::force`]; `None` for a pull, and beyond the range where that refuses.
     #[must_use]
     pub fn depth(&self, force: f64) -> Option<f64> {
-        self.spline.overlap_at(force).map(|s| self.first_touch + s)
+        self.spline.overlap_at(force, self.beyond).map(|s| self.first_touch + s)
+    }
+
+    /// Area of the patch: powers of the overlap between the solved states, continued on both sides; zero before first touch, `None`
+    /// where the force is.
+    #[must_use]
+    pub fn area(&self, depth: f64) -> Option<f64> {
+        self.derivatives(depth)?;
+        let s = depth - self.first_touch;
+        if s <= 0.0 {
+            return Some(0.0);
+        }
+        let [a, b] = self.beside(depth);
+        let (la, lb) = ((a.depth - self.first_touch).ln(), (b.depth - self.first_touch).ln());
+        let exponent = (b.area / a.area).ln() / (lb - la);
+        Some(a.area * ((s.ln() - la) * exponent).exp())
+    }
+
+    /// Centre of pressure: lines between the solved states, constant beyond them; `None` where the force is, and where the method
+    /// gives none.
+    #[must_use]
+    pub fn centre(&self, depth: f64) -> Option<[f64; 2]> {
+        self.derivatives(depth)?;
+        let [a, b] = self.beside(depth);
+        let (ca, cb) = (a.centre?, b.centre?);
+        let t = ((depth - a.depth) / (b.depth - a.depth)).clamp(0.0, 1.0);
+        Some([0, 1].map(|m| ca[m] + t * (cb[m] - ca[m])))
+    }
+
+    /// The solved states beside a depth, or the two at the end nearest to it.
+    fn beside(&self, depth: f64) -> [&Sample; 2] {
+        let k = self.interval(depth);
+        [&self.samples[k], &self.samples[k + 1]]
+    }
+
+    fn interval(&self, depth: f64) -> usize {
+        self.samples.partition_point(|s| s.depth < depth).clamp(1, self.samples.len() - 1) - 1
     }
 
     /// Depth at which the bodies first touch.
@@ -166,10 +290,36 @@ impl Curve {
     }
 
     /// Estimate (not a bound) of the largest relative error of the force within the range: what the solved states leave open
-    /// between them, and their own error.
+    /// between them, and their own error. What the samples of a measured gap leave open is beside it: [`Curve::map_error`].
     #[must_use]
     pub fn interpolation_error(&self) -> f64 {
-        self.interpolation_error
+        self.errors.iter().map(|e| e[0]).fold(0.0, f64::max)
+    }
+
+    /// The same of the stiffness.
+    #[must_use]
+    pub fn stiffness_error(&self) -> f64 {
+        self.errors.iter().map(|e| e[1]).fold(0.0, f64::max)
+    }
+
+    /// The same of force and stiffness at one depth; `None` outside of the range, where they follow a continuation. The law of a
+    /// homogeneous gap holds at every depth.
+    #[must_use]
+    pub fn errors_at(&self, depth: f64) -> Option<[f64; 2]> {
+        let inside = depth >= self.samples[0].depth && depth <= self.deepest();
+        (inside || self.homogeneous).then(|| self.errors[self.interval(depth)])
+    }
+
+    /// Largest share of the force that the samples of a measured gap leave open within the range; `None` for other gaps.
+    #[must_use]
+    pub fn map_error(&self) -> Option<f64> {
+        self.samples.iter().filter_map(|s| s.map_error).reduce(f64::max)
+    }
+
+    /// E* of the bodies.
+    #[must_use]
+    pub fn e_star(&self) -> f64 {
+        self.e_star
     }
 
     /// States that were solved; a homogeneous gap needs one.
@@ -198,7 +348,7 @@ impl Curve {
         let ratio = (last.overlap / first.overlap).ln();
         let points: Vec<[f64; 2]> = (0..=POINTS)
             .map(|k| (first.overlap * (ratio * f64::from(k) / f64::from(POINTS)).exp()).min(last.overlap))
-            .filter_map(|s| self.spline.at(s).map(|p| [s.ln(), p[0].ln()]))
+            .filter_map(|s| self.spline.at(s, self.beyond).map(|p| [s.ln(), p[0].ln()]))
             .collect();
         let n = points.len() as f64;
         let [x, y] = [0, 1].map(|m| points.iter().map(|p| p[m]).sum::<f64>() / n);
@@ -219,15 +369,26 @@ impl CurveRange {
     }
 }
 
-/// The increasing convex interpolant of the law, and by how much it differs from it.
-fn convex(law: &Law, allowed: f64) -> (Spline, f64) {
+/// The increasing convex interpolant of the law, and the errors of the law in every interval with what the form adds.
+fn convex(law: &Law, accuracy: f64) -> (Spline, Vec<[f64; 2]>) {
+    let states: Vec<f64> = law.overlaps().collect();
     let mut pieces = 1;
     loop {
         let spline = Spline::new(&law.sampled(pieces));
-        let off = |row: &[f64; 3]| spline.at(row[0]).map_or(0.0, |p| (p[0] / row[1] - 1.0).abs());
-        let worst = law.sampled(4 * pieces).iter().map(off).fold(0.0, f64::max);
-        if worst <= allowed || pieces == MOST_PIECES {
-            return (spline, worst);
+        let mut errors = law.errors.clone();
+        let mut worst = [0.0f64; 2];
+        for [s, force, slope] in law.sampled(4 * pieces) {
+            let off = spline
+                .at(s, Beyond::Power)
+                .map_or([0.0; 2], |p| [(p[0] / force - 1.0).abs(), (p[1] / slope - 1.0).abs()]);
+            let k = states.partition_point(|&state| state < s).clamp(1, errors.len()) - 1;
+            for n in 0..2 {
+                errors[k][n] = errors[k][n].max(law.errors[k][n] + off[n]);
+                worst[n] = worst[n].max(off[n]);
+            }
+        }
+        if worst[0] <= OF_FORM * accuracy && worst[1] <= OF_FORM_IN_SLOPE * accuracy || pieces == MOST_PIECES {
+            return (spline, errors);
         }
         pieces *= 2;
     }
