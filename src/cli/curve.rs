@@ -9,7 +9,6 @@ use clap::{Args, ValueEnum};
 use super::outputs::outputs;
 use super::progress::Progress;
 use super::{Failure, Overrides, checked_threads, fmu, inputs, scene};
-use crate::contact::Load;
 use crate::curve::{About, Beyond, Curve, CurveRange};
 use crate::error::{InputError, Unsolved};
 use crate::overlap::least;
@@ -196,32 +195,11 @@ impl CurveCommand {
 
     /// The curve up to the largest load of the scene.
     fn curve(&self, scene: &Scene, settings: &Settings) -> Result<Result<Curve, Unsolved>, InputError> {
-        let mut deepest = f64::NEG_INFINITY;
-        let mut strongest = 0.0f64;
-        for load in scene.contact.loading().loads() {
-            match *load {
-                Load::Depth(depth) => deepest = deepest.max(depth),
-                Load::Force(force) => strongest = strongest.max(force),
-                Load::Tilted { .. } | Load::ForceMoment { .. } => {
-                    return Err(InputError::new(
-                        "loading",
-                        "a tilt or a moment",
-                        "depths or forces of a punch that does not tilt",
-                    ));
-                }
-            }
-        }
-        if strongest > 0.0 {
-            let contact = scene.contact.under(crate::contact::Loading::force(strongest));
-            match crate::solve(&contact, settings).remove(0).or_else(Unsolved::accept_best) {
-                Ok(solution) => deepest = deepest.max(solution.depth),
-                Err(unsolved) => return Ok(Err(unsolved)),
-            }
-        }
+        let deepest = match Curve::end_of(&scene.contact, settings)? {
+            Ok(deepest) => deepest,
+            Err(unsolved) => return Ok(Err(unsolved)),
+        };
         let touch = least(scene.contact.gap()).1;
-        if !(deepest > touch) {
-            return Err(InputError::new("loading", deepest, "a depth beyond first touch or a force greater than 0"));
-        }
         let from = match self.from {
             None => Curve::natural_start(&scene.contact, deepest),
             Some(from) if from > touch && from < deepest => from - touch,

@@ -97,7 +97,12 @@ impl Law {
             wide.truncate(most.saturating_sub(states.len()));
             wide.sort_unstable();
             if wide.is_empty() {
-                let errors = (0..found.len()).map(|k| law.errors_in(k, &states, &found[k], &doubt)).collect();
+                let own: Vec<[f64; 2]> =
+                    (0..found.len()).map(|k| law.errors_in(k, &states, &found[k], &doubt)).collect();
+                // An interval is no better known than those beside it.
+                let beside = |k: usize| &own[k.saturating_sub(1)..(k + 2).min(own.len())];
+                let largest = |k: usize, n: usize| beside(k).iter().map(|e| e[n]).fold(0.0, f64::max);
+                let errors = (0..own.len()).map(|k| [largest(k, 0), largest(k, 1)]).collect();
                 return Ok((Self { errors, ..law }, states));
             }
             let middles: Vec<f64> = wide.iter().map(|&k| (law.knots[k][0] * law.knots[k + 1][0]).sqrt()).collect();

@@ -7,13 +7,15 @@ mod fmu;
 mod header;
 mod law;
 mod spline;
+mod warm;
 
 pub use export::About;
 #[cfg(feature = "scene")]
 pub use fmu::{Binary, Source};
 pub use spline::{Beyond, Knot};
+pub use warm::{Pose, Reaction, WarmContact};
 
-use crate::contact::Contact;
+use crate::contact::{Contact, Load, Loading};
 use crate::error::{InputError, Unsolved, Verdict, positive};
 use crate::gap::{Gap, Reach};
 use crate::overlap::{least, reach_of};
@@ -181,6 +183,42 @@ impl Curve {
             return Err(Unsolved::new(Verdict::NotApplicable, reason));
         }
         Self::new(contact, settings, CurveRange { from: Self::natural_start(contact, depth), to, accuracy })
+    }
+
+    /// The depth at which the curve of a loading ends: the largest of its depths, or that of its largest force. What the solve for a force
+    /// cannot do is the inner error.
+    ///
+    /// # Errors
+    /// Names `loading`: tilts and moments, and loads under which the bodies do not touch.
+    pub fn end_of(contact: &Contact, settings: &Settings) -> Result<Result<f64, Unsolved>, InputError> {
+        let (mut deepest, mut strongest) = (f64::NEG_INFINITY, 0.0f64);
+        for load in contact.loading().loads() {
+            match *load {
+                Load::Depth(depth) => deepest = deepest.max(depth),
+                Load::Force(force) => strongest = strongest.max(force),
+                Load::Tilted { .. } | Load::ForceMoment { .. } => {
+                    let allowed = "depths or forces of a punch that does not tilt";
+                    return Err(InputError::new("loading", "a tilt or a moment", allowed));
+                }
+            }
+        }
+        if strongest > 0.0 {
+            let pressed = contact.under(Loading::force(strongest));
+            match crate::solve(&pressed, settings).remove(0).or_else(Unsolved::accept_best) {
+                Ok(state) => deepest = deepest.max(state.depth),
+                Err(unsolved) => return Ok(Err(unsolved)),
+            }
+        }
+        if deepest > least(contact.gap()).1 {
+            return Ok(Ok(deepest));
+        }
+        Err(InputError::new("loading", deepest, "a depth beyond first touch or a force greater than 0"))
+    }
+
+    /// The depth at which these bodies first touch.
+    #[must_use]
+    pub fn first_touch_of(contact: &Contact) -> f64 {
+        least(contact.gap()).1
     }
 
     /// Where a curve up to a depth begins unless said, as depth below first touch: at a two-hundredth of the whole, and for a measured
