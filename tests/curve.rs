@@ -6,9 +6,9 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 use contact_patch::closed_form::RoundedCone;
-use contact_patch::curve::{About, Beyond};
-use contact_patch::gap::{AnyGap, Cone, Gap, Paraboloid, Polyhedron, Revolved, Sum};
-use contact_patch::{Contact, Curve, CurveRange, EffectiveModulus, Loading, Method, Settings, Unsolved, solve};
+use contact_patch::curve::{About, Beyond, Pose, TiltRange, TiltTable, TiltedForce, WarmContact};
+use contact_patch::gap::{AnyGap, Cone, Flat, Gap, Outline, Paraboloid, Polyhedron, Revolved, Sum};
+use contact_patch::{Contact, Curve, CurveRange, EffectiveModulus, Load, Loading, Method, Settings, Unsolved, solve};
 use serde_json::Value;
 
 fn contact(gap: impl Gap + 'static, loading: Loading) -> Contact {
@@ -461,4 +461,119 @@ fn the_command_follows_forces_and_refuses_what_it_cannot_do() {
         assert!(!output.stderr.is_empty() && output.stdout.is_empty(), "{arguments:?}");
         assert!(!folder.path().join("out").exists(), "{arguments:?} left a file");
     }
+}
+
+#[test]
+fn a_warm_contact_is_the_contact_and_tells_its_error() {
+    let gap = AnyGap::new(Paraboloid::new([1.0, 3.0]).unwrap());
+    let settings = Settings { tolerance: 2e-3, ..Settings::default() };
+    let mut warm = WarmContact::new(&contact(gap.clone(), Loading::depth(1.0)), &settings);
+    let exact = |pose: &Pose| {
+        // The body where it is: moved by hand.
+        let load =
+            Load::Tilted { depth: pose.depth + pose.tilt[0] * pose.at[0] + pose.tilt[1] * pose.at[1], tilt: pose.tilt };
+        solve(&contact(gap.clone(), Loading::Single(load)), &Settings::default()).remove(0).unwrap()
+    };
+    for k in 0..30 {
+        let t = 0.2 * f64::from(k);
+        let pose =
+            Pose { depth: 0.01 * (1.0 + 0.2 * t.sin()), tilt: [0.02 * t.cos(), 0.01 * t.sin()], at: [0.1 * t, -0.05] };
+        let (found, truth) = (warm.reaction(pose).unwrap(), exact(&pose));
+        assert!(
+            (found.force / truth.force - 1.0).abs() <= found.error && found.error <= 4e-3,
+            "{k}: {found:?} {}",
+            truth.force
+        );
+        let [mx, my] = truth.moment.unwrap();
+        let moment = [mx + truth.force * pose.at[1], my - truth.force * pose.at[0]];
+        for n in 0..2 {
+            assert!(
+                (found.moment[n] - moment[n]).abs() <= 4e-3 * truth.force * (0.2 + pose.at[0]),
+                "{k}: {found:?} {moment:?}"
+            );
+        }
+    }
+    let [steps, grids] = warm.cost();
+    assert!(steps == 30 && grids <= 10, "{grids} grids");
+    // The stiffness is the derivative of force and moments.
+    let pose = Pose { depth: 0.01, tilt: [0.01, -0.02], at: [0.2, 0.1] };
+    let here = warm.reaction(pose).unwrap();
+    let sums = |pose: Pose, warm: &mut WarmContact| {
+        let found = warm.force(pose).unwrap();
+        [found.force, -found.moment[1], found.moment[0]]
+    };
+    for column in 0..3 {
+        let moved = |by: f64| {
+            let step = |n: usize| if n == column { by } else { 0.0 };
+            Pose { depth: pose.depth + step(0), tilt: [pose.tilt[0] + step(1), pose.tilt[1] + step(2)], ..pose }
+        };
+        let e = [1e-4, 2e-4, 2e-4][column];
+        let (low, high) = (sums(moved(-e), &mut warm), sums(moved(e), &mut warm));
+        for row in 0..3 {
+            let slope = (high[row] - low[row]) / (2.0 * e);
+            let unit = (here.stiffness[row][row] * here.stiffness[column][column]).sqrt();
+            assert!(
+                (slope - here.stiffness[row][column]).abs() < 0.03 * unit,
+                "{row} {column}: {slope} {:?}",
+                here.stiffness
+            );
+        }
+    }
+    assert_eq!(warm.force(Pose { depth: -1.0, ..Pose::default() }).unwrap().force, 0.0);
+    assert!(warm.force(Pose { depth: f64::NAN, ..Pose::default() }).is_err());
+}
+
+#[test]
+fn a_warm_flat_punch_says_how_far_off_its_grid_is() {
+    let disc = Flat::new(Outline::disc(1.0).unwrap());
+    let mut warm = WarmContact::new(&contact(disc, Loading::depth(1.0)), &Settings::default());
+    let found = warm.force(Pose { depth: 0.1, ..Pose::default() }).unwrap();
+    // P = 2 E* a d; one grid misses it by more than the tolerance, and says so.
+    let missed = (found.force / 0.2 - 1.0).abs();
+    println!("missed {missed:e}, said {:e}", found.error);
+    assert!(missed <= found.error && found.error < 0.1, "{missed:e} {:e}", found.error);
+}
+
+#[test]
+fn a_table_of_a_crowned_roller_over_depth_and_tilt() {
+    // A crown of the fourth degree: tilted, the contact moves and is no similar one.
+    let gap = |x: f64, y: f64| 0.5 * y * y + 0.1 * x * x + 0.05 * x.powi(4);
+    let roller = contact(AnyGap::new(gap), Loading::depth(1.0));
+    let settings = Settings { threads: 2, ..Settings::default() };
+    let range = TiltRange { overlap: [0.01, 0.1], tilt: [-0.05, 0.2], direction: 0.0, accuracy: 2e-3 };
+    let table = TiltTable::new(&roller, &settings, range).unwrap();
+    println!("{} states, error {:e}", table.solves(), table.error());
+    assert!(table.error() <= 3e-3, "{:e}", table.error());
+    for (s, tilt) in [(0.013, -0.03), (0.03, 0.011), (0.05, 0.07), (0.09, 0.123), (0.02, 0.19)] {
+        // A depth with about this overlap.
+        let depth = s - 1.2 * tilt * tilt;
+        let load = Load::Tilted { depth, tilt: [tilt, 0.0] };
+        let truth = solve(&contact(AnyGap::new(gap), Loading::Single(load)), &settings).remove(0).unwrap();
+        let found = table.at(depth, tilt).unwrap();
+        let patch = truth.patch.extent().unwrap();
+        let (allowed, size) = (table.error() + truth.force_error.unwrap(), 0.5 * (patch[1][0] - patch[0][0]));
+        assert!((found.force / truth.force - 1.0).abs() <= allowed, "{depth} {tilt}: {found:?} {}", truth.force);
+        let moment = -truth.moment.unwrap()[1];
+        assert!((found.moment - moment).abs() <= allowed * truth.force * size, "{depth} {tilt}: {found:?} {moment}");
+        // One energy: force and moment are its derivatives, the stiffness theirs.
+        let e = 1e-5 * s;
+        let at = |d: f64, a: f64| table.at(depth + d, tilt + a).unwrap();
+        let slopes = |of: &dyn Fn(TiltedForce) -> f64| {
+            [(of(at(e, 0.0)) - of(at(-e, 0.0))) / (2.0 * e), (of(at(0.0, e)) - of(at(0.0, -e))) / (2.0 * e)]
+        };
+        let [[k, across], [other, own]] = found.stiffness;
+        let scale = [k, (k * own.abs()).sqrt()];
+        let near = |a: f64, b: f64, unit: f64| assert!((a - b).abs() < 1e-5 * unit.abs(), "{a} {b}");
+        let by = slopes(&|f| f.energy);
+        near(by[0], found.force, found.force);
+        near(by[1], found.moment, found.force);
+        let by = slopes(&|f| f.force);
+        near(by[0], k, scale[0]);
+        near(by[1], across, scale[1].max(across.abs()));
+        let by = slopes(&|f| f.moment);
+        near(by[0], other, scale[1].max(across.abs()));
+        near(by[1], own, own);
+    }
+    assert!(table.at(0.05, 0.3).is_none());
+    assert_eq!(table.at(-1.0, 0.0), Some(TiltedForce::default()));
 }

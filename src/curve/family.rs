@@ -56,7 +56,7 @@ impl<'a> Family<'a> {
         self.solves += overlaps.len();
         let threads = self.settings.threads.max(1);
         let own = Settings { threads: (threads / overlaps.len().max(1)).max(1), ..self.settings };
-        let states = each(overlaps, threads, |s| self.pressed(s, &own))?;
+        let states = each(overlaps, threads, |&s| self.pressed(s, &own))?;
         if let ([s], [state]) = (overlaps, states.as_slice())
             && *s == self.deepest
         {
@@ -143,23 +143,23 @@ const LOOSER: f64 = 3.0;
 /// Least relative error that is asked of a grid for a curve.
 const SHARPEST: f64 = 1e-6;
 
-/// Does the work for each overlap, on several threads where there are several; the first error in their order.
-fn each(
-    overlaps: &[f64],
+/// Does the work for each item, on several threads where there are several; the first error in their order.
+pub(super) fn each<T: Sync, R: Send>(
+    items: &[T],
     threads: usize,
-    work: impl Fn(f64) -> Result<Solution, Unsolved> + Sync,
-) -> Result<Vec<Solution>, Unsolved> {
+    work: impl Fn(&T) -> Result<R, Unsolved> + Sync,
+) -> Result<Vec<R>, Unsolved> {
     #[cfg(feature = "parallel")]
     if threads > 1
-        && overlaps.len() > 1
-        && let Ok(pool) = rayon::ThreadPoolBuilder::new().num_threads(threads.min(overlaps.len())).build()
+        && items.len() > 1
+        && let Ok(pool) = rayon::ThreadPoolBuilder::new().num_threads(threads.min(items.len())).build()
     {
         use rayon::prelude::*;
-        let found: Vec<_> = pool.install(|| overlaps.par_iter().map(|&s| work(s)).collect());
+        let found: Vec<_> = pool.install(|| items.par_iter().map(&work).collect());
         return found.into_iter().collect();
     }
     let _ = threads;
-    overlaps.iter().map(|&s| work(s)).collect()
+    items.iter().map(work).collect()
 }
 
 fn sample(contact: &Contact, state: &Solution) -> Sample {
