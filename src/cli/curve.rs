@@ -10,11 +10,12 @@ use super::outputs::outputs;
 use super::progress::Progress;
 use super::{Failure, Overrides, checked_threads, fmu, inputs, scene};
 use crate::curve::{About, Beyond, Curve, CurveRange};
-use crate::error::{InputError, Unsolved};
+use crate::error::InputError;
 use crate::overlap::least;
 use crate::plot;
+use crate::problem::Settings;
 use crate::scene::Scene;
-use crate::settings::Settings;
+use crate::solution::Unsolved;
 use crate::units::UnitLabels;
 
 /// Steps in a file that asks for none.

@@ -4,11 +4,11 @@ use super::family::Family;
 use super::law::Law;
 use super::spline::Spline;
 use super::{Beyond, Curve, CurveRange, Sample};
-use crate::contact::{Contact, Load, Loading};
-use crate::error::{InputError, Unsolved, Verdict, positive};
+use crate::error::{InputError, positive};
 use crate::gap::{Gap, Reach};
 use crate::overlap::{least, reach_of};
-use crate::settings::Settings;
+use crate::problem::{Contact, Load, Loading, Settings};
+use crate::solution::{Unsolved, Verdict};
 
 /// Most states of one curve.
 const MOST_STATES: usize = 200;

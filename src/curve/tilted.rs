@@ -10,10 +10,10 @@
 //! are met.
 
 use super::family::each;
-use crate::contact::{Contact, Load, Loading};
-use crate::error::{InputError, Unsolved, Verdict, finite, positive};
+use crate::error::{InputError, finite, positive};
 use crate::overlap::least;
-use crate::settings::{Outputs, Settings};
+use crate::problem::{Contact, Load, Loading, Outputs, Settings};
+use crate::solution::{Unsolved, Verdict};
 use crate::solve::solve;
 
 /// Intervals of overlap and of tilt that a table begins with.

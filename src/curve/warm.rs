@@ -4,16 +4,16 @@
 //! and moments are then the exact derivatives of one convex energy, and each step starts from the pressure of the last one
 //! ([`matrix_free::Solver`]). The stiffness against depth and tilts is that of a flat punch on the patch, as for [`crate::solve`].
 
-use crate::contact::Contact;
 use crate::discrete::{Discrete, DiscreteSolution};
-use crate::domain::shape;
-use crate::error::{InputError, Unsolved, Verdict, finite};
+use crate::error::{InputError, finite};
 use crate::gap::{AnyGap, Reach};
-use crate::geometry::Rect;
 use crate::grid::{Grid, Kernel};
+use crate::grid_method::domain::shape;
 use crate::matrix_free::{self, Solver};
+use crate::numeric::geometry::Rect;
 use crate::overlap::{Overlap, Units, reach_of};
-use crate::settings::Settings;
+use crate::problem::{Contact, Settings};
+use crate::solution::{Unsolved, Verdict};
 
 /// Cells along the longer side of the first grid that is tried.
 const COARSEST: usize = 24;

@@ -3,8 +3,8 @@
 use crate::gap::height_map::{Nodes, ROUNDING as AT_EDGE};
 use crate::gap::spline::bernstein::{self, Net, ROUNDING};
 use crate::gap::spline::{Ends, runs, slopes};
-use crate::geometry::Rect;
 use crate::numeric::Interval;
+use crate::numeric::geometry::Rect;
 
 /// Parts of cells looked at for the least value.
 const BUDGET: usize = 1 << 18;
