@@ -26,9 +26,9 @@ const DOUBT_OF_SLOPES: f64 = 0.2;
 /// Sweeps over the slopes: each leaves less than a quarter of the error before it.
 const SWEEPS: usize = 24;
 
-/// Slope of what is left in the middle of an interval of width h, over that and h: of t^2 (1 - t)^2, largest 1/16, the slope is at
-/// most 1/(6 sqrt(3)).
-const SLOPE_OF_REST: f64 = 3.1;
+/// Slope of what is left in the middle of an interval of width h, over that and h: 3.1 for t^2 (1 - t)^2, which is what a smooth law
+/// leaves, and more where its second derivative jumps.
+const SLOPE_OF_REST: f64 = 5.0;
 
 /// Slope that errors of the values make, over the sum of two neighbouring ones and their distance, where slopes bend the law least:
 /// 1.5 for errors that alternate, about 2.2 for the worst there are.
