@@ -16,8 +16,9 @@ cc -std=c99 -O2 -Wall -Wextra -Wpedantic -Werror -I"$work" bounce.c -o "$work/bo
 
 python3 -m venv "$target/clients"
 "$target/clients/bin/pip" install --quiet --disable-pip-version-check fmpy scipy exudyn
-export CONTACT_PATCH_LIBRARY
-CONTACT_PATCH_LIBRARY=$(ls "$work"/prefix/lib/libcontact_patch_c.{so,dylib} 2> /dev/null | head -n 1)
+for library in "$work"/prefix/lib/libcontact_patch_c.{so,dylib}; do
+    [ ! -e "$library" ] || export CONTACT_PATCH_LIBRARY=$library
+done
 python=$target/clients/bin/python
 "$python" scipy_bounce.py
 "$program" curve ball.json --accuracy 1e-4 --format fmu --name ball -o "$work/ball.fmu"
