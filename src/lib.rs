@@ -16,7 +16,7 @@
 //!
 //! ```text
 //! scene file -> Contact (gap, effective modulus, loading; checked) -> plan (what this scene needs)
-//!   -> closed_form | fabrikant, ritz | qp, matrix_free  -> Solution -> report
+//!   -> closed_form | cells fitted to edges | fabrikant, ritz | grids of qp, matrix_free  -> Solution -> bounds, laws -> report
 //! ```
 //!
 //! [`gap`] knows geometry only; [`Contact`] knows nothing of files; the solvers see a problem without units ([`Discrete`], E* = 1)

@@ -8,7 +8,7 @@ use super::comparison::Comparisons;
 use super::{BracketCost, Evidence, ForceBracket, Repair, Side, Theorem, measure};
 use crate::approximate::ritz;
 use crate::approximate::{fabrikant, solve};
-use crate::clock::Stopwatch;
+use crate::clock::{Deadline, Stopwatch};
 use crate::closed_form::FlatPunch;
 use crate::gap::{AnyGap, Gap};
 use crate::overlap::Overlap;
@@ -34,12 +34,21 @@ const DOUBT: f64 = 10.0;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn approximate(gap: impl Into<AnyGap>, modulus: EffectiveModulus, depth: f64) -> Result<ForceBracket, Unsolved> {
-    let gap = &gap.into();
+    approximate_before(&gap.into(), modulus, depth, Deadline::NEVER)
+}
+
+/// As [`approximate`], with what is found until the deadline.
+pub(super) fn approximate_before(
+    gap: &AnyGap,
+    modulus: EffectiveModulus,
+    depth: f64,
+    deadline: Deadline,
+) -> Result<ForceBracket, Unsolved> {
     let started = Stopwatch::start();
     let Some(Overlap { reach, certain, .. }) = Overlap::of(gap, depth)? else {
         return Ok(ForceBracket::no_contact(None));
     };
-    let settings = fabrikant::Settings { tolerance: 1e-6, boundary_points: 64, ..fabrikant::Settings::default() };
+    let settings = fabrikant::Settings { tolerance: 1e-6, boundary_points: 64, deadline, ..Default::default() };
     let found = ritz::ellipse(gap, modulus, depth, &settings).ok();
     let lower = found.as_ref().and_then(|e| e.lower_bound.map(|b| e.force - DOUBT * (e.force - b.force())));
     let middle = found.as_ref().map_or(gap.known().centre, |e| e.centroid);

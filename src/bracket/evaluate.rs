@@ -5,7 +5,7 @@ use super::cell::{Cell, Jumps};
 use super::gap_bounds::{GapBounds, ROUNDING, range};
 use super::mirrors::Image;
 use super::tables::{Squares, Tables};
-use super::violation::{BoundInput, CellBounds, Part, Side, Violation};
+use super::violation::{BoundInput, CellBounds, Side, SubcellBounds, Violation};
 
 /// How closely each cell is looked at: as a whole; in quarters; in the sub-squares of the lattice, with the jumps around it one by
 /// one; in sub-squares of half that size.
@@ -212,7 +212,7 @@ impl BoundInput<'_> {
             Some(self.square(half, plane, [-rest, rest], bounds))
         };
         let parts = close.coarse.iter().zip(&coarse.at).map(|(plane, at)| part(coarse.half, *at, *plane));
-        let mut parts = parts.collect::<Option<Vec<Part>>>()?;
+        let mut parts = parts.collect::<Option<Vec<SubcellBounds>>>()?;
         if level > 2 {
             let n = self.tables.per_cell;
             let mut open = vec![true; parts.len()];
@@ -227,7 +227,7 @@ impl BoundInput<'_> {
                         let own = part(fine.half, fine.at[child], close.fine(child, fine))?;
                         parts.push(own.narrowed(&whole));
                     }
-                    parts[k] = Part::NOTHING;
+                    parts[k] = SubcellBounds::NOTHING;
                 }
             }
         }
@@ -238,23 +238,23 @@ impl BoundInput<'_> {
 
     /// A square of this half side over which u less its plane lies within `off`, and the gap and the slopes of that plane
     /// within `gap`.
-    fn square(&self, half: f64, [u, s, t]: [f64; 3], off: [f64; 2], gap: [f64; 2]) -> Part {
+    fn square(&self, half: f64, [u, s, t]: [f64; 3], off: [f64; 2], gap: [f64; 2]) -> SubcellBounds {
         let depth = self.problem.depth;
         let hair = self.field.rounding(u) + ROUNDING * depth.abs().max(1.0);
         let [down, up] = [off[0] - hair, off[1] + hair];
         let slope = (s.abs() + t.abs()) * half;
-        Part { r: [depth - u - gap[1] - up, depth - u - gap[0] - down], u: [u - slope + down, u + slope + up] }
+        SubcellBounds { r: [depth - u - gap[1] - up, depth - u - gap[0] - down], u: [u - slope + down, u + slope + up] }
     }
 }
 
 /// The part that decides a side.
-fn highest(parts: &[Part], side: Side) -> Option<usize> {
-    let height = |part: &Part| if side == Side::Lower { -part.r[0] } else { part.over() };
+fn highest(parts: &[SubcellBounds], side: Side) -> Option<usize> {
+    let height = |part: &SubcellBounds| if side == Side::Lower { -part.r[0] } else { part.over() };
     parts.iter().map(height).enumerate().reduce(|a, b| if b.1 > a.1 { b } else { a }).map(|(k, _)| k)
 }
 
 fn point(seen: &mut CellBounds, loaded: bool, f: f64, [u, rest]: [f64; 2]) {
     if loaded || f > 0.0 {
-        seen.add(Part { r: [f - u - rest, f - u + rest], u: [u - rest, u + rest] });
+        seen.add(SubcellBounds { r: [f - u - rest, f - u + rest], u: [u - rest, u + rest] });
     }
 }

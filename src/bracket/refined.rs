@@ -1,5 +1,6 @@
 //! A bracket for a state that was asked to have one: grids refined until it is as narrow as the tolerance.
 
+use super::approximate::approximate_before;
 use crate::bracket::{self, BracketSettings, DepthBracket, Evidence, ForceBracket};
 use crate::clock::Stopwatch;
 use crate::gap::AnyGap;
@@ -35,7 +36,9 @@ pub(crate) fn with_bracket(
         |b: &mut ForceBracket| b.evidence() == Evidence::Proved && b.relative_width() <= 2.0 * settings.tolerance;
     let bracket = match (solution.bracket.take_if(narrow), settings.method) {
         (Some(narrow), _) => narrow,
-        (None, Method::Ritz | Method::Fabrikant) => bracket::approximate(&gap, contact.modulus(), solution.depth)?,
+        (None, Method::Ritz | Method::Fabrikant) => {
+            approximate_before(&gap, contact.modulus(), solution.depth, settings.deadline)?
+        }
         (None, _) => match on_grids(contact, &gap, &mut solution, settings) {
             Ok(Some(bracket)) => bracket,
             Ok(None) => return Ok(solution),

@@ -52,7 +52,7 @@ impl CellBounds {
         Self { over: f64::NEG_INFINITY, least: f64::INFINITY, u: [f64::INFINITY, f64::NEG_INFINITY] };
 
     /// A part of the cell.
-    pub fn add(&mut self, part: Part) {
+    pub fn add(&mut self, part: SubcellBounds) {
         self.u = [self.u[0].min(part.u[0]), self.u[1].max(part.u[1])];
         self.least = self.least.min(part.r[0]);
         self.over = self.over.max(part.over());
@@ -61,12 +61,12 @@ impl CellBounds {
 
 /// Bounds of r = f - u and of u over a part of a cell.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Part {
+pub(super) struct SubcellBounds {
     pub r: [f64; 2],
     pub u: [f64; 2],
 }
 
-impl Part {
+impl SubcellBounds {
     pub const NOTHING: Self = Self { r: [f64::INFINITY, f64::NEG_INFINITY], u: [f64::INFINITY, f64::NEG_INFINITY] };
 
     /// Supremum of r where f = r + u may be positive.

@@ -449,7 +449,7 @@ impl Sums {
 
 #[cfg(test)]
 mod tests {
-    use super::super::expansion::{Expansions, Room};
+    use super::super::expansion::{Expansions, Workspace};
     use super::super::overlap::Plane;
     use super::super::potential::Corners;
     use super::*;
@@ -482,7 +482,7 @@ mod tests {
             for [i, j] in [[12, 12], [2, 8], [1, 12], [0, 12], [20, 19], [22, 19], [4, 2], [13, 1], [13, 2]] {
                 let rect = grid.cell(i, j);
                 let c = rect.centre();
-                let lanes = Expansions::new(&field, i as isize, j as isize, &mut Room::new());
+                let lanes = Expansions::new(&field, i as isize, j as isize, &mut Workspace::new());
                 let expansion = lanes.cell(&field, i as isize, j as isize, 0);
                 let cell = Cell::new(&field, &plane, rect, expansion).with_overlap();
                 let rule = &field.tables.rule;

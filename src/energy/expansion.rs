@@ -81,10 +81,10 @@ impl Inputs {
     }
 }
 
-/// Room for the inputs of the four classes.
-pub(super) struct Room([Inputs; 4]);
+/// Workspace for the inputs of the four classes.
+pub(super) struct Workspace([Inputs; 4]);
 
-impl Room {
+impl Workspace {
     pub fn new() -> Self {
         Self(std::array::from_fn(|_| Inputs::new()))
     }
@@ -92,7 +92,7 @@ impl Room {
 
 impl Expansions {
     /// In the cells (i, j), (i + 1, j), ...
-    pub fn new(field: &Field, i: isize, j: isize, room: &mut Room) -> Self {
+    pub fn new(field: &Field, i: isize, j: isize, room: &mut Workspace) -> Self {
         let mut all = Self { polynomial: [[0.0; LANES]; POLYNOMIALS], singular: [[0.0; LANES]; 8] };
         all.nodes(field, i, j);
         room.0.iter_mut().for_each(|inputs| inputs.count = 0);
@@ -149,7 +149,7 @@ impl Expansions {
 
     /// The near block: inputs by class, in the order of [`super::tables::Tables::weights`].
     #[inline(always)]
-    fn pressures(&mut self, field: &Field, i: isize, j: isize, Room(classes): &mut Room) {
+    fn pressures(&mut self, field: &Field, i: isize, j: isize, Workspace(classes): &mut Workspace) {
         let [nx, ny] = field.tables.near;
         let width = LANES + 2 * nx;
         let mut rows = [[0.0; LANES + 2 * WIDEST]; 2];

@@ -1,7 +1,7 @@
 //! The energy norm of the residual: a trial displacement w, continued beyond the contact, and the integrals of w^2 and |grad w|^2.
 
 use super::cut::{Cell, left_out, scaled};
-use super::expansion::{Expansions, Room};
+use super::expansion::{Expansions, Workspace};
 use super::extension::Extension;
 use super::field::{Field, RING};
 use super::lane::LANES;
@@ -74,7 +74,7 @@ impl Residual<'_> {
         let loaded = |i: isize, j: isize| field.pressure(i, j) > 0.0;
         let mut set = Extension::of_cells(field.grid.shape, |i, j| loaded(i as isize, j as isize));
         let mut open = Vec::new();
-        let mut room = Room::new();
+        let mut room = Workspace::new();
         let most = left_out(field);
         near(field, self.overlap, &loads, self.first(), loaded, |from, count, j| {
             for start in (0..count).step_by(LANES) {
@@ -141,7 +141,7 @@ impl Residual<'_> {
         let shape = field.grid.shape;
         let first = self.first();
         let mut total = [0.0; 2];
-        let mut room = Room::new();
+        let mut room = Workspace::new();
         let mut cells = vec![[0.0; 2]; field.grid.len()];
         let end = shape.map(|n| (n + RING) as isize);
         for j in first[1]..end[1] {
@@ -174,7 +174,7 @@ impl Residual<'_> {
     }
 
     /// The integrals of |grad w|^2 and w^2 over cells side by side.
-    fn lanes(&self, set: &Extension, i: isize, j: isize, lanes: usize, room: &mut Room) -> [[f64; 2]; LANES] {
+    fn lanes(&self, set: &Extension, i: isize, j: isize, lanes: usize, room: &mut Workspace) -> [[f64; 2]; LANES] {
         let field = self.field;
         let expansions = Expansions::new(field, i, j, room);
         let mut found = [[0.0; 2]; LANES];

@@ -85,7 +85,7 @@ fn line<'a>(
 #[cfg(test)]
 mod tests {
     use super::super::basis::of_taylor;
-    use super::super::expansion::Room;
+    use super::super::expansion::Workspace;
     use super::super::field::Field;
     use super::super::potential::Corners;
     use super::super::tables::graded;
@@ -139,7 +139,7 @@ mod tests {
                 .collect();
             let field = Field::new(&grid, &p).unwrap();
             for [i, j] in [[12, 12], [5, 7], [20, 17], [3, 12], [1, 2]] {
-                let expansions = Expansions::new(&field, i as isize, j as isize, &mut Room::new());
+                let expansions = Expansions::new(&field, i as isize, j as isize, &mut Workspace::new());
                 // The overlap: about the displacement itself, so that little is left.
                 let c = expansions.polynomial.map(|lane| lane[0] * field.scale);
                 let h = spacing;

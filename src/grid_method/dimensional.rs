@@ -1,6 +1,6 @@
 //! A solved grid in the user's units.
 
-use super::refinement::Refined;
+use super::refined::Refined;
 use super::single_grid::{self, GridState};
 use super::unresolved;
 use crate::bracket::ForceBracket;
@@ -37,7 +37,7 @@ pub(crate) fn dimensional(
 /// An estimate of a relative error that rests on a boundary between cells: one step from grid to grid may be small by luck.
 pub(crate) fn at_least(refined: &Refined, change: f64) -> f64 {
     let of_cells = || unresolved::boundary(&refined.state.problem.grid, &refined.state.solution.pressure);
-    if refined.ladder.is_some() { change } else { change.max(of_cells()) }
+    if refined.sequence.is_some() { change } else { change.max(of_cells()) }
 }
 
 /// dP/dd with an estimate of its relative error.

@@ -6,7 +6,7 @@ use crate::numeric::geometry::Rect;
 use crate::overlap::Scaled;
 
 /// A larger box, when contact touches a border with overlap beyond it, or a point outside penetrates.
-pub(crate) fn outgrown(scaled: &Scaled, window: &Rect, grid: &Grid, pressure: &[f64]) -> Option<Rect> {
+pub(crate) fn expanded(scaled: &Scaled, window: &Rect, grid: &Grid, pressure: &[f64]) -> Option<Rect> {
     let loaded = Rect::holding(grid.loaded(pressure).map(|(at, _)| at))?;
     let mut wanted = *window;
     for axis in 0..2 {

@@ -40,25 +40,25 @@ pub fn of_energies(coarse_to_fine: &[f64], ends: Ends) -> Option<Estimate> {
     };
     let ratio = before.map(|before| before / step);
     if ratio.is_some_and(|ratio| !(ratio > LEAST_RATIO)) {
-        // No order to be seen: keep the last value and be modest.
+        // No order to be seen: keep the last value, its error the last step.
         return Some(Estimate { value: last, error: step.abs().max(0.25 * before.unwrap_or(0.0).abs()) });
     }
     let smooth = steps.len() >= 3 && steps[steps.len() - 3..].windows(2).all(|s| SMOOTH.contains(&(s[0] / s[1])));
     // By how much a step is smaller than the one before would have it.
-    let lucky = |usual: f64| 0.09 * (ratio.unwrap_or(usual) - usual).max(0.0);
-    let (share, doubt) = match (ends, ratio) {
+    let small_by_chance = |usual: f64| 0.09 * (ratio.unwrap_or(usual) - usual).max(0.0);
+    let (share, spread) = match (ends, ratio) {
         (Ends::Edges, None) => (1.0, 0.5),
         (Ends::Edges, Some(ratio)) => (1.0 / (ratio - 1.0), 0.15 / (ratio - 1.0)),
         (Ends::Corners, None) => (0.37, 0.22),
         (Ends::Corners, Some(ratio)) => {
-            let doubt = if steps.len() == 2 { 0.14 } else { 0.12 };
+            let spread = if steps.len() == 2 { 0.14 } else { 0.12 };
             // Steps that hardly fall yet may have any share to go.
             let slow = 0.06 * (3.0 - ratio).max(0.0);
-            (0.315 + lucky(4.5), doubt + lucky(4.5) + slow)
+            (0.315 + small_by_chance(4.5), spread + small_by_chance(4.5) + slow)
         }
         (Ends::Unknown, None) => (0.22, 0.17),
         (Ends::Unknown, Some(_)) if smooth => (0.17, 0.07),
-        // Until steps fall alike, what they add is in doubt as a whole.
+        // Until steps fall alike, all of what they add may be missing.
         (Ends::Unknown, Some(_)) => (0.21, 0.21),
     };
     // A step that is small by luck counts as the one before would have it.
@@ -66,7 +66,7 @@ pub fn of_energies(coarse_to_fine: &[f64], ends: Ends) -> Option<Estimate> {
         Ends::Corners => step.abs(),
         _ => step.abs().max(before.unwrap_or(0.0).abs() / SMOOTH.end),
     };
-    Some(Estimate { value: last + share * step, error: doubt * size })
+    Some(Estimate { value: last + share * step, error: spread * size })
 }
 
 /// Steps that fall by less show no order.
@@ -81,8 +81,13 @@ pub fn of_forces(coarse_to_fine: &[f64]) -> Option<Estimate> {
     match *coarse_to_fine {
         [.., a, b, c] => {
             let (first, second) = ((b - a).abs(), (c - b).abs());
-            // First order: what is left is as much as the last step. Faster: a third of it, but never trust one lucky step.
-            let ratio = (first / second).clamp(2.0, 4.0);
+            // First order: what is left is as much as the last step. Faster: a third of it, but never trust one small step, nor an order that is
+            // seen once.
+            let before = match *coarse_to_fine {
+                [.., z, a, b, _] => (a - z).abs() / (b - a).abs(),
+                _ => f64::INFINITY,
+            };
+            let ratio = (first / second).min(before).clamp(2.0, 4.0);
             Some(Estimate { value: c, error: (second / (ratio - 1.0)).max(0.1 * first) })
         }
         [a, b] => Some(Estimate { value: b, error: (b - a).abs() }),

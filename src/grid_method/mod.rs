@@ -5,6 +5,7 @@ mod displaced;
 pub(crate) mod domain;
 mod expansion;
 pub(crate) mod extrapolation;
+pub(crate) mod refined;
 pub(crate) mod refinement;
 mod separate;
 pub(crate) mod sharp_edges;
@@ -13,7 +14,7 @@ mod unresolved;
 pub(crate) mod warm_start;
 
 use self::dimensional::dimensional;
-use self::refinement::Refined;
+use self::refined::Refined;
 use self::sharp_edges::Edge;
 use self::single_grid::GridState;
 use crate::by_edges;
@@ -61,7 +62,7 @@ pub(crate) fn solution(
     }
 }
 
-/// Whether the contact at this depth is solved on several grids, which [`crate::grid_method::warm_start::Held`] does not do.
+/// Whether the contact at this depth is solved on several grids, which [`crate::grid_method::warm_start::WarmStart`] does not do.
 pub(crate) fn on_several_grids(contact: &Contact, depth: f64, settings: &Settings) -> bool {
     matches!(Overlap::of(contact.gap(), depth), Ok(Some(overlap)) if separate::rectangles(&overlap, settings).is_some())
 }
@@ -99,37 +100,37 @@ pub(crate) fn separately(
 }
 
 /// The state at a depth and tilt on one grid that stays where it is from one tilt to the next, with its stiffness
-/// matrix: force and moments are then the exact derivatives of one convex energy. `frame` is the box of that grid in the
+/// matrix: force and moments are then the exact derivatives of one convex energy. `shared` is the box of that grid in the
 /// user's units; found when `None`, enlarged when the contact outgrows it.
 ///
 /// # Errors
 /// As [`solution`].
-pub(crate) fn in_frame(
+pub(crate) fn on_shared_grid(
     contact: &Contact,
     gap: &AnyGap,
     depth: f64,
     tilt: [f64; 2],
     settings: &Settings,
     cells: usize,
-    frame: &mut Frame,
+    shared: &mut SharedGrid,
 ) -> Result<Solution, Unsolved> {
     let method = method(settings);
     let Some(overlap) = Overlap::of(gap, depth)? else {
         return Ok(Solution::apart(method, depth, tilt));
     };
     let scaled = overlap.scaled();
-    let window = match &frame.window {
+    let window = match &shared.window {
         Some(rect) => scaled.units.rect_inward(rect),
         None => domain::locate(&scaled)?.scaled(ROOM),
     };
     // Cells end where the material does.
     let mut window = window.intersection(&scaled.reach).unwrap_or(window);
     let state = single_grid::at_resolution(&scaled, &mut window, cells, settings, method)?;
-    frame.window = Some(scaled.units.rect_outward(&window));
-    frame.sharp = sharp_edges::met(&scaled, &state) == Some(Edge::End);
+    shared.window = Some(scaled.units.rect_outward(&window));
+    shared.sharp = sharp_edges::boundary_type(&scaled, &state) == Some(Edge::End);
     let [spacing, lost] = sharp_edges::measure(&scaled, &state);
-    frame.measure = [spacing * scaled.units.length, lost * scaled.units.length * scaled.units.length];
-    let error = if frame.alone { single_grid::other_kernel(&scaled, &state)? - state.force() } else { 0.0 };
+    shared.measure = [spacing * scaled.units.length, lost * scaled.units.length * scaled.units.length];
+    let error = if shared.needs_error { single_grid::other_kernel(&scaled, &state)? - state.force() } else { 0.0 };
     let refined = Refined::of(state, error.abs());
     let solution = dimensional(contact, &scaled, &refined, None, depth, tilt, settings)?;
     with_stiffness_matrix(contact, &scaled, &refined, solution)
@@ -137,7 +138,7 @@ pub(crate) fn in_frame(
 
 /// The grid that all tilts share.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Frame {
+pub(crate) struct SharedGrid {
     /// Its box, once it is known.
     pub window: Option<Rect>,
     /// Whether the last contact on it ended at sharp edges.
@@ -145,15 +146,15 @@ pub(crate) struct Frame {
     /// The longer side of its cells, and the area of material that they leave out.
     pub measure: [f64; 2],
     /// Whether a grid has to tell its own error, by the other kernel.
-    pub alone: bool,
+    pub needs_error: bool,
 }
 
-impl Frame {
+impl SharedGrid {
     /// Not laid yet.
     pub fn new() -> Self {
-        Self { window: None, sharp: false, measure: [0.0; 2], alone: true }
+        Self { window: None, sharp: false, measure: [0.0; 2], needs_error: true }
     }
 }
 
-/// What the box of an upright contact is enlarged by before the punch tilts.
+/// What the box of an untilted contact is enlarged by before the punch tilts.
 const ROOM: f64 = 1.3;

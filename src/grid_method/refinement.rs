@@ -2,9 +2,9 @@
 
 use super::domain::{coarsest, locate, locate_closely, shape, squared};
 use super::extrapolation::{self, Ends, Estimate};
-use super::sharp_edges::{self, Border, Edge, Ladder};
-use super::single_grid::{GridState, Way, laid, other_kernel};
-use crate::consistency::{self, Claim};
+use super::refined::Refined;
+use super::sharp_edges::{self, CutCells, Edge};
+use super::single_grid::{GridOptions, GridState, laid, other_kernel};
 use crate::energy::{Trial, force_bounds};
 use crate::gap::{Degree, Gap, Law};
 use crate::grid::{Grid, Kernel};
@@ -45,131 +45,6 @@ const FINE_ENOUGH: usize = 80;
 /// Cells along the longer side up to which grids are refined for narrower bounds, once the estimate is good enough.
 const FINEST_PROVED: usize = 512;
 
-/// A contact refined until the force is good enough.
-#[derive(Debug, Clone)]
-pub(crate) struct Refined {
-    /// The finest grid.
-    pub state: GridState,
-    /// The grid before it, where there is one: by how much a number of the finest still changes.
-    pub coarser: Option<Box<GridState>>,
-    /// Best value of the force; that of the finest grid itself when the number of cells was prescribed.
-    pub force: f64,
-    /// Estimate of its error, absolute.
-    pub error: f64,
-    /// Grids whose values make the force.
-    pub grids: usize,
-    /// What kept the method from finer grids.
-    pub stopped: Option<Unsolved>,
-    /// The grids that it took where the contact ends at sharp edges; `state` is the finest.
-    pub ladder: Option<Ladder>,
-    /// Proved bounds of the force, from the pressure of `state`.
-    pub proved: Option<[f64; 2]>,
-    /// Sums of the pressures of the grids, coarse to fine.
-    pub sums: Vec<f64>,
-}
-
-/// |error|/|value| where that is a number.
-fn relative(error: f64, value: f64) -> Option<f64> {
-    Some((error / value).abs()).filter(|share| share.is_finite())
-}
-
-impl Refined {
-    /// One grid whose force is the best there is.
-    pub fn of(state: GridState, error: f64) -> Self {
-        let force = state.force();
-        Self {
-            force,
-            error,
-            grids: 1,
-            state,
-            coarser: None,
-            stopped: None,
-            ladder: None,
-            proved: None,
-            sums: vec![force],
-        }
-    }
-
-    /// Best values of what is found in a state: of the finest grid, or the limits of all where the contact ends at sharp edges.
-    ///
-    /// # Errors
-    /// Those of `values`.
-    pub fn limits<const N: usize>(
-        &self,
-        values: impl Fn(&GridState) -> Result<[f64; N], Unsolved>,
-    ) -> Result<[f64; N], Unsolved> {
-        match &self.ladder {
-            Some(ladder) => Ok(ladder.limits(values)?.map(|limit| limit.value)),
-            None => values(&self.state),
-        }
-    }
-
-    /// The same with an estimate of the relative error of each: what is left of the limits, or what has changed since the grid
-    /// before.
-    ///
-    /// # Errors
-    /// Those of `values`.
-    pub fn estimated<const N: usize>(
-        &self,
-        values: impl Fn(&GridState) -> Result<[f64; N], Unsolved>,
-    ) -> Result<[(f64, Option<f64>); N], Unsolved> {
-        let finest = if self.ladder.is_some() { None } else { Some(values(&self.state)?) };
-        self.estimated_beside(finest, values)
-    }
-
-    /// The same where those of the finest grid are known already.
-    ///
-    /// # Errors
-    /// Those of `values`.
-    pub fn estimated_beside<const N: usize>(
-        &self,
-        finest: Option<[f64; N]>,
-        values: impl Fn(&GridState) -> Result<[f64; N], Unsolved>,
-    ) -> Result<[(f64, Option<f64>); N], Unsolved> {
-        if let Some(ladder) = &self.ladder {
-            return Ok(ladder.limits(values)?.map(|Estimate { value, error }| (value, relative(error, value))));
-        }
-        let found = finest.map_or_else(|| values(&self.state), Ok)?;
-        // What the coarser grid cannot tell leaves the error unknown, no more.
-        let before = self.coarser.as_ref().and_then(|coarser| values(coarser).ok());
-        Ok(std::array::from_fn(|n| {
-            let error = before.as_ref().and_then(|before| relative(found[n] - before[n], found[n]));
-            (found[n], error)
-        }))
-    }
-
-    /// With the bounds: their distance is the error, and the force lies between them.
-    fn within(self, [lower, upper]: [f64; 2]) -> Self {
-        let force = self.force.clamp(lower, upper);
-        Self { force, error: (upper - force).max(force - lower), proved: Some([lower, upper]), ..self }
-    }
-
-    /// # Errors
-    /// `Inconsistent`, when the force breaks a law that every contact obeys.
-    fn is_consistent(&self, scaled: &Scaled, degree: Option<Degree>) -> Result<(), Unsolved> {
-        let claim = Claim { force: self.force, error: self.error };
-        consistency::limit_of(&self.sums, degree, claim)?;
-        consistency::above_ellipse(scaled, &self.state.problem, &self.state.solution.pressure, claim)?;
-        self.proved.map_or(Ok(()), |bounds| consistency::within(bounds, claim, "the energy"))
-    }
-
-    fn is_within(&self, tolerance: f64) -> bool {
-        self.error <= tolerance * self.force
-    }
-
-    /// Why the error is larger than asked for; `None` when it is not, or when the number of cells was prescribed.
-    pub fn shortfall(&self, settings: &Settings) -> Option<Unsolved> {
-        let out_of_time = self.stopped.as_ref().filter(|e| e.verdict == Verdict::TimeLimit);
-        if self.is_within(settings.tolerance) || (settings.cells.is_some() && out_of_time.is_none()) {
-            return None;
-        }
-        let [nx, ny] = self.state.problem.grid.shape;
-        let why = || self.stopped.as_ref().map_or_else(|| sharp_edges::most(nx.max(ny)), |e| e.reason.clone());
-        let short = || Unsolved::short_of(settings.tolerance, self.error / self.force, &why());
-        Some(out_of_time.cloned().unwrap_or_else(short))
-    }
-}
-
 /// The contact at one depth, on grids that double until the estimated error of the force is below the tolerance or no finer
 /// one can be had ([`Refined::shortfall`]), or on the prescribed number of cells and half of it.
 pub(crate) fn refined(
@@ -207,10 +82,10 @@ pub(crate) fn as_far_as(
         };
         (degree, ends)
     });
-    let ascent = Ascent { scaled, settings, method, law, finest, window, forces, energies, spent: (0, 0) };
+    let refinement = Refinement { scaled, settings, method, law, finest, window, forces, energies, spent: (0, 0) };
     let best = match settings.cells {
-        Some(cells) => ascent.prescribed(cells)?,
-        None => ascent.free()?,
+        Some(cells) => refinement.prescribed(cells)?,
+        None => refinement.adaptive()?,
     };
     // The scaled opens only when the bodies overlap somewhere, so they do touch.
     let best = best.filter(|b| b.force > 0.0).ok_or_else(|| {
@@ -238,7 +113,7 @@ fn part_of(nodes: &Grid, window: &Rect) -> Grid {
 const ON_LINE: f64 = 1e-6;
 
 /// Grids that become finer, and what they found.
-struct Ascent<'a> {
+struct Refinement<'a> {
     scaled: &'a Scaled,
     settings: &'a Settings,
     method: Method,
@@ -252,7 +127,7 @@ struct Ascent<'a> {
     spent: (usize, usize),
 }
 
-impl Ascent<'_> {
+impl Refinement<'_> {
     /// A prescribed grid. Two coarser ones go before it, for the estimate of the error; each costs a quarter of the next or less.
     fn prescribed(mut self, cells: usize) -> Result<Option<Refined>, Unsolved> {
         let mut best: Option<Refined> = None;
@@ -280,7 +155,7 @@ impl Ascent<'_> {
             return Ok(None);
         }
         let estimate = self.limit(&state);
-        let estimated = self.alone(&state, estimate)?;
+        let estimated = self.error_as_given(&state, estimate)?;
         let coarser = best.map(|b| Box::new(b.state));
         // Who prescribes the grid wants the force of that grid, whether or not the bounds hold it.
         let Some([lower, upper]) = self.proved(&state) else {
@@ -295,12 +170,12 @@ impl Ascent<'_> {
     }
 
     /// The error of the force of a grid itself, by what it and those before it estimate.
-    fn alone(&self, state: &GridState, Estimate { value, mut error }: Estimate) -> Result<f64, Unsolved> {
+    fn error_as_given(&self, state: &GridState, Estimate { value, mut error }: Estimate) -> Result<f64, Unsolved> {
         let force = state.force();
         if self.law.is_none() {
-            error = error.max(self.doubt(state)?);
+            error = error.max(self.kernel_difference(state)?);
         }
-        let edge = sharp_edges::met(self.scaled, state);
+        let edge = sharp_edges::boundary_type(self.scaled, state);
         if self.law.is_none() && edge.is_some() {
             error = (AT_EDGES_AS_GIVEN * error).max(extrapolation::left_by_first_order(&self.forces));
         }
@@ -308,13 +183,13 @@ impl Ascent<'_> {
             // P grows with the size of a patch: half as much as the area, and as much again for the edges themselves.
             let pressed = state.solution.pressure.iter().filter(|&&p| p > 0.0).count();
             let area = pressed as f64 * state.problem.grid.cell_area();
-            error = error.max(force * (Border::of(self.scaled, state).left_out / area).abs());
+            error = error.max(force * (CutCells::of(self.scaled, state).left_out / area).abs());
         }
         // Who prescribes the grid wants the force of that grid.
         Ok(error + (force - value).abs())
     }
 
-    fn free(mut self) -> Result<Option<Refined>, Unsolved> {
+    fn adaptive(mut self) -> Result<Option<Refined>, Unsolved> {
         let smooth = matches!(self.law, Some((Degree::Power(_), _)));
         let coarsest = coarsest(self.law.map(|(degree, _)| degree));
         self.window = squared(self.scaled, &self.window, coarsest);
@@ -356,26 +231,30 @@ impl Ascent<'_> {
             // Forces may seem to converge while an edge falls between two cells: a grid is believed when means over cells and
             // values at their centres agree on it.
             if self.law.is_none() && three && error <= tolerance * value {
-                error = error.max(self.doubt(&state)?);
+                error = error.max(self.kernel_difference(&state)?);
             }
             // Three grids may agree on a limit that is not the punch's while its edges lie between two rows of cells.
-            let edge = if three && !smooth { sharp_edges::met(self.scaled, &state) } else { None };
+            let edge = if three && !smooth { sharp_edges::boundary_type(self.scaled, &state) } else { None };
             if edge.is_some() && self.law.is_none() {
                 error = error.max(extrapolation::left_by_first_order(&self.forces));
             }
             if edge == Some(Edge::Step) {
                 error *= BESIDE_STEPS;
             }
+            // So may the forces of coarse grids, by where the contact ends between cells.
+            if self.law.is_none() && cells < FINE_ENOUGH {
+                error = error.max(extrapolation::left_by_first_order(&self.forces));
+            }
             // One step alone may be small by luck.
             let close = error <= tolerance * value && three;
             let ends = edge == Some(Edge::End);
-            let aligned = ends && Border::of(self.scaled, &state).aligned;
+            let aligned = ends && CutCells::of(self.scaled, &state).aligned;
             let good = close && (aligned || !ends);
             if !good && ends {
                 return match self.at_sharp_edges(aligned) {
                     // Without a line this grid stands alone.
                     Err(e) if matches!(e.verdict, Verdict::TooLarge | Verdict::TimeLimit) => {
-                        let error = self.alone(&state, Estimate { value, error })?;
+                        let error = self.error_as_given(&state, Estimate { value, error })?;
                         Ok(Some(Refined { stopped: Some(e), ..Refined::of(state, error) }))
                     }
                     found => found.map(Some),
@@ -384,7 +263,10 @@ impl Ascent<'_> {
             if !good && edge == Some(Edge::Step) && cells == STEPPED {
                 // A flank may be resolved yet: only if a line does better than that.
                 let tried = self.at_sharp_edges(false);
-                if let Some(found) = tried.ok().filter(|found| found.is_within(tolerance)) {
+                // A line that leaves what these grids allow is not that of a step.
+                let room = extrapolation::left_by_first_order(&self.forces);
+                let possible = |found: &Refined| (found.force - value).abs() <= room + found.error;
+                if let Some(found) = tried.ok().filter(|found| found.is_within(tolerance) && possible(found)) {
                     return Ok(Some(found));
                 }
             }
@@ -392,8 +274,17 @@ impl Ascent<'_> {
             let coarser =
                 best.take().map(|b| Box::new(b.state)).filter(|c| c.problem.grid.shape != state.problem.grid.shape);
             let sums = if few { vec![state.force()] } else { self.forces.clone() };
-            let found =
-                Refined { state, coarser, force: value, error, grids, stopped: None, ladder: None, proved: None, sums };
+            let found = Refined {
+                state,
+                coarser,
+                force: value,
+                error,
+                grids,
+                stopped: None,
+                sequence: None,
+                proved: None,
+                sums,
+            };
             if !good {
                 best = Some(found);
                 continue;
@@ -427,8 +318,8 @@ impl Ascent<'_> {
         tolerance: f64,
         coarser: Option<&GridState>,
     ) -> Result<GridState, Unsolved> {
-        let way = Way { tolerance, coarser, ..Way::precise(self.settings, self.method) };
-        let state = laid(self.scaled, &mut self.window, |window| Grid::over(window, shape(window)), way)?;
+        let options = GridOptions { tolerance, coarser, ..GridOptions::precise(self.settings, self.method) };
+        let state = laid(self.scaled, &mut self.window, |window| Grid::over(window, shape(window)), options)?;
         Ok(self.with_spent(state))
     }
 
@@ -440,8 +331,8 @@ impl Ascent<'_> {
 
     /// The contact on cells around the nodes of a height map.
     fn on_nodes(&mut self, nodes: &Grid) -> Result<GridState, Unsolved> {
-        let way = Way { tolerance: PRECISE[1], ..Way::precise(self.settings, self.method) };
-        let state = laid(self.scaled, &mut self.window, |window| part_of(nodes, window), way)?;
+        let options = GridOptions { tolerance: PRECISE[1], ..GridOptions::precise(self.settings, self.method) };
+        let state = laid(self.scaled, &mut self.window, |window| part_of(nodes, window), options)?;
         Ok(self.with_spent(state))
     }
 
@@ -486,7 +377,7 @@ impl Ascent<'_> {
 
     /// How far off the other kernel makes the force on the same grid. Values at centres err by up to 1.45 times that
     /// (measured on 800 closed forms), means by less.
-    fn doubt(&self, state: &GridState) -> Result<f64, Unsolved> {
+    fn kernel_difference(&self, state: &GridState) -> Result<f64, Unsolved> {
         let times = if self.settings.kernel == Kernel::Collocation { 1.5 } else { 1.0 };
         Ok(times * (other_kernel(self.scaled, state)? - state.force()).abs())
     }
@@ -494,16 +385,16 @@ impl Ascent<'_> {
     /// The limit of grids fitted by a line; see [`edges`].
     fn at_sharp_edges(&mut self, aligned: bool) -> Result<Refined, Unsolved> {
         let Self { scaled, settings, method, finest, .. } = *self;
-        let (ladder, limit, stopped) =
-            sharp_edges::ladder(scaled, &mut self.window, aligned, finest, settings, method)?;
-        let (iterations, operator_products) = ladder.spent();
-        let mut state = self.with_spent(GridState { iterations, operator_products, ..ladder.last().clone() });
-        state.remarks.push(sharp_edges::remark(ladder.grids()));
+        let (sequence, limit, stopped) =
+            sharp_edges::sequence(scaled, &mut self.window, aligned, finest, settings, method)?;
+        let (iterations, operator_products) = sequence.spent();
+        let mut state = self.with_spent(GridState { iterations, operator_products, ..sequence.last().clone() });
+        state.remarks.push(sharp_edges::remark(sequence.grids()));
         let most = || Unsolved::new(Verdict::ToleranceNotReached, sharp_edges::most(sharp_edges::finest(finest)));
         let stopped = stopped.or_else(|| Some(most()));
-        let grids = ladder.grids();
+        let grids = sequence.grids();
         let (force, error) = (limit.value, limit.error);
-        let sums = ladder.sums();
-        Ok(Refined { state, coarser: None, force, error, grids, stopped, ladder: Some(ladder), proved: None, sums })
+        let sums = sequence.sums();
+        Ok(Refined { state, coarser: None, force, error, grids, stopped, sequence: Some(sequence), proved: None, sums })
     }
 }

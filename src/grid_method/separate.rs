@@ -7,7 +7,8 @@
 
 use super::dimensional::dimensional;
 use super::displaced::{self, DisplacedGap};
-use super::refinement::{self, Refined};
+use super::refined::Refined;
+use super::refinement;
 use super::single_grid;
 use crate::consistency::nothing_left_out;
 use crate::gap::{AnyGap, Gap};
@@ -42,23 +43,29 @@ pub(crate) fn rectangles(overlap: &Overlap, settings: &Settings) -> Option<Vec<R
 }
 
 /// Point loads in the user's frame, divided by E*.
-type Loads = Vec<([f64; 2], f64)>;
+type PointLoads = Vec<([f64; 2], f64)>;
 
 /// One of the contacts, solved on the gap that the others left.
-struct One {
+struct Subcontact {
     beside: DisplacedGap,
     /// `None` when the others have pushed the surface out of reach.
     solved: Option<Refined>,
     /// In the units of its own solve.
     scaled: Option<Scaled>,
-    loads: Loads,
+    loads: PointLoads,
 }
 
-impl One {
-    fn solve(gap: &AnyGap, depth: f64, within: Rect, others: &Loads, settings: &Settings) -> Result<Self, Unsolved> {
+impl Subcontact {
+    fn solve(
+        gap: &AnyGap,
+        depth: f64,
+        within: Rect,
+        others: &PointLoads,
+        settings: &Settings,
+    ) -> Result<Self, Unsolved> {
         let beside = DisplacedGap::new(gap.clone(), within, others);
         let Some(overlap) = Overlap::of(&AnyGap::new(beside.clone()), depth)? else {
-            return Ok(Self { beside, solved: None, scaled: None, loads: Loads::new() });
+            return Ok(Self { beside, solved: None, scaled: None, loads: PointLoads::new() });
         };
         let scaled = overlap.scaled();
         let refined = refinement::refined(&scaled, settings, Method::Fft, None)?;
@@ -70,18 +77,18 @@ impl One {
 }
 
 /// The loads of pressures in the user's units, gathered on the nodes of a polynomial over the box of their cells.
-fn loads(scaled: &Scaled, refined: &Refined, pressure: impl Fn(usize) -> f64) -> Loads {
+fn loads(scaled: &Scaled, refined: &Refined, pressure: impl Fn(usize) -> f64) -> PointLoads {
     let grid = &refined.state.problem.grid;
     let unit = scaled.units.height * scaled.units.length * grid.cell_area();
     let load = |k: usize| (scaled.units.outward(grid.centre_of(k)), pressure(k) * unit);
     displaced::gathered((0..grid.len()).map(load).filter(|load| load.1 != 0.0).collect())
 }
 
-fn others(all: &[Loads], but: usize) -> Loads {
+fn others(all: &[PointLoads], but: usize) -> PointLoads {
     all.iter().enumerate().filter(|(k, _)| *k != but).flat_map(|(_, loads)| loads.iter().copied()).collect()
 }
 
-fn total(loads: &[Loads]) -> f64 {
+fn total(loads: &[PointLoads]) -> f64 {
     loads.iter().flatten().map(|load| load.1).sum()
 }
 
@@ -98,11 +105,11 @@ pub(crate) fn solution(
     rectangles: &[Rect],
     with_matrix: bool,
 ) -> Result<Solution, Unsolved> {
-    let mut current = vec![Loads::new(); rectangles.len()];
+    let mut current = vec![PointLoads::new(); rectangles.len()];
     // Of many parts only those that matter in a rectangle.
     let gaps: Vec<AnyGap> =
         rectangles.iter().map(|within| gap.restricted(within).unwrap_or_else(|| gap.clone())).collect();
-    let mut ones: Vec<One> = Vec::new();
+    let mut ones: Vec<Subcontact> = Vec::new();
     let mut missed = 0.0;
     let mut out_of_time = None;
     let (mut iterations, mut operator_products) = (0, 0);
@@ -114,7 +121,8 @@ pub(crate) fn solution(
             let mut next = Vec::new();
             for (k, &within) in rectangles.iter().enumerate() {
                 let solved = settings.deadline.check().map_err(Unsolved::from);
-                let solved = solved.and_then(|()| One::solve(&gaps[k], depth, within, &others(&current, k), &settings));
+                let solved =
+                    solved.and_then(|()| Subcontact::solve(&gaps[k], depth, within, &others(&current, k), &settings));
                 let one = match solved {
                     // The sweep before serves.
                     Err(e) if e.verdict == Verdict::TimeLimit && !ones.is_empty() => {
@@ -158,7 +166,7 @@ pub(crate) fn solution(
     if states.is_empty() {
         return Ok(Solution::apart(Method::Fft, depth, tilt));
     }
-    let extent = |one: &One| {
+    let extent = |one: &Subcontact| {
         let (refined, scaled) = (one.solved.as_ref()?, one.scaled.as_ref()?);
         Some(scaled.units.rect_outward(&refined.state.problem.grid.extent()))
     };
@@ -181,7 +189,7 @@ pub(crate) fn solution(
 /// Stiffness against depth, and against tilts if asked for: flat punches on all patches at once, by the same sweeps.
 fn growth(
     contact: &Contact,
-    ones: &[One],
+    ones: &[Subcontact],
     gap: &AnyGap,
     rectangles: &[Rect],
     with_matrix: bool,
@@ -190,7 +198,7 @@ fn growth(
     let mut matrix = [[0.0; 3]; 3];
     let columns = if with_matrix { 3 } else { 1 };
     for (column, rate) in rates.iter().enumerate().take(columns) {
-        let mut current = vec![Loads::new(); ones.len()];
+        let mut current = vec![PointLoads::new(); ones.len()];
         for _ in 0..SWEEPS {
             let (before, mut size) = (current.clone(), 0.0);
             for (k, one) in ones.iter().enumerate() {

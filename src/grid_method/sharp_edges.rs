@@ -58,7 +58,7 @@ pub(crate) enum Edge {
 }
 
 /// The edge that the contact runs up to, if any: the end of the material before steps.
-pub(crate) fn met(scaled: &Scaled, state: &GridState) -> Option<Edge> {
+pub(crate) fn boundary_type(scaled: &Scaled, state: &GridState) -> Option<Edge> {
     let (grid, overlap) = (&state.problem.grid, &state.problem.overlap);
     let [nx, ny] = grid.shape;
     let step = STEP * state.problem.deepest();
@@ -96,14 +96,14 @@ const INSET: f64 = 1e-7;
 
 /// How the cells meet the end of the material.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Border {
+pub(crate) struct CutCells {
     /// Whether every cell there is all material or none.
     pub aligned: bool,
     /// Area of the material in cells that count as none, less that of what is not material in cells that count as such.
     pub left_out: f64,
 }
 
-impl Border {
+impl CutCells {
     pub fn of(scaled: &Scaled, state: &GridState) -> Self {
         let (grid, overlap) = (&state.problem.grid, &state.problem.overlap);
         let [nx, ny] = grid.shape;
@@ -150,12 +150,12 @@ fn share_of_material(scaled: &Scaled, cell: &Rect) -> f64 {
 /// The longer side of the cells, and the area they leave out: what an [`Intercept`] asks of a grid.
 pub(crate) fn measure(scaled: &Scaled, state: &GridState) -> [f64; 2] {
     let [hx, hy] = state.problem.grid.spacing;
-    [hx.max(hy), Border::of(scaled, state).left_out]
+    [hx.max(hy), CutCells::of(scaled, state).left_out]
 }
 
 /// The box with shares of a cell put to each side, others for each grid: edges along the cells would otherwise fall upon
 /// them, or just beside, on every grid alike, and what is left out would tell nothing.
-fn moved(window: &Rect, cells: usize, k: usize) -> Rect {
+fn shifted(window: &Rect, cells: usize, k: usize) -> Rect {
     // A sequence of the generalised golden ratio in four dimensions (Roberts 2018).
     let share = |n: i32| (0.5 + GOLDEN.powi(n) * k as f64).fract();
     let size = window.size();
@@ -171,12 +171,12 @@ const GOLDEN: f64 = 0.856_674_883_854_502_9;
 
 /// States on grids four to a doubling, coarse to fine.
 #[derive(Debug, Clone)]
-pub(crate) struct Ladder {
+pub(crate) struct GridSequence {
     states: Vec<GridState>,
     line: Intercept,
 }
 
-impl Ladder {
+impl GridSequence {
     /// The finest.
     pub fn last(&self) -> &GridState {
         &self.states[self.states.len() - 1]
@@ -217,19 +217,19 @@ impl Ladder {
 ///
 /// # Errors
 /// As the solvers; `ToleranceNotReached` when no grid is fine enough to see the contact.
-pub(crate) fn ladder(
+pub(crate) fn sequence(
     scaled: &Scaled,
     window: &mut Rect,
     aligned: bool,
     allowed: usize,
     settings: &Settings,
     method: Method,
-) -> Result<(Ladder, Estimate, Option<Unsolved>), Unsolved> {
+) -> Result<(GridSequence, Estimate, Option<Unsolved>), Unsolved> {
     let mut stopped = None;
     let (mut states, mut grids): (Vec<GridState>, Vec<[f64; 2]>) = Default::default();
     let mut best = None;
     for (k, cells) in (0..).map(cells).take_while(|&n| n <= finest(allowed)).enumerate() {
-        let (mut laid, cells) = if aligned { (*window, cells) } else { (moved(window, cells, k), cells + 1) };
+        let (mut laid, cells) = if aligned { (*window, cells) } else { (shifted(window, cells, k), cells + 1) };
         let first = laid;
         // Room for the shares of a cell.
         let roomy = Scaled { reach: scaled.reach.union(&laid), ..scaled.clone() };
@@ -261,5 +261,5 @@ pub(crate) fn ladder(
         let reason = "the bodies overlap, but no grid shows their edges well enough";
         Unsolved::new(Verdict::ToleranceNotReached, reason)
     })?;
-    Ok((Ladder { states, line }, estimate, stopped))
+    Ok((GridSequence { states, line }, estimate, stopped))
 }

@@ -1,7 +1,7 @@
 //! The contact at one depth on one grid: box, cells, solver, stiffness.
 
 use super::domain::shape;
-use super::expansion::outgrown;
+use super::expansion::expanded;
 use crate::clock::Deadline;
 use crate::discrete::{Discrete, DiscreteSolution};
 use crate::grid::{Grid, Kernel};
@@ -49,7 +49,7 @@ impl GridState {
 
 /// How a grid is to be solved.
 #[derive(Clone, Copy)]
-pub(crate) struct Way<'a> {
+pub(crate) struct GridOptions<'a> {
     pub method: Method,
     pub kernel: Kernel,
     pub threads: usize,
@@ -60,7 +60,7 @@ pub(crate) struct Way<'a> {
     pub coarser: Option<&'a GridState>,
 }
 
-impl Way<'_> {
+impl GridOptions<'_> {
     /// To eight digits, from nothing.
     pub fn precise(settings: &Settings, method: Method) -> Self {
         let tolerance = matrix_free::Settings::default().tolerance;
@@ -77,7 +77,7 @@ pub(crate) fn at_resolution(
     settings: &Settings,
     method: Method,
 ) -> Result<GridState, Unsolved> {
-    laid(scaled, window, |window| Grid::over(window, shape(window, cells)), Way::precise(settings, method))
+    laid(scaled, window, |window| Grid::over(window, shape(window, cells)), GridOptions::precise(settings, method))
 }
 
 /// The contact at one depth on the grid that belongs to a box that holds it.
@@ -85,16 +85,16 @@ pub(crate) fn laid(
     scaled: &Scaled,
     window: &mut Rect,
     lay: impl Fn(&Rect) -> Grid,
-    way: Way,
+    options: GridOptions,
 ) -> Result<GridState, Unsolved> {
     let mut spent = (0, 0);
     for _ in 0..MOST_GROWTHS {
-        way.deadline.check()?;
+        options.deadline.check()?;
         let grid = lay(window);
-        let problem = Discrete::sample_before(&scaled.gap, scaled.depth, grid, way.kernel, way.deadline)?;
-        let state = solve(scaled, problem, way)?;
+        let problem = Discrete::sample_before(&scaled.gap, scaled.depth, grid, options.kernel, options.deadline)?;
+        let state = solve(scaled, problem, options)?;
         spent = (spent.0 + state.iterations, spent.1 + state.operator_products);
-        match outgrown(scaled, window, &state.problem.grid, &state.solution.pressure) {
+        match expanded(scaled, window, &state.problem.grid, &state.solution.pressure) {
             None => return Ok(GridState { iterations: spent.0, operator_products: spent.1, ..state }),
             Some(larger) => *window = larger,
         }
@@ -118,17 +118,17 @@ pub(crate) fn other_kernel(scaled: &Scaled, state: &GridState) -> Result<f64, Un
 }
 
 /// One grid by one method.
-fn solve(scaled: &Scaled, problem: Discrete, way: Way) -> Result<GridState, Unsolved> {
+fn solve(scaled: &Scaled, problem: Discrete, options: GridOptions) -> Result<GridState, Unsolved> {
     let cells = problem.grid.len();
     let pruned = problem.overlap.iter().filter(|&&f| f <= 0.0).count();
     let mut left_out = vec![format!("{pruned} of {cells} cells: the undeformed bodies do not overlap there")];
     let mut remarks = Vec::new();
-    let Way { method, threads, deadline, tolerance, .. } = way;
+    let GridOptions { method, threads, deadline, tolerance, .. } = options;
     let solution = match method {
         Method::Qp => programme::solve(scaled, &problem, deadline, &mut left_out, &mut remarks)?,
         _ => {
             let settings = matrix_free::Settings { threads, tolerance, deadline, ..matrix_free::Settings::default() };
-            match way.coarser.and_then(|coarser| start(coarser, &problem.grid)) {
+            match options.coarser.and_then(|coarser| start(coarser, &problem.grid)) {
                 Some(start) => matrix_free::solve(&problem, Some(&start), &settings)?,
                 None => matrix_free::solve_nested(&problem, &settings)?,
             }

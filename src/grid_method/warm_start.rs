@@ -2,8 +2,9 @@
 
 use super::dimensional::{at_least, in_users_units, stiffness_of, strongest};
 use super::domain;
-use super::expansion::outgrown;
-use super::refinement::{self, Refined};
+use super::expansion::expanded;
+use super::refined::Refined;
+use super::refinement;
 use super::single_grid::{self, GridState};
 use super::unresolved;
 use crate::discrete::Discrete;
@@ -18,7 +19,7 @@ use crate::solution::{Solution, Unsolved};
 const ROUGH_CELLS: usize = 32;
 
 /// A solved grid with what it takes to go on from it to another depth.
-pub(crate) struct Held {
+pub(crate) struct WarmStart {
     scaled: Scaled,
     refined: Refined,
     /// Pressure that grows with the depth on the cells in contact; `None` where the state is the limit of many grids.
@@ -39,7 +40,7 @@ struct Errors {
 impl Errors {
     /// By the grid before; `stiffness` is that of the finest.
     fn of(refined: &Refined, stiffness: f64) -> Result<Self, Unsolved> {
-        if refined.ladder.is_some() || refined.coarser.is_none() {
+        if refined.sequence.is_some() || refined.coarser.is_none() {
             return Ok(Self::default());
         }
         let numbers = |state: &GridState, stiffness: f64| {
@@ -57,7 +58,7 @@ impl Errors {
     }
 }
 
-impl Held {
+impl WarmStart {
     /// The state at a depth of the untilted contact; `None` when the bodies do not touch.
     ///
     /// # Errors
@@ -73,7 +74,7 @@ impl Held {
     }
 
     /// A state good to a few percent: one coarse grid.
-    pub fn roughly(contact: &Contact, depth: f64, settings: &Settings) -> Result<Option<Self>, Unsolved> {
+    pub fn coarse_solve(contact: &Contact, depth: f64, settings: &Settings) -> Result<Option<Self>, Unsolved> {
         let Some(overlap) = Overlap::of(contact.gap(), depth)? else { return Ok(None) };
         let scaled = overlap.scaled();
         let window = domain::locate(&scaled)?;
@@ -89,7 +90,7 @@ impl Held {
     ///
     /// # Errors
     /// `IterationLimit`.
-    pub fn moved(&self, contact: &Contact, depth: f64, settings: &Settings) -> Result<Option<Self>, Unsolved> {
+    pub fn continued_to(&self, contact: &Contact, depth: f64, settings: &Settings) -> Result<Option<Self>, Unsolved> {
         let Some(growing) = &self.growing else { return Ok(None) };
         let Refined { state: before, force, error, .. } = &self.refined;
         let Some(overlap) = Overlap::of(contact.gap(), depth)? else { return Ok(None) };
@@ -106,7 +107,7 @@ impl Held {
         let Settings { threads, deadline, .. } = *settings;
         let settings = matrix_free::Settings { threads, deadline, ..matrix_free::Settings::default() };
         let solution = matrix_free::solve(&problem, Some(&start), &settings)?;
-        if outgrown(&scaled, &problem.grid.extent(), &problem.grid, &solution.pressure).is_some() {
+        if expanded(&scaled, &problem.grid.extent(), &problem.grid, &solution.pressure).is_some() {
             return Ok(None);
         }
         let state = GridState {
@@ -122,7 +123,7 @@ impl Held {
 
     fn grown(scaled: Scaled, refined: Refined) -> Result<Self, Unsolved> {
         let grow = || single_grid::growth(&refined.state, &vec![1.0; refined.state.problem.grid.len()]);
-        let growing = if refined.ladder.is_none() { Some(grow()?) } else { None };
+        let growing = if refined.sequence.is_none() { Some(grow()?) } else { None };
         Ok(Self { scaled, refined, growing, errors: Errors::default() })
     }
 

@@ -1,8 +1,8 @@
 //! A contact as the search for equilibrium sees it: states at depths and tilts, each from what the last one left.
 
 use super::equilibrium::Respond;
-use crate::grid_method::warm_start::Held;
-use crate::grid_method::{self, Frame};
+use crate::grid_method::warm_start::WarmStart;
+use crate::grid_method::{self, SharedGrid};
 use crate::loading::{respond, without_grid};
 use crate::problem::{Contact, Method, Outputs, Settings};
 use crate::solution::{Cost, Solution, Unsolved, Verdict};
@@ -13,10 +13,10 @@ pub(crate) struct Engine<'a> {
     pub settings: &'a Settings,
     with_matrix: bool,
     /// The grid that all tilts share, and the cells along its longer side.
-    pub frame: Frame,
+    pub shared: SharedGrid,
     pub cells: usize,
     /// The last full grid of an untilted contact.
-    held: Option<Held>,
+    warm_start: Option<WarmStart>,
     /// Of all states so far.
     spent: Cost,
 }
@@ -26,7 +26,15 @@ impl<'a> Engine<'a> {
     pub fn new(contact: &'a Contact, settings: &'a Settings, with_matrix: bool) -> Self {
         let coarsest = (2.0 / settings.tolerance.sqrt()).clamp(32.0, 512.0) as usize;
         let cells = settings.cells.unwrap_or(coarsest);
-        Self { contact, settings, with_matrix, frame: Frame::new(), cells, held: None, spent: Cost::default() }
+        Self {
+            contact,
+            settings,
+            with_matrix,
+            shared: SharedGrid::new(),
+            cells,
+            warm_start: None,
+            spent: Cost::default(),
+        }
     }
 
     /// The state by a method without a grid; `None` when it takes a grid.
@@ -50,7 +58,7 @@ impl<'a> Engine<'a> {
     }
 
     /// On a grid, without tilt: a coarse one when that is enough, the cells of the last full one when the contact stays on them.
-    fn upright(&mut self, depth: f64, quick: bool) -> Result<Solution, Unsolved> {
+    fn untilted(&mut self, depth: f64, quick: bool) -> Result<Solution, Unsolved> {
         let apart = || Ok(Solution::apart(self.settings.method, depth, [0.0; 2]));
         let rough = Settings { outputs: Outputs::default(), ..*self.settings };
         if grid_method::on_several_grids(self.contact, depth, self.settings) {
@@ -58,18 +66,20 @@ impl<'a> Engine<'a> {
             return respond(self.contact, depth, [0.0; 2], if quick { &rough } else { self.settings }, false);
         }
         if quick {
-            let found = Held::roughly(self.contact, depth, &rough)?;
-            return found.map_or_else(apart, |held| held.solution(self.contact, &rough));
+            let found = WarmStart::coarse_solve(self.contact, depth, &rough)?;
+            return found.map_or_else(apart, |warm_start| warm_start.solution(self.contact, &rough));
         }
-        let moved = match &self.held {
-            Some(held) if self.settings.method != Method::Qp => held.moved(self.contact, depth, self.settings)?,
+        let moved = match &self.warm_start {
+            Some(warm_start) if self.settings.method != Method::Qp => {
+                warm_start.continued_to(self.contact, depth, self.settings)?
+            }
             _ => None,
         };
-        self.held = match moved {
+        self.warm_start = match moved {
             Some(moved) => Some(moved),
-            None => Held::at_depth(self.contact, depth, self.settings)?,
+            None => WarmStart::at_depth(self.contact, depth, self.settings)?,
         };
-        self.held.as_ref().map_or_else(apart, |held| held.solution(self.contact, self.settings))
+        self.warm_start.as_ref().map_or_else(apart, |warm_start| warm_start.solution(self.contact, self.settings))
     }
 }
 
@@ -81,14 +91,16 @@ impl Respond for Engine<'_> {
         self.settings.deadline.check()?;
         let mut state = match self.without_grid(depth, tilt, quick) {
             Some(answered) => answered?,
-            None if !self.with_matrix => self.upright(depth, quick)?,
+            None if !self.with_matrix => self.untilted(depth, quick)?,
             None => {
                 // One grid for all tilts: what differs from one to the next would be noise to Newton's method.
                 let gap = self.contact.tilted_gap(tilt);
-                let frame = &mut self.frame;
+                let shared = &mut self.shared;
                 match grid_method::separately(self.contact, &gap, depth, tilt, self.settings)? {
                     Some(apart) => apart,
-                    None => grid_method::in_frame(self.contact, &gap, depth, tilt, self.settings, self.cells, frame)?,
+                    None => {
+                        grid_method::on_shared_grid(self.contact, &gap, depth, tilt, self.settings, self.cells, shared)?
+                    }
                 }
             }
         };

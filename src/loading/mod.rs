@@ -50,7 +50,7 @@ pub(crate) fn respond(
     }
 }
 
-/// The state without a grid: by a formula, else, upright, by cells fitted to edges; `None` where it takes a grid.
+/// The state without a grid: by a formula, else, untilted, by cells fitted to edges; `None` where it takes a grid.
 pub(crate) fn without_grid(
     contact: &Contact,
     gap: &AnyGap,
@@ -78,8 +78,8 @@ fn without_grid_at(
         Err(e) if e.verdict == Verdict::NoClosedForm => {}
         answered => return Some(answered),
     }
-    let upright = tilt == [0.0; 2] && !with_matrix && by_edges::chosen_by(settings);
-    if upright { by_edges::solution(contact, overlap, settings) } else { None }
+    let untilted = tilt == [0.0; 2] && !with_matrix && by_edges::chosen_by(settings);
+    if untilted { by_edges::solution(contact, overlap, settings) } else { None }
 }
 
 /// The state of the grid, where it is as good as asked for and within the bounds of the one that falls short.

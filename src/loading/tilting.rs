@@ -19,26 +19,26 @@ fn material(gap: &AnyGap, depth: f64) -> Option<Rect> {
     }
 }
 
-/// The state under a force and moments (Mx, My) about the origin; `upright` is that under the force without tilt.
+/// The state under a force and moments (Mx, My) about the origin; `untilted` is that under the force without tilt.
 ///
 /// # Errors
 /// `NoEquilibrium` when the line of action passes outside of what can touch; `ToleranceNotReached`; the verdicts of the method.
 pub(crate) fn under_moment(
     contact: &Contact,
-    upright: Solution,
+    untilted: Solution,
     force: f64,
     moment: [f64; 2],
     settings: &Settings,
 ) -> Result<Solution, Unsolved> {
     if force == 0.0 {
         return if moment == [0.0; 2] {
-            Ok(upright)
+            Ok(untilted)
         } else {
             Err(Unsolved::new(Verdict::NoEquilibrium, "a moment without a force"))
         };
     }
     let through = [-moment[1] / force, moment[0] / force];
-    if let Some(material) = material(contact.gap(), upright.depth)
+    if let Some(material) = material(contact.gap(), untilted.depth)
         && !material.contains(through)
     {
         let (a, b) = (material.min, material.max);
@@ -48,7 +48,7 @@ pub(crate) fn under_moment(
         );
         return Err(Unsolved::new(Verdict::NoEquilibrium, reason));
     }
-    let size = (upright.patch.area / std::f64::consts::PI).sqrt();
+    let size = (untilted.patch.area / std::f64::consts::PI).sqrt();
     // The last linear step of a force-driven solve has no place here: the state is solved anew at every tilt.
     let mut engine = Engine::new(contact, settings, true);
     let close = |method: Method| match method {
@@ -58,10 +58,10 @@ pub(crate) fn under_moment(
     };
     let balance =
         |engine: &mut Engine, start: Solution| equilibrium::under_moment(engine, force, moment, start, size, close);
-    let mut state = balance(&mut engine, upright)?;
+    let mut state = balance(&mut engine, untilted)?;
     let short =
         |state: &Solution| state.force_error.filter(|&error| settings.cells.is_none() && error > settings.tolerance);
-    if short(&state).is_some() && engine.frame.sharp {
+    if short(&state).is_some() && engine.shared.sharp {
         return at_sharp_edges(&mut engine, state, settings, &balance);
     }
     while let Some(error) = short(&state) {
@@ -92,13 +92,13 @@ fn at_sharp_edges(
     balance: &dyn Fn(&mut Engine, Solution) -> Result<Solution, Unsolved>,
 ) -> Result<Solution, Unsolved> {
     // The grids tell the error together.
-    engine.frame.alone = false;
+    engine.shared.needs_error = false;
     let (mut grids, mut found) = (Vec::new(), Vec::new());
     let mut reached = f64::INFINITY;
     for cells in (0..).map(sharp_edges::cells).take_while(|&n| n <= sharp_edges::FINEST / 2) {
         engine.cells = cells;
         state = or_coarser(balance(engine, state.clone()), &state)?;
-        grids.push(engine.frame.measure);
+        grids.push(engine.shared.measure);
         let matrix = state.stiffness_matrix.unwrap_or([[f64::NAN; 3]; 3]);
         let scalars = [state.depth, state.tilt[0], state.tilt[1], state.energy.unwrap_or(f64::NAN), state.patch.area];
         found.push(scalars.into_iter().chain(matrix.into_iter().flatten()).collect::<Vec<f64>>());

@@ -18,7 +18,7 @@ use std::sync::Arc;
 use rustfft::Fft;
 use rustfft::num_complex::Complex;
 
-use super::symbol::Real;
+use super::real::Real;
 
 /// Products of columns with a symbol over L points, or over 2L with zeros behind.
 #[derive(Clone)]
@@ -99,7 +99,7 @@ impl<T: Real> Columns<T> {
         arranged
     }
 
-    /// Room that [`Self::product`] needs: points of a column, and scratch.
+    /// Workspace that [`Self::product`] needs: points of a column, and scratch.
     pub(super) fn room(&self) -> [usize; 2] {
         let fft = self.forward.get_inplace_scratch_len().max(self.inverse.get_inplace_scratch_len());
         [self.classes() * self.length, fft]

@@ -1,37 +1,28 @@
-//! Room for the passes of a convolution, and their work shared out among threads.
+//! Workspace for the passes of a convolution, and their work shared out among threads.
 
 use std::ops::Range;
 
 use rustfft::num_complex::Complex;
 
-use super::symbol::Real;
-
-/// Side of the squares in which rows become columns: a side is a whole number of cache lines.
-pub(super) const TILE: usize = 8;
+use super::real::Real;
 
 /// Rows handed over together: what passes between rows and columns then comes in pieces of several cache lines.
 pub(super) const GROUP: usize = 32;
 
-/// Distance of sequences of `n` numbers that are worked on side by side: lengths that are powers of two would share their place
-/// in the cache, and each is to begin with a cache line.
-pub(super) fn apart(n: usize) -> usize {
-    (n.div_ceil(TILE) | 1) * TILE
-}
-
 /// Numbers that begin with a cache line; grown as needed.
 #[derive(Debug)]
-pub(super) struct Lines<T>(Vec<T>);
+pub(super) struct AlignedVec<T>(Vec<T>);
 
 /// Bytes of a cache line.
 const LINE: usize = 64;
 
-impl<T> Default for Lines<T> {
+impl<T> Default for AlignedVec<T> {
     fn default() -> Self {
         Self(Vec::new())
     }
 }
 
-impl<T: Copy + Default> Lines<T> {
+impl<T: Copy + Default> AlignedVec<T> {
     /// So many of them, with what was left in them.
     pub(super) fn of(&mut self, n: usize) -> &mut [T] {
         let spare = LINE / size_of::<T>();
@@ -45,37 +36,42 @@ impl<T: Copy + Default> Lines<T> {
     }
 }
 
-/// Room for the transforms of a [`super::transforms::Transforms`], grown as needed, kept from product to product.
+/// Workspace for the transforms of a [`super::transforms::Transforms`], grown as needed, kept from product to product.
 #[derive(Debug)]
-pub(super) struct Room<T> {
+pub(super) struct Workspace<T> {
     /// The columns between the passes.
-    pub(super) columns: Lines<Complex<T>>,
+    pub(super) columns: AlignedVec<Complex<T>>,
     pub(super) lanes: Vec<Lane<T>>,
 }
 
-/// Room that one thread needs.
+/// Workspace that one thread needs.
 #[derive(Debug)]
 pub(super) struct Lane<T> {
-    pub(super) row: Lines<T>,
+    pub(super) row: AlignedVec<T>,
     /// Spectra of a group of rows.
-    pub(super) spectra: Lines<Complex<T>>,
-    pub(super) column: Lines<Complex<T>>,
-    pub(super) fft: Lines<Complex<T>>,
+    pub(super) spectra: AlignedVec<Complex<T>>,
+    pub(super) column: AlignedVec<Complex<T>>,
+    pub(super) fft: AlignedVec<Complex<T>>,
 }
 
 impl<T> Default for Lane<T> {
     fn default() -> Self {
-        Self { row: Lines::default(), spectra: Lines::default(), column: Lines::default(), fft: Lines::default() }
+        Self {
+            row: AlignedVec::default(),
+            spectra: AlignedVec::default(),
+            column: AlignedVec::default(),
+            fft: AlignedVec::default(),
+        }
     }
 }
 
-impl<T> Default for Room<T> {
+impl<T> Default for Workspace<T> {
     fn default() -> Self {
-        Self { columns: Lines::default(), lanes: Vec::new() }
+        Self { columns: AlignedVec::default(), lanes: Vec::new() }
     }
 }
 
-impl<T> Room<T> {
+impl<T> Workspace<T> {
     /// Bytes held.
     pub(super) fn bytes(&self) -> usize {
         size_of::<Complex<T>>() * self.columns.0.capacity()

@@ -19,6 +19,7 @@ mod level;
 mod monotone;
 mod nested;
 mod operator;
+mod real;
 mod rows;
 mod solver;
 mod symbol;

@@ -6,8 +6,9 @@
 use std::ops::Range;
 
 use super::convolution::Convolution;
-use super::lanes::Room;
-use super::symbol::{Real, Symbol};
+use super::lanes::Workspace;
+use super::real::Real;
+use super::symbol::Symbol;
 use super::transforms::Transforms;
 use crate::influence::InfluenceTable;
 
@@ -90,22 +91,22 @@ pub(super) fn preconditioner(table: &InfluenceTable, scale: f64, shape: [usize; 
 #[derive(Clone)]
 pub struct Operator(Transforms<f64>);
 
-/// Room for the transforms of an [`Operator`]; owned by the caller, grown as needed, kept from product to product.
+/// Workspace for the transforms of an [`Operator`]; owned by the caller, grown as needed, kept from product to product.
 #[derive(Debug, Default)]
 pub struct Scratch {
-    double: Room<f64>,
-    single: Room<f32>,
+    double: Workspace<f64>,
+    single: Workspace<f32>,
     parallel: bool,
 }
 
 impl Scratch {
-    /// Room for products by one thread.
+    /// Workspace for products by one thread.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Room for products by all threads of the rayon pool that the product is called in.
+    /// Workspace for products by all threads of the rayon pool that the product is called in.
     #[cfg(feature = "parallel")]
     #[must_use]
     pub fn parallel() -> Self {
@@ -136,24 +137,24 @@ impl Scratch {
 }
 
 /// A precision that [`Scratch`] has room for.
-pub(super) trait Roomy: Real {
+pub(super) trait HasWorkspace: Real {
     /// Its room.
-    fn room(scratch: &mut Scratch) -> &mut Room<Self>;
+    fn room(scratch: &mut Scratch) -> &mut Workspace<Self>;
 }
 
-impl Roomy for f64 {
-    fn room(scratch: &mut Scratch) -> &mut Room<Self> {
+impl HasWorkspace for f64 {
+    fn room(scratch: &mut Scratch) -> &mut Workspace<Self> {
         &mut scratch.double
     }
 }
 
-impl Roomy for f32 {
-    fn room(scratch: &mut Scratch) -> &mut Room<Self> {
+impl HasWorkspace for f32 {
+    fn room(scratch: &mut Scratch) -> &mut Workspace<Self> {
         &mut scratch.single
     }
 }
 
-impl<T: Roomy> Convolution<T> {
+impl<T: HasWorkspace> Convolution<T> {
     /// As [`Operator::apply`].
     pub(super) fn product(
         &self,

@@ -17,7 +17,7 @@ use realfft::{ComplexToReal, RealToComplex};
 use rustfft::Fft;
 use rustfft::num_complex::Complex;
 
-use super::symbol::Real;
+use super::real::Real;
 
 /// Transforms of real rows over L points, or over 2L with zeros behind.
 #[derive(Clone)]
@@ -68,7 +68,7 @@ impl<T: Real> Rows<T> {
         self.length / 2 + 1 + self.odd_columns()
     }
 
-    /// Room that [`Self::there`] and [`Self::back`] need: points of a row, and scratch.
+    /// Workspace that [`Self::there`] and [`Self::back`] need: points of a row, and scratch.
     pub(super) fn room(&self) -> [usize; 2] {
         let odd = self
             .odd

@@ -9,9 +9,10 @@ use std::ops::Range;
 use rustfft::num_complex::Complex;
 
 use super::columns::Columns;
-use super::lanes::{GROUP, Lane, Room, TILE, apart, share, share_rows};
+use super::lanes::{GROUP, Lane, Workspace, share, share_rows};
+use super::real::{Real, TILE, apart};
 use super::rows::Rows;
-use super::symbol::{Real, Symbol};
+use super::symbol::Symbol;
 
 /// The transforms of a convolution, ready to be applied.
 #[derive(Clone)]
@@ -62,7 +63,7 @@ impl<T: Real> Transforms<T> {
         given: Range<usize>,
         u: &mut [T],
         wanted: Range<usize>,
-        room: &mut Room<T>,
+        room: &mut Workspace<T>,
         lanes: usize,
     ) {
         let nx = self.shape[0];
@@ -75,7 +76,7 @@ impl<T: Real> Transforms<T> {
         let (width, pitch) = (apart(columns), apart(height));
         let (row_room, column_room) = (self.rows.room(), self.columns.room());
         room.lanes.resize_with(lanes, Lane::default);
-        let Room { columns: turned, lanes } = room;
+        let Workspace { columns: turned, lanes } = room;
         let turned = turned.of(columns * pitch);
 
         share_rows(lanes, turned, pitch, given.start - base..given.end - base, |lane, rows, parts, at| {

@@ -31,9 +31,9 @@ impl Star<'_> {
             let (off, area) = self.centroid_and_area();
             let off = Vector2::from(off);
             let size = area.sqrt();
-            let hopeless = low == MOST_LOW || (low > 0 && self.tired().is_some());
+            let diverging = low == MOST_LOW || (low > 0 && self.out_of_budget().is_some());
             let at_last = moves + 1 == MOST_MOVES;
-            if off.norm() <= allowed * size || hopeless || at_last {
+            if off.norm() <= allowed * size || diverging || at_last {
                 return Ok((found, moves, off.norm() / size));
             }
             if residual > 0.01 * allowed {

@@ -36,7 +36,7 @@ pub(crate) fn best(
     let problem = Problem::new(gap, modulus, depth)?.before(settings.deadline);
     let tolerance: f64 = settings.tolerance;
     let mut star = Star::about(&problem.overlap, [0.0; 2], 0.5, first_rung(tolerance));
-    star.careful = true;
+    star.checks_material = true;
     let mut q: Vec<f64> = Vec::new();
     let mut second = f64::NAN;
     let mut iterations = 0;
@@ -185,7 +185,7 @@ fn climb(star: &mut Star, family: Family, q: &mut Vec<f64>, allowed: f64) -> Res
     // The circle first, the rest of the family from there.
     let mut alone = q.len() != n;
     for _ in 0..MOST_STEPS {
-        if let Some(spent) = star.tired() {
+        if let Some(spent) = star.out_of_budget() {
             return Err(left(format!("no maximum found in {spent} evaluations of the gap")));
         }
         let mut gradient = DVector::zeros(n);

@@ -2,7 +2,7 @@
 
 use super::approximation::{Error, Settings};
 use super::problem::{Problem, first_rung};
-use super::radial::Stand;
+use super::radial::RadialPosition;
 use super::sectors::{SIXTH, Sectors};
 use super::star::Star;
 use crate::error::InputError;
@@ -69,7 +69,7 @@ pub fn force(
                 let reason = format!("a(theta) = {} at {degrees:.4} degrees", ray.a * length);
                 return Err(Unsolved::new(Verdict::NotStarShaped, reason).into());
             }
-            ray.stand = Stand::at(star.line(&ray).kinks, ray.a);
+            ray.stand = RadialPosition::at(star.line(&ray).kinks, ray.a);
             ray.along.g = star.line(&ray).g(overlap, star.f0, &ray.stand, star.rule());
             star.rays[k] = ray;
         }

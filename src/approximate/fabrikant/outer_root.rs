@@ -2,11 +2,11 @@
 //!
 //! Between kinks G_a is smooth; just past a kink where the gap turns upwards it falls like the square root of the
 //! distance, and the sharper the kink, the closer to it the root lies: at the kink itself, to all digits of a, when the
-//! punch is blunt and the depth small. In t, with a = k sqrt(1 + t^2) (see [`Stand`]), nothing is lost and G_a is smooth. The
+//! punch is blunt and the depth small. In t, with a = k sqrt(1 + t^2) (see [`RadialPosition`]), nothing is lost and G_a is smooth. The
 //! bracket is therefore kept in places, not in a: first the kinks decide on which piece the root lies, then Newton's method
 //! and halving work in the coordinate of that piece.
 
-use super::radial::{Stand, beyond};
+use super::radial::{RadialPosition, beyond};
 use super::star::{Ray, Star};
 use crate::numeric::scalar::maximum;
 
@@ -23,7 +23,7 @@ const NARROWEST: f64 = 1e-10;
 /// One end of the bracket, with what was found there.
 #[derive(Clone, Copy)]
 struct End {
-    stand: Stand,
+    stand: RadialPosition,
     g_a: f64,
 }
 
@@ -37,15 +37,15 @@ impl End {
     }
 }
 
-fn coordinate(stand: &Stand) -> f64 {
+fn coordinate(stand: &RadialPosition) -> f64 {
     if stand.inner == 0 { stand.a } else { stand.tan }
 }
 
 /// The place on this piece with this coordinate, held back by the kink at its end.
-fn place(kinks: &[f64], piece: usize, u: f64) -> Stand {
+fn place(kinks: &[f64], piece: usize, u: f64) -> RadialPosition {
     let stand = match piece {
-        0 => Stand { a: u, inner: 0, tan: 0.0 },
-        _ => Stand::beyond(kinks, piece - 1, u),
+        0 => RadialPosition { a: u, inner: 0, tan: 0.0 },
+        _ => RadialPosition::beyond(kinks, piece - 1, u),
     };
     match kinks.get(piece) {
         Some(&end) if !(stand.a < end) => at_kink(kinks, piece),
@@ -54,10 +54,10 @@ fn place(kinks: &[f64], piece: usize, u: f64) -> Stand {
 }
 
 /// The inner side of this kink.
-fn at_kink(kinks: &[f64], kink: usize) -> Stand {
+fn at_kink(kinks: &[f64], kink: usize) -> RadialPosition {
     let a = kinks[kink];
     let tan = if kink == 0 { 0.0 } else { beyond(a, kinks[kink - 1]) / kinks[kink - 1] };
-    Stand { a, inner: kink, tan }
+    RadialPosition { a, inner: kink, tan }
 }
 
 impl Star<'_> {
@@ -69,22 +69,26 @@ impl Star<'_> {
             return found;
         }
         // A kink makes a hump of its own; the one that counts may be another.
-        let summit = self.summit(&found);
-        if summit.along.g_a < d { Ray { stuck: true, ..summit } } else { self.root_nearby(summit, d, within) }
+        let local_maximum = self.local_maximum(&found);
+        if local_maximum.along.g_a < d {
+            Ray { stuck: true, ..local_maximum }
+        } else {
+            self.root_nearby(local_maximum, d, within)
+        }
     }
 
     /// The ray moved to where G_a is largest. Beyond the end of the overlap, and where G_a is negative, nobody looks.
-    fn summit(&self, ray: &Ray) -> Ray {
+    fn local_maximum(&self, ray: &Ray) -> Ray {
         let line = self.line(ray);
-        let at = |stand: Stand| self.measure(Ray { a: stand.a, stand, ..*ray });
+        let at = |stand: RadialPosition| self.measure(Ray { a: stand.a, stand, ..*ray });
         let end = self.end_of_search(ray);
         let share = end.a / f64::from(PLACES);
-        let evenly = (1..=PLACES).map(|k| Stand::at(line.kinks, share * f64::from(k)));
+        let evenly = (1..=PLACES).map(|k| RadialPosition::at(line.kinks, share * f64::from(k)));
         let at_kinks = (0..line.kinks.len()).map(|kink| at_kink(line.kinks, kink));
         let higher = |best: Ray, next: Ray| if next.along.g_a > best.along.g_a { next } else { best };
         let rough = evenly.chain(at_kinks.filter(|stand| stand.a < end.a)).map(at).fold(*ray, higher);
-        let nearby = maximum(|a| at(Stand::at(line.kinks, a)).along.g_a, rough.a - share, rough.a + share, 2);
-        higher(rough, at(Stand::at(line.kinks, nearby.at)))
+        let nearby = maximum(|a| at(RadialPosition::at(line.kinks, a)).along.g_a, rough.a - share, rough.a + share, 2);
+        higher(rough, at(RadialPosition::at(line.kinks, nearby.at)))
     }
 
     /// A place on the ray beyond which nobody looks: the overlap has ended, and G_a is negative.
@@ -105,8 +109,8 @@ impl Star<'_> {
     pub(crate) fn reconsider(&mut self, d: f64) -> bool {
         let mut moved = false;
         for k in 0..self.rays.len() {
-            if let Some(rival) = self.rival(&self.rays[k], d) {
-                self.rays[k] = rival;
+            if let Some(other_root) = self.other_root(&self.rays[k], d) {
+                self.rays[k] = other_root;
                 moved = true;
             }
         }
@@ -115,15 +119,15 @@ impl Star<'_> {
 
     /// Another root on the ray, where that gains more: G - D a is what the boundary maximises on each ray, and at a kink it may
     /// have a maximum besides the one beyond.
-    pub(crate) fn rival(&self, ray: &Ray, d: f64) -> Option<Ray> {
+    pub(crate) fn other_root(&self, ray: &Ray, d: f64) -> Option<Ray> {
         if self.line(ray).kinks.is_empty() || ray.at_edge() {
             return None;
         }
         let gain = |r: &Ray| if r.stuck { f64::NEG_INFINITY } else { r.along.g - d * r.a };
         let mut best = *ray;
-        for rival in self.rivals(ray, d, 1e-12).into_iter().flatten() {
-            if gain(&rival) > gain(&best) + 1e-12 * d * ray.a {
-                best = rival;
+        for other_root in self.rivals(ray, d, 1e-12).into_iter().flatten() {
+            if gain(&other_root) > gain(&best) + 1e-12 * d * ray.a {
+                best = other_root;
             }
         }
         (best.a != ray.a).then_some(best)
@@ -154,7 +158,7 @@ impl Star<'_> {
         let mut ray = self.measure(ray);
         ray.stuck = false;
         // A point belongs to the outer side of the root when G_a is below D and falling.
-        let mut lo = End { stand: Stand::default(), g_a: 0.0 };
+        let mut lo = End { stand: RadialPosition::default(), g_a: 0.0 };
         let mut hi: Option<End> = None;
         for _ in 0..MOST_EVALUATIONS {
             let along = ray.along;
@@ -232,8 +236,8 @@ impl Star<'_> {
     pub(crate) fn highest_seen(&self, ray: &Ray, d: f64) -> f64 {
         const BETWEEN: f64 = 16.0;
         let line = self.line(ray);
-        let g_a = |stand: &Stand| line.along(self.overlap, self.f0, stand, self.rule()).g_a;
-        let between = |share: f64| g_a(&Stand::at(line.kinks, ray.a * share));
+        let g_a = |stand: &RadialPosition| line.along(self.overlap, self.f0, stand, self.rule()).g_a;
+        let between = |share: f64| g_a(&RadialPosition::at(line.kinks, ray.a * share));
         let at_kinks = (0..ray.stand.inner).map(|kink| g_a(&at_kink(line.kinks, kink))).fold(ray.along.g_a, f64::max);
         let (mut at, mut highest) = (1.0, ray.along.g_a);
         for k in 1..16 {

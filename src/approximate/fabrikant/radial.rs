@@ -46,13 +46,13 @@ impl RadialRule {
 
     /// Calls `visit` at every node of [0, pi/2] split where sin t is one of `kinks`/a (ascending).
     pub fn visit(&self, kinks: &[f64], a: f64, mut visit: impl FnMut(RadialNode)) {
-        let stand = Stand::at(kinks, a);
+        let stand = RadialPosition::at(kinks, a);
         self.visit_pieces(kinks, &stand, |_, node| visit(node));
     }
 
     /// Calls `visit` with the piece (the number of kinks below it) and the node. Angles are counted from the end of the
     /// ray, phi = pi/2 - t, so that a piece however thin keeps its digits.
-    pub fn visit_pieces(&self, kinks: &[f64], stand: &Stand, mut visit: impl FnMut(usize, RadialNode)) {
+    pub fn visit_pieces(&self, kinks: &[f64], stand: &RadialPosition, mut visit: impl FnMut(usize, RadialNode)) {
         if stand.inner == 0 {
             self.whole.iter().for_each(|&node| visit(0, node));
             return;
@@ -78,7 +78,7 @@ impl RadialRule {
 /// (G_a(k) - G_a(a) ~ the jump of the slope times sqrt(a - k)), a itself has too few digits: there the place is t with
 /// a = k sqrt(1 + t^2), in which G_a is smooth, and which far beyond the kink has all the digits of a again.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(crate) struct Stand {
+pub(crate) struct RadialPosition {
     pub a: f64,
     /// How many kinks lie below a; a itself may be the next one, and then belongs to the inner side.
     pub inner: usize,
@@ -86,7 +86,7 @@ pub(crate) struct Stand {
     pub tan: f64,
 }
 
-impl Stand {
+impl RadialPosition {
     pub fn at(kinks: &[f64], a: f64) -> Self {
         let inner = kinks.partition_point(|&k| k < a);
         let tan = match inner {

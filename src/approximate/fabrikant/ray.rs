@@ -15,7 +15,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use super::radial::{RadialRule, Stand};
+use super::radial::{RadialPosition, RadialRule};
 use crate::clock::Deadline;
 use crate::gap::{AnyGap, Gap};
 use crate::overlap::Units;
@@ -153,7 +153,7 @@ impl RayLine<'_> {
     ///
     /// The jumps J of the slope enter G_aa in closed form: int (1/cos^2 t + cos 2t) dt up to the kink is
     /// cot(phi) + sin(2 phi)/2, and what is left of g_r - g_r(a) goes to zero at the end of the ray.
-    pub fn along(&self, f: &ScaledOverlap, f0: f64, stand: &Stand, rule: &RadialRule) -> Along {
+    pub fn along(&self, f: &ScaledOverlap, f0: f64, stand: &RadialPosition, rule: &RadialRule) -> Along {
         let a = stand.a;
         if let Some(planes) = self.planes {
             return self.along_planes(planes, f0, stand);
@@ -204,7 +204,7 @@ impl RayLine<'_> {
     /// G, G_a and G_aa over planes: nothing is left to integrate.
     ///
     /// Beyond a kink at t = pi/2 - phi the slope is larger by J: int sin^2 = (phi - sin phi cos phi)/2 over [0, phi], and so on.
-    fn along_planes(&self, (first, jumps): (f64, &[f64]), f0: f64, stand: &Stand) -> Along {
+    fn along_planes(&self, (first, jumps): (f64, &[f64]), f0: f64, stand: &RadialPosition) -> Along {
         let a = stand.a;
         let (mut cos2, mut one_plus, mut singular) = (first * 0.5 * FRAC_PI_2, first * 1.5 * FRAC_PI_2, 0.0);
         for (kink, j) in jumps.iter().enumerate().take(stand.inner) {
@@ -222,7 +222,7 @@ impl RayLine<'_> {
     }
 
     /// G alone.
-    pub fn g(&self, f: &ScaledOverlap, f0: f64, stand: &Stand, rule: &RadialRule) -> f64 {
+    pub fn g(&self, f: &ScaledOverlap, f0: f64, stand: &RadialPosition, rule: &RadialRule) -> f64 {
         let (a, mut sum) = (stand.a, 0.0);
         if let Some(planes) = self.planes {
             return self.along_planes(planes, f0, stand).g;
@@ -257,13 +257,14 @@ mod tests {
             let gap = Power::new(0.7, n).unwrap();
             let line = RayLine { centre: [0.0; 2], direction: [0.6, 0.8], kinks: &[], planes: None };
             let a = 0.9f64;
-            let along = line.along(&overlap(&gap), 1.0, &Stand::at(&[], a), &RadialRule::ladder()[2]);
+            let along = line.along(&overlap(&gap), 1.0, &RadialPosition::at(&[], a), &RadialRule::ladder()[2]);
             let c = 0.7 * m;
             assert!((along.g - (a * a - c * a.powf(n + 2.0))).abs() < 1e-14);
             assert!((along.g_a - (2.0 * a - c * (n + 2.0) * a.powf(n + 1.0))).abs() < 1e-14);
             assert!((along.g_aa - (2.0 - c * (n + 2.0) * (n + 1.0) * a.powf(n))).abs() < 1e-12);
             let values_only = move |x: f64, y: f64| 0.7 * x.hypot(y).powf(n);
-            let by_differences = line.along(&overlap(&values_only), 1.0, &Stand::at(&[], a), &RadialRule::ladder()[2]);
+            let by_differences =
+                line.along(&overlap(&values_only), 1.0, &RadialPosition::at(&[], a), &RadialRule::ladder()[2]);
             assert!((by_differences.g_a - along.g_a).abs() < 1e-8);
             assert!((by_differences.g - along.g).abs() < 1e-14);
         }
@@ -282,10 +283,10 @@ mod tests {
         let exact = RayLine { planes: Some((first, &jumps)), ..line };
         let rule = &RadialRule::ladder()[2];
         for a in [0.2, 0.35, 0.6] {
-            let (here, closed) = [line, exact].map(|l| l.along(&f, 1.0, &Stand::at(&kinks, a), rule)).into();
+            let (here, closed) = [line, exact].map(|l| l.along(&f, 1.0, &RadialPosition::at(&kinks, a), rule)).into();
             assert!((here.g - closed.g).abs() < 1e-14 && (here.g_a - closed.g_a).abs() < 1e-14, "{a}");
             assert!((here.g_aa - closed.g_aa).abs() < 1e-12, "{a}: {} {}", here.g_aa, closed.g_aa);
-            let along = |a: f64| line.along(&f, 1.0, &Stand::at(&kinks, a), rule);
+            let along = |a: f64| line.along(&f, 1.0, &RadialPosition::at(&kinks, a), rule);
             let (h, here) = (1e-5, along(a));
             let (up, down) = (along(a + h), along(a - h));
             assert!(((up.g - down.g) / (2.0 * h) - here.g_a).abs() < 1e-8, "{a}");

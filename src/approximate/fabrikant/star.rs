@@ -7,7 +7,7 @@ use nalgebra::Matrix2;
 
 use super::facets::Facets;
 use super::hidden_kinks;
-use super::radial::{RadialRule, Stand};
+use super::radial::{RadialPosition, RadialRule};
 use super::ray::{Along, RayLine, ScaledOverlap};
 use super::ridges::ridge_directions;
 use super::sectors::{SIXTH, Sectors, Spoke};
@@ -31,7 +31,7 @@ pub(crate) struct Ray {
     /// Where the boundary stands.
     pub a: f64,
     /// The same to all digits, once measured.
-    pub stand: Stand,
+    pub stand: RadialPosition,
     /// Where the material ends.
     pub limit: f64,
     /// Whether the safe search found G_a below D everywhere on the ray.
@@ -76,7 +76,7 @@ pub(crate) struct Star<'a> {
     /// Whether the centre has had to move.
     pub moved: bool,
     /// Whether every step checks that there is material at the boundary, not only along the rays.
-    pub careful: bool,
+    pub checks_material: bool,
     /// How far kinks that the gap does not tell about are looked for along every ray.
     pub search: Option<f64>,
     /// Evaluations of the gap after which the solve is given up.
@@ -107,7 +107,7 @@ impl<'a> Star<'a> {
             rung,
             recentring: Matrix2::identity() * (8.0 / (3.0 * std::f64::consts::PI)),
             moved: false,
-            careful: false,
+            checks_material: false,
             search: None,
             // A step over planes is a few operations.
             budget: if overlap.has_planes() { 6 * MOST_EVALUATIONS } else { MOST_EVALUATIONS },
@@ -248,12 +248,12 @@ impl<'a> Star<'a> {
         ray.a = ray.a.min(ray.limit);
         for _ in 0..400 {
             if ray.stand.a != ray.a {
-                ray.stand = Stand::at(self.line(&ray).kinks, ray.a);
+                ray.stand = RadialPosition::at(self.line(&ray).kinks, ray.a);
             }
             ray.along = self.line(&ray).along(self.overlap, self.f0, &ray.stand, self.rule());
             self.spent.set(self.spent.get() + self.price(&ray));
             let Along { g, g_a, g_aa } = ray.along;
-            if (g + g_a + g_aa).is_finite() && (!self.careful || self.has_material(&ray)) {
+            if (g + g_a + g_aa).is_finite() && (!self.checks_material || self.has_material(&ray)) {
                 return ray;
             }
             let inside = |r: f64| self.overlap.at(self.line(&ray).at(r)).is_finite();
@@ -289,7 +289,7 @@ impl<'a> Star<'a> {
     }
 
     /// The evaluations spent, when they are more than a solve may take or the time is used up.
-    pub fn tired(&self) -> Option<usize> {
+    pub fn out_of_budget(&self) -> Option<usize> {
         Some(self.spent.get()).filter(|&spent| spent > self.budget || self.overlap.deadline.has_passed())
     }
 
@@ -297,14 +297,14 @@ impl<'a> Star<'a> {
         self.overlap.at(self.line(ray).at(ray.a)).is_finite()
     }
 
-    /// Whether there is material at the boundary on every ray; when not, steps are careful from now on.
+    /// Whether there is material at the boundary on every ray; when not, each step is checked from now on.
     pub fn on_material(&mut self) -> bool {
         // Planes have no edge.
         if self.overlap.has_planes() {
             return true;
         }
-        self.careful = self.careful || !self.rays.iter().all(|ray| self.has_material(ray));
-        !self.careful || self.rays.iter().all(|ray| self.has_material(ray))
+        self.checks_material = self.checks_material || !self.rays.iter().all(|ray| self.has_material(ray));
+        !self.checks_material || self.rays.iter().all(|ray| self.has_material(ray))
     }
 
     /// Evaluates G on every ray that has moved since it was last evaluated.

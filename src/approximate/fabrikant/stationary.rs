@@ -106,13 +106,13 @@ fn about(
         let error = errors[0] + errors[1];
         reached = Some(error);
         let lacking = found.tightest.1 < -10.0 * error.max(1e-12);
-        let enough = error <= tolerance || iterations > 60 || star.tired().is_some();
+        let enough = error <= tolerance || iterations > 60 || star.out_of_budget().is_some();
         let mut refined = !lacking && !enough && star.refine(errors, tolerance, found.d, settings.most_rays);
         if off > off_allowed && !lacking && !refined {
             // The centroid depends on the centre no more smoothly than the quadrature.
             refined = star.refine([f64::INFINITY, 0.0], 0.01 * errors[0], found.d, settings.most_rays);
         }
-        let exhausted = star.tired().is_some() || iterations > MOST_ITERATIONS;
+        let exhausted = star.out_of_budget().is_some() || iterations > MOST_ITERATIONS;
         if exhausted || (!refined && (lacking || off <= centred)) {
             break (found, errors, off);
         }

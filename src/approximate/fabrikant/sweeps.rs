@@ -42,7 +42,7 @@ impl Star<'_> {
             if sweep > 0 && found.residual <= residual_allowed && d > 0.0 && self.on_material() {
                 return Ok(found);
             }
-            if let Some(spent) = self.tired() {
+            if let Some(spent) = self.out_of_budget() {
                 return self.given_up(found, &format!("{spent} evaluations of the gap"));
             }
             let aim = self.aim(if sweep == 0 { 0.0 } else { d.max(0.0) });
@@ -209,7 +209,7 @@ impl Star<'_> {
             let angle = std::f64::consts::TAU * k as f64 / count as f64;
             let ray = self.extra_ray(angle, radius_in(&outline, angle));
             let ray = self.outer_root(ray, d, 1e-12);
-            all.push([angle, self.rival(&ray, d).unwrap_or(ray).a]);
+            all.push([angle, self.other_root(&ray, d).unwrap_or(ray).a]);
         }
         all.sort_by(|p, q| p[0].total_cmp(&q[0]));
         all.dedup_by(|b, a| b[0] - a[0] < 1e-12);

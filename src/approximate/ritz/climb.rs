@@ -68,7 +68,7 @@ pub(super) fn maximise(
     let mut inverse = SMatrix::<f64, 5, 5>::identity() / 1.5;
     let mut idle = 0;
     for steps in 0..MOST_STEPS {
-        if gradient.norm() <= allowed || disc.tired() || idle == MOST_IDLE {
+        if gradient.norm() <= allowed || disc.out_of_budget() || idle == MOST_IDLE {
             return Ok((e, gradient.norm(), steps));
         }
         if steps < 3
@@ -89,7 +89,7 @@ pub(super) fn maximise(
         }
         let mut accepted = false;
         for _ in 0..40 {
-            if disc.tired() {
+            if disc.out_of_budget() {
                 break;
             }
             let next = e.moved(&step);

@@ -188,7 +188,7 @@ impl Concave<'_, '_> {
     /// more any other can have.
     fn close_in(&mut self, best: &mut Place, gain: f64, steps: &mut usize) -> f64 {
         // M = L (1 + S) L with L = M^(1/2) symmetric: linear in S, so that log P is concave in (v, S).
-        let frame = Frame::of(&best.e);
+        let frame = EllipseChart::of(&best.e);
         let within = if self.circles { circle_directions() } else { Bend::identity() };
         let n: f64 = if self.circles { 3.0 } else { 5.0 };
         let mut centre = Step::zeros();
@@ -280,12 +280,12 @@ fn stiffness_bend(e: &Ellipse) -> Bend {
 }
 
 /// Linear coordinates about one ellipse.
-struct Frame {
+struct EllipseChart {
     c: Vector2<f64>,
     root: Matrix2<f64>,
 }
 
-impl Frame {
+impl EllipseChart {
     fn of(e: &Ellipse) -> Self {
         let (squares, vectors) = eigen(&(e.m * e.m.transpose()));
         let fourth = Matrix2::from_diagonal(&Vector2::from(squares).map(|s| s.sqrt().sqrt()));

@@ -132,7 +132,7 @@ impl<'a> Disc<'a> {
 
     /// Whether the gap was evaluated more often than any smooth one takes: the caps beyond a kink that nobody told about are so thin
     /// that no rule settles; or whether the time is used up.
-    pub fn tired(&self) -> bool {
+    pub fn out_of_budget(&self) -> bool {
         self.work > MOST_EVALUATIONS || self.overlap.deadline.has_passed()
     }
 

@@ -184,11 +184,11 @@ fn settle(disc: &mut Disc, start: Ellipse, circles: bool, settings: &Settings) -
         iterations += steps;
         let (errors, mut f, refined) = look(disc, &e, settings);
         let rays = disc.values.len();
-        if refined && errors[0] + errors[1] > tolerance && !disc.tired() {
+        if refined && errors[0] + errors[1] > tolerance && !disc.out_of_budget() {
             continue;
         }
         let mut errors = errors;
-        if disc.tired() {
+        if disc.out_of_budget() {
             if residual > CUT_SHORT {
                 let reason = format!(
                     "the search for the best ellipse was cut short after {} evaluations of the gap: the gradient of log P \

@@ -116,7 +116,7 @@ impl<'a> Walls<'a> {
         let (mut force, mut gradient, _) = disc.climb(&e, circles).ok_or_else(nothing)?;
         let mut promise = f64::INFINITY;
         for steps in 0..MOST_STEPS {
-            if disc.tired() {
+            if disc.out_of_budget() {
                 break;
             }
             let step = inner_step(&gradient, &edge, circles);

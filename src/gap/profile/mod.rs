@@ -58,6 +58,9 @@ pub struct Profile {
     uncertainty: Vec<f64>,
 }
 
+/// Coordinates beyond this have squares beyond the range of numbers.
+const LARGEST: f64 = 1e150;
+
 impl Profile {
     /// The gap of a measured line against a plane.
     ///
@@ -73,6 +76,12 @@ impl Profile {
         let sign = if surface == Surface::Upper { 1.0 } else { -1.0 };
         // What cannot be seen from the other body is not part of the gap.
         let points = line.facing(sign)?;
+        let largest = |m: usize| points.iter().fold(0.0_f64, |most, p| most.max(p.0[m].abs()));
+        let size = largest(1);
+        if !(largest(0).max(size) < LARGEST) {
+            let given = format!("coordinates beyond {LARGEST:e}");
+            return Err(InputError::new("points", given, "units in which lengths are closer to 1"));
+        }
         let knots: Vec<f64> = points.iter().map(|p| p.0[0]).collect();
         let values: Vec<f64> = points.iter().map(|p| sign * p.0[1]).collect();
         let uncertainty = points.iter().map(|p| p.1).collect();
@@ -88,10 +97,6 @@ impl Profile {
             Zero::FirstTouch => (heights.raised(-value), bound - value),
             Zero::AsIs => (heights, bound),
         };
-        let size = values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-        if !(size < 1e150) {
-            return Err(InputError::new("points", "heights beyond 1e150", "units in which lengths are closer to 1"));
-        }
         let floor = floor - 4.0 * f64::EPSILON * size;
         let across = if along == Along::X { 1 } else { 0 };
         Ok(Self { heights, across, radius: None, lowest, floor, uncertainty })

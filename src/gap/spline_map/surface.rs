@@ -213,7 +213,7 @@ impl Splines {
             looked += looks.len();
             open = Vec::new();
             for (cell, [s, t], at, low, close) in looks {
-                if low >= best.1 - close || s[1] - s[0] < 1e-12 || looked > BUDGET.max(8 * nx * ny) {
+                if !(low < best.1 - close) || s[1] - s[0] < 1e-12 || looked > BUDGET.max(8 * nx * ny) {
                     bound = bound.min(low - close);
                     continue;
                 }
