@@ -92,7 +92,8 @@ fn a_curve_from_grids_is_no_worse_than_it_says() {
         }
         let said = [curve.interpolation_error(), curve.stiffness_error()];
         println!("{name}: solves {}, estimates {said:?}, missed {worst:e}, {slopes:e}", curve.solves());
-        assert!(said[0] <= 3e-4 && said[1] <= 3e-3, "{name}: {said:?}");
+        // Where a profile has a kink the stiffness has one, too, and is known less well.
+        assert!(said[0] <= 3e-4 && said[1] <= 6e-3, "{name}: {said:?}");
     };
     let modulus = EffectiveModulus::from_e_star(1.0).unwrap();
     // A sphere of radius 1/2 that goes over into a cone of slope 1.
