@@ -47,8 +47,22 @@ pub(crate) fn with_samples(
     }
 }
 
-/// Adds what the samples leave open; its share of the force, `None` where the gap is not measured.
-fn widen(contact: &Contact, load: Load, state: &mut Solution) -> Option<f64> {
+/// The share of the force that the samples of a measured gap leave open; `None` where it is not measured.
+pub(crate) fn share(contact: &Contact, state: &Solution) -> Option<f64> {
+    open(contact, state).map(|open| open.more / state.force).filter(|share| share.is_finite())
+}
+
+/// What the samples of a gap leave open.
+struct Open {
+    /// Of the gap.
+    off: f64,
+    /// Depth of the state below the lowest gap.
+    overlap: f64,
+    /// Of the force.
+    more: f64,
+}
+
+fn open(contact: &Contact, state: &Solution) -> Option<Open> {
     if !(state.force > 0.0) {
         return None;
     }
@@ -63,7 +77,13 @@ fn widen(contact: &Contact, load: Load, state: &mut Solution) -> Option<f64> {
         return None;
     }
     let overlap = state.depth - gap.known().floor.max(f64::MIN);
-    let more = state.stiffness * off * (1.0 + (off / overlap).clamp(0.0, 1.0));
+    Some(Open { off, overlap, more: state.stiffness * off * (1.0 + (off / overlap).clamp(0.0, 1.0)) })
+}
+
+/// Adds what the samples leave open; its share of the force, `None` where the gap is not measured.
+fn widen(contact: &Contact, load: Load, state: &mut Solution) -> Option<f64> {
+    let Open { off, overlap, more } = open(contact, state)?;
+    let gap = contact.tilted_gap(state.tilt);
     let share = more / state.force;
     // An error that is no number any more is none that could be stated.
     state.map_error = Some(share).filter(|share| share.is_finite());

@@ -7,12 +7,13 @@ use std::process::ExitCode;
 use clap::{Args, ValueEnum};
 
 use super::outputs::outputs;
-use super::{Failure, Overrides, inputs, scene};
-use crate::curve::Curve;
+use super::progress::Progress;
+use super::{Failure, Overrides, checked_threads, fmu, inputs, scene};
+use crate::curve::{About, Beyond, Curve, CurveRange};
 use crate::error::InputError;
 use crate::overlap::least;
 use crate::plot;
-use crate::problem::Load;
+use crate::problem::Settings;
 use crate::scene::Scene;
 use crate::solution::Unsolved;
 use crate::units::UnitLabels;
@@ -25,7 +26,8 @@ const MOST_STEPS: usize = 1_000_000;
 
 /// Force, stiffness and patch area over a range of depths: the non-linear spring
 ///
-/// The range ends at the largest depth of the scene's loading, or at the depth of its largest force.
+/// The range ends at the largest depth of the scene's loading, or at the depth of its largest force. A line on standard error says how
+/// many states were solved and how good the curve is.
 #[derive(Args)]
 pub(super) struct CurveCommand {
     /// Scene file; - reads standard input
@@ -33,9 +35,19 @@ pub(super) struct CurveCommand {
     scene: PathBuf,
     #[command(flatten)]
     overrides: Overrides,
-    /// Relative error of interpolation that is good enough
+    /// Relative error of the force that is good enough between the states; that of the stiffness is about ten times as large
     #[arg(long, value_name = "E", default_value_t = 1e-4, allow_negative_numbers = true)]
     accuracy: f64,
+    /// Smallest depth at which a state is solved; unless said, that at a two-hundredth of the range, and for a measured gap none where
+    /// the force is that of its noise. Shallower forces follow the power law there
+    #[arg(long, value_name = "DEPTH", allow_negative_numbers = true)]
+    from: Option<f64>,
+    /// What the curve says beyond its largest depth (C header, FMU)
+    #[arg(long, value_enum, value_name = "LAW", default_value_t = BeyondName::Power)]
+    beyond: BeyondName,
+    /// Threads; all cores unless said
+    #[arg(long, value_name = "N")]
+    threads: Option<usize>,
     /// Equal steps of depth in the file
     #[arg(long, value_name = "N", default_value_t = STEPS)]
     steps: usize,
@@ -48,7 +60,7 @@ pub(super) struct CurveCommand {
     /// Draw force against depth, with the states that were solved
     #[arg(long, value_name = "FILE.svg|.png")]
     plot: Option<PathBuf>,
-    /// Name in the C header, number of the Adams spline is 1
+    /// Name in the C header and of the FMU; number of the Adams spline is 1
     #[arg(long, value_name = "NAME", default_value = "contact")]
     name: String,
 }
@@ -66,6 +78,30 @@ enum Format {
     Adams,
     /// C header with table and evaluator
     C,
+    /// Functional mock-up unit, FMI 2.0: model exchange and co-simulation, with sources, and with a binary where a C compiler (CC, else
+    /// cc) is found
+    Fmu,
+}
+
+/// Continuations beyond the largest depth.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum BeyondName {
+    /// The power law that continues force and stiffness
+    Power,
+    /// The tangent: the stiffness stays
+    Tangent,
+    /// Nothing: NaN
+    Refuse,
+}
+
+impl From<BeyondName> for Beyond {
+    fn from(name: BeyondName) -> Self {
+        match name {
+            BeyondName::Power => Self::Power,
+            BeyondName::Tangent => Self::Tangent,
+            BeyondName::Refuse => Self::Refuse,
+        }
+    }
 }
 
 impl CurveCommand {
@@ -84,68 +120,104 @@ impl CurveCommand {
         let format = self.plot.as_deref().map(plot::Format::of).transpose().map_err(|e| wrong(&e.within("--plot")))?;
         let options = [("--output", Some(self.output.as_path())), ("--plot", self.plot.as_deref())];
         let [table, picture] = outputs(options, &inputs(&self.scene, &scene))?;
-        let curve = match self.curve(&scene).map_err(|e| Failure::wrong("scene", &e))? {
+        let threads = checked_threads("--threads", self.threads)?;
+        let settings = Settings { threads, ..scene.settings };
+        let place = |e: &InputError| if e.path == "--from" { "arguments" } else { "scene" };
+        let curve = match self.curve(&scene, &settings).map_err(|e| Failure::wrong(place(&e), &e))? {
             Ok(curve) => curve,
             Err(unsolved) => {
                 eprintln!("{unsolved}");
                 return Ok(ExitCode::from(1));
             }
         };
-        if curve.interpolation_error() > self.accuracy {
-            // A closed stderr does not make the curve worse.
-            let said = curve.interpolation_error();
-            let _ = writeln!(
-                std::io::stderr().lock(),
-                "note: estimated error of the force {said:.1e}, more than the accuracy asked for, {:.1e}",
-                self.accuracy
-            );
-        }
+        let curve = curve.continued(self.beyond.into());
+        // A closed stderr does not make the curve worse.
+        let _ = writeln!(std::io::stderr().lock(), "{}", self.summary(&curve));
+        let about = About { scene: scene.name.as_deref(), units: scene.units.as_ref() };
         let text = match self.format {
             Format::Csv => curve.csv_in(scene.units.as_ref(), self.steps),
-            Format::Json => curve.json(),
+            Format::Json => curve.json_about(about),
             Format::Text => curve.two_columns(self.steps),
             Format::Adams => curve.adams_in(scene.units.as_ref(), self.steps, 1),
-            Format::C => curve.c_header_in(scene.units.as_ref(), &self.name),
+            Format::C => curve.c_header_about(about, &self.name),
+            Format::Fmu => String::new(),
         };
+        let bytes = if self.format == Format::Fmu { self.unit(&curve, about)? } else { text.into_bytes() };
         if let (Some((path, target)), Some(format)) = (picture, format) {
             let units = scene.units.clone().unwrap_or_else(UnitLabels::kinds);
-            let bytes = plot::curve_in(&units, scene.name.as_deref().unwrap_or(""), &curve, format)
+            let drawn = plot::curve_in(&units, scene.name.as_deref().unwrap_or(""), &curve, format)
                 .map_err(|e| Failure::Message(format!("{}: {e}", path.display())))?;
-            target.write(|to| to.write_all(&bytes)).map_err(|e| Failure::unwritable(path, &e))?;
+            target.write(|to| to.write_all(&drawn)).map_err(|e| Failure::unwritable(path, &e))?;
         }
         if let Some((path, target)) = table {
-            target.write(|to| to.write_all(text.as_bytes())).map_err(|e| Failure::unwritable(path, &e))?;
+            target.write(|to| to.write_all(&bytes)).map_err(|e| Failure::unwritable(path, &e))?;
         }
         Ok(ExitCode::SUCCESS)
     }
 
+    /// The functional mock-up unit; without a compiler its sources alone, and a line that says so.
+    fn unit(&self, curve: &Curve, about: About) -> Result<Vec<u8>, Failure> {
+        let built = fmu::built(&curve.fmu_sources(about, &self.name));
+        if let Err(why) = &built {
+            // A closed stderr does not make the unit worse.
+            let _ = writeln!(std::io::stderr().lock(), "note: the unit has sources and no binary: {why}");
+        }
+        curve
+            .fmu(about, &self.name, built.as_ref().ok().map(fmu::Built::binary))
+            .map_err(|e| Failure::Message(format!("the unit cannot be packed: {e}")))
+    }
+
+    /// One line: states, accuracy reached, power law.
+    fn summary(&self, curve: &Curve) -> String {
+        let law = curve.power_law();
+        let states = match curve.solves() {
+            1 => "1 state".to_owned(),
+            n => format!("{n} states"),
+        };
+        let (force, stiffness) = (curve.interpolation_error(), curve.stiffness_error());
+        let missed = if force > self.accuracy {
+            format!(", more than the accuracy asked for, {:.1e}", self.accuracy)
+        } else {
+            String::new()
+        };
+        let map = curve.map_error().map_or(String::new(), |open| {
+            format!("; the samples of the gap leave another {open:.1e} of the force open")
+        });
+        let first = curve.samples().first().map_or(0.0, |s| s.depth);
+        format!(
+            "{states} solved from depth {first:.3e} to {:.3e}; estimated error of the force {force:.1e}{missed}, of the stiffness \
+             {stiffness:.1e}{map}; force = {:.4e} overlap^{:.4} to {:.1e}",
+            curve.deepest(),
+            law.coefficient,
+            law.exponent,
+            law.error
+        )
+    }
+
     /// The curve up to the largest load of the scene.
-    fn curve(&self, scene: &Scene) -> Result<Result<Curve, Unsolved>, InputError> {
-        let mut deepest = f64::NEG_INFINITY;
-        let mut strongest = 0.0f64;
-        for load in scene.contact.loading().loads() {
-            match *load {
-                Load::Depth(depth) => deepest = deepest.max(depth),
-                Load::Force(force) => strongest = strongest.max(force),
-                Load::Tilted { .. } | Load::ForceMoment { .. } => {
-                    return Err(InputError::new(
-                        "loading",
-                        "a tilt or a moment",
-                        "depths or forces of a punch that does not tilt",
-                    ));
-                }
+    fn curve(&self, scene: &Scene, settings: &Settings) -> Result<Result<Curve, Unsolved>, InputError> {
+        let deepest = match Curve::end_of(&scene.contact, settings)? {
+            Ok(deepest) => deepest,
+            Err(unsolved) => return Ok(Err(unsolved)),
+        };
+        let touch = least(scene.contact.gap()).1;
+        let from = match self.from {
+            None => Curve::natural_start(&scene.contact, deepest),
+            Some(from) if from > touch && from < deepest => from - touch,
+            Some(from) => {
+                let allowed =
+                    format!("a depth greater than {touch:e} (first touch) and less than {deepest:e} (the largest)");
+                return Err(InputError::new("--from", from, allowed));
             }
-        }
-        if strongest > 0.0 {
-            let contact = scene.contact.under(crate::problem::Loading::force(strongest));
-            match crate::solve(&contact, &scene.settings).remove(0).or_else(Unsolved::accept_best) {
-                Ok(solution) => deepest = deepest.max(solution.depth),
-                Err(unsolved) => return Ok(Err(unsolved)),
+        };
+        let range = CurveRange { from, to: deepest - touch, accuracy: self.accuracy };
+        let mut progress = Progress::new();
+        let mut told = |states: usize, open: Option<f64>| match open {
+            None => progress.say(&format!("{states} states")),
+            Some(open) => {
+                progress.say(&format!("{states} states, error between them {open:.1e} of {:.1e}", self.accuracy))
             }
-        }
-        if !(deepest > least(scene.contact.gap()).1) {
-            return Err(InputError::new("loading", deepest, "a depth beyond first touch or a force greater than 0"));
-        }
-        Ok(Curve::up_to(&scene.contact, &scene.settings, deepest, self.accuracy))
+        };
+        Ok(Curve::watched(&scene.contact, settings, range, &mut told))
     }
 }

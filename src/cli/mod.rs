@@ -8,6 +8,7 @@ mod check;
 mod compare;
 mod completions;
 mod curve;
+mod fmu;
 mod heap;
 mod outputs;
 mod plan;

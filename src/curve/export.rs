@@ -1,9 +1,18 @@
-//! The curve as files: spreadsheet, JSON, spline tables for multibody codes, a C header.
+//! The curve as files: spreadsheet, JSON, spline tables for multibody codes.
 
 use std::fmt::Write;
 
 use super::{Curve, Sample};
 use crate::units::UnitLabels;
+
+/// Where a curve comes from: what an export says beside the numbers.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct About<'a> {
+    /// Name of the scene.
+    pub scene: Option<&'a str>,
+    /// Labels of the units.
+    pub units: Option<&'a UnitLabels>,
+}
 
 impl Curve {
     /// Depth and force at `steps` equal steps from first touch to the largest depth, both ends included.
@@ -18,7 +27,8 @@ impl Curve {
 
     /// Comma-separated values: a header, then `steps` equal steps of depth, first touch left out. Force and stiffness are the
     /// interpolant's; area, largest pressure and centre are interpolated between solved states (powers and lines), and empty below
-    /// the first of them and where the method does not give them.
+    /// the first of them and where the method does not give them. The relative errors of force and stiffness are those of
+    /// [`Curve::errors_at`].
     #[must_use]
     pub fn csv(&self, steps: usize) -> String {
         self.csv_in(None, steps)
@@ -28,11 +38,13 @@ impl Curve {
     #[must_use]
     pub fn csv_in(&self, units: Option<&UnitLabels>, steps: usize) -> String {
         let mut text = match units {
-            None => "depth,force,stiffness,area,pressure_max,centre_x,centre_y\n".to_owned(),
+            None => {
+                "depth,force,stiffness,area,pressure_max,centre_x,centre_y,force_error,stiffness_error\n".to_owned()
+            }
             Some(u) => {
                 let (l, f, s, a, p) = (u.length(), u.force(), u.stiffness(), u.area(), u.pressure());
                 format!(
-                    "depth [{l}],force [{f}],stiffness [{s}],area [{a}],pressure_max [{p}],centre_x [{l}],centre_y [{l}]\n"
+                    "depth [{l}],force [{f}],stiffness [{s}],area [{a}],pressure_max [{p}],centre_x [{l}],centre_y [{l}],force_error,stiffness_error\n"
                 )
             }
         };
@@ -47,6 +59,8 @@ impl Curve {
                 number(between(&|s| s.max_pressure, true)),
                 number(between(&|s| s.centre.map(|c| c[0]), false)),
                 number(between(&|s| s.centre.map(|c| c[1]), false)),
+                number(self.errors_at(depth).map(|e| e[0])),
+                number(self.errors_at(depth).map(|e| e[1])),
             ];
             // Writing to a string does not fail.
             let _ = writeln!(text, "{}", line.join(","));
@@ -71,9 +85,15 @@ impl Curve {
         Some(va + (vb - va) * (depth - a.depth) / (b.depth - a.depth))
     }
 
-    /// JSON: the knots of the interpolant, the solved states, the fitted power law, the estimate of the error.
+    /// JSON: the knots of the interpolant, the solved states, the fitted power law, the estimates of the errors.
     #[must_use]
     pub fn json(&self) -> String {
+        self.json_about(About::default())
+    }
+
+    /// As [`Curve::json`], with the name of the scene and the labels of its units.
+    #[must_use]
+    pub fn json_about(&self, about: About) -> String {
         let number = |x: f64| if x.is_finite() { format!("{x:e}") } else { "null".to_owned() };
         let maybe = |x: Option<f64>| x.map_or("null".to_owned(), number);
         let law = self.power_law();
@@ -86,7 +106,7 @@ impl Curve {
                 format!(
                     "{{\"depth\": {}, \"force\": {}, \"force_error\": {}, \"stiffness\": {}, \"area\": {}, \"pressure_max\": {}, \"centre\": {centre}, \
                      \"energy\": {}, \"pressure_singular\": {singular}, \"pressure_max_error\": {}, \"stiffness_error\": {}, \
-                     \"area_error\": {}, \"energy_error\": {}}}",
+                     \"area_error\": {}, \"energy_error\": {}, \"map_error\": {}}}",
                     number(s.depth),
                     number(s.force),
                     maybe(s.force_error),
@@ -97,7 +117,8 @@ impl Curve {
                     maybe(s.max_pressure_error),
                     maybe(s.stiffness_error),
                     maybe(s.area_error),
-                    maybe(s.energy_error)
+                    maybe(s.energy_error),
+                    maybe(s.map_error)
                 )
             })
             .collect();
@@ -107,11 +128,26 @@ impl Curve {
             .map(|k| [k.overlap, k.force, k.stiffness, k.shape].map(number).join(", "))
             .map(|k| format!("[{k}]"))
             .collect();
+        let quoted = |text: Option<&str>| text.map_or("null".to_owned(), string);
+        let units = about.units.map_or("null".to_owned(), |u| {
+            format!("{{\"length\": {}, \"force\": {}}}", string(u.length()), string(u.force()))
+        });
+        let errors: Vec<String> =
+            self.errors.iter().map(|[p, k]| format!("[{}, {}]", number(*p), number(*k))).collect();
         format!(
-            "{{\"first_touch\": {}, \"interpolation_error\": {}, \"solves\": {}, \"power_law\": {{\"coefficient\": {}, \
+            "{{\"scene\": {}, \"units\": {units}, \"version\": \"{}\", \"effective_modulus\": {}, \"beyond\": \"{}\", \
+             \"first_touch\": {}, \"interpolation_error\": {}, \"stiffness_error\": {}, \"map_error\": {}, \
+             \"errors_between_states\": [{}], \"solves\": {}, \"power_law\": {{\"coefficient\": {}, \
              \"exponent\": {}, \"error\": {}}}, \"knots\": [{}], \"states\": [{}]}}\n",
+            quoted(about.scene),
+            env!("CARGO_PKG_VERSION"),
+            number(self.e_star),
+            self.beyond.word(),
             number(self.first_touch),
-            number(self.interpolation_error),
+            number(self.interpolation_error()),
+            number(self.stiffness_error()),
+            maybe(self.map_error()),
+            errors.join(", "),
             self.solves,
             number(law.coefficient),
             number(law.exponent),
@@ -141,7 +177,13 @@ impl Curve {
     #[must_use]
     pub fn adams_in(&self, units: Option<&UnitLabels>, steps: usize, id: u32) -> String {
         let table = self.table(steps);
-        let mut text = format!("! force{} over depth{}\nSPLINE/{id}\n", of_force(units), of_length(units));
+        let mut text = format!(
+            "! force{} over depth{}, to {:.1e} (force), {:.1e} (slope)\nSPLINE/{id}\n",
+            of_force(units),
+            of_length(units),
+            self.interpolation_error(),
+            self.stiffness_error()
+        );
         for (m, name) in ["X", "Y"].into_iter().enumerate() {
             for (k, four) in table.chunks(3).enumerate() {
                 let values: Vec<String> = four.iter().map(|row| format!("{:.15e}", row[m])).collect();
@@ -151,36 +193,21 @@ impl Curve {
         }
         text
     }
+}
 
-    /// A C header with the knots and `NAME_force`, `NAME_stiffness`, which evaluate the same interpolant: zero before first
-    /// touch, NaN beyond the largest depth. Characters of `name` that C does not allow become underscores.
-    #[must_use]
-    pub fn c_header(&self, name: &str) -> String {
-        self.c_header_in(None, name)
-    }
-
-    /// As [`Curve::c_header`], with the units in the comment at its head.
-    #[must_use]
-    pub fn c_header_in(&self, units: Option<&UnitLabels>, name: &str) -> String {
-        let mut n: String = name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
-        if n.chars().next().is_none_or(|c| c.is_ascii_digit()) {
-            n.insert(0, '_');
+/// A string of JSON.
+fn string(text: &str) -> String {
+    let mut quoted = String::with_capacity(text.len() + 2);
+    quoted.push('"');
+    for c in text.chars() {
+        match c {
+            '"' | '\\' => quoted.extend(['\\', c]),
+            c if c.is_control() => quoted.push_str(&format!("\\u{:04x}", u32::from(c))),
+            c => quoted.push(c),
         }
-        let guard = n.to_uppercase();
-        let rows: Vec<String> = self
-            .knots()
-            .iter()
-            .map(|k| format!("    {{{:e}, {:e}, {:e}, {:e}}}", k.overlap, k.force, k.stiffness, k.shape))
-            .collect();
-        C_HEADER
-            .replace("@GUARD@", &guard)
-            .replace("@COUNT@", &rows.len().to_string())
-            .replace("@KNOTS@", &rows.join(",\n"))
-            .replace("@TOUCH@", &format!("{:e}", self.first_touch))
-            .replace("@NAME@", &n)
-            .replace("@FORCE_UNIT@", &of_force(units))
-            .replace("@LENGTH_UNIT@", &of_length(units))
     }
+    quoted.push('"');
+    quoted
 }
 
 fn of_force(units: Option<&UnitLabels>) -> String {
@@ -190,65 +217,3 @@ fn of_force(units: Option<&UnitLabels>) -> String {
 fn of_length(units: Option<&UnitLabels>) -> String {
     units.map_or(String::new(), |u| format!(" ({})", u.length()))
 }
-
-/// The evaluator; the same steps as in `spline.rs`.
-const C_HEADER: &str = r"/* Force@FORCE_UNIT@ over depth@LENGTH_UNIT@: rational cubics (Delbourgo & Gregory 1985), increasing and convex. */
-#ifndef @GUARD@_SPRING_H
-#define @GUARD@_SPRING_H
-#include <math.h>
-
-#define @GUARD@_KNOTS @COUNT@
-
-/* Depth of first touch. */
-static const double @NAME@_first_touch = @TOUCH@;
-
-/* Overlap, force, stiffness, shape of the interval that begins here. */
-static const double @NAME@_knots[@GUARD@_KNOTS][4] = {
-@KNOTS@
-};
-
-/* Force and stiffness at a depth. */
-static void @NAME@_evaluate(double depth, double *force, double *stiffness) {
-    const double (*k)[4] = @NAME@_knots;
-    double s = depth - @NAME@_first_touch, h, t, u, p, q, above, below, d_above, d_below;
-    int low = 0, high = @GUARD@_KNOTS - 1;
-    if (!(s <= k[high][0])) { *force = *stiffness = NAN; return; }
-    if (s <= 0.0) { *force = *stiffness = 0.0; return; }
-    if (s <= k[0][0]) {
-        double m = k[0][2] * k[0][0] / k[0][1];
-        *force = k[0][1] * pow(s / k[0][0], m);
-        *stiffness = m * *force / s;
-        return;
-    }
-    while (high - low > 1) {
-        int middle = (low + high) / 2;
-        if (k[middle][0] < s) low = middle; else high = middle;
-    }
-    k += low;
-    h = k[1][0] - k[0][0];
-    t = (s - k[0][0]) / h;
-    u = 1.0 - t;
-    p = k[0][3] * k[0][1] + h * k[0][2];
-    q = k[0][3] * k[1][1] - h * k[1][2];
-    above = u * u * u * k[0][1] + t * u * u * p + t * t * u * q + t * t * t * k[1][1];
-    below = 1.0 + (k[0][3] - 3.0) * t * u;
-    d_above = 3.0 * (t * t * k[1][1] - u * u * k[0][1]) + (u - 2.0 * t) * u * p + (2.0 * u - t) * t * q;
-    d_below = (k[0][3] - 3.0) * (u - t);
-    *force = above / below;
-    *stiffness = (d_above - *force * d_below) / (below * h);
-}
-
-static inline double @NAME@_force(double depth) {
-    double force, stiffness;
-    @NAME@_evaluate(depth, &force, &stiffness);
-    return force;
-}
-
-static inline double @NAME@_stiffness(double depth) {
-    double force, stiffness;
-    @NAME@_evaluate(depth, &force, &stiffness);
-    return stiffness;
-}
-
-#endif
-";

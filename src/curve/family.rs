@@ -1,6 +1,7 @@
 //! The states of one contact at many depths, each as exact as the curve needs it.
 
 use super::Sample;
+use crate::acceptance::sampled;
 use crate::gap::Law;
 use crate::grid_method::dimensional::dimensional;
 use crate::grid_method::on_several_grids;
@@ -43,63 +44,124 @@ impl<'a> Family<'a> {
         self.solves
     }
 
-    /// The state at overlap `s`; the deepest has to be asked for first.
-    pub fn at(&mut self, s: f64) -> Result<Sample, Unsolved> {
-        let depth = self.first_touch + s;
+    /// The states at overlaps, on as many threads as the settings allow; the deepest has to be asked for first. The answer does
+    /// not depend on the number of threads.
+    pub fn at(&mut self, overlaps: &[f64]) -> Result<Vec<Sample>, Unsolved> {
         if let Some((state, law)) = &self.similar {
-            return Ok(sample(&state.at_other_depth(depth, self.contact.gap().known().centre, law)));
+            let centre = self.contact.gap().known().centre;
+            let at = |s: &f64| sample(self.contact, &state.at_other_depth(self.first_touch + s, centre, law));
+            return Ok(overlaps.iter().map(at).collect());
         }
-        self.solves += 1;
-        let state = self.solved(depth)?;
-        if !(state.force > 0.0 && state.stiffness > 0.0) {
-            let reason = format!("no force at depth {depth:e}, {s:e} below first touch");
-            return Err(Unsolved::new(Verdict::NotApplicable, reason));
-        }
-        if s == self.deepest {
+        self.solves += overlaps.len();
+        let threads = self.settings.threads.max(1);
+        let own = Settings { threads: (threads / overlaps.len().max(1)).max(1), ..self.settings };
+        let states = each(overlaps, threads, |&s| self.pressed(s, &own))?;
+        if let ([s], [state]) = (overlaps, states.as_slice())
+            && *s == self.deepest
+        {
             self.similar = self.contact.gap().known().law.map(|law| (state.clone(), law));
         }
-        Ok(sample(&state))
+        Ok(states.iter().map(|state| sample(self.contact, state)).collect())
     }
 
-    fn solved(&self, depth: f64) -> Result<Solution, Unsolved> {
-        let settings = &self.settings;
+    /// The state at overlap `s`.
+    fn pressed(&self, s: f64, settings: &Settings) -> Result<Solution, Unsolved> {
+        settings.deadline.check()?;
+        let depth = self.first_touch + s;
+        let deadline = settings.deadline.or_after(settings.seconds, self.settings.threads);
+        let state = self.solved(depth, &Settings { deadline, ..*settings })?;
+        if state.force > 0.0 && state.stiffness > 0.0 {
+            return Ok(state);
+        }
+        let reason = format!("no force at depth {depth:e}, {s:e} below first touch");
+        Err(Unsolved::new(Verdict::NotApplicable, reason))
+    }
+
+    fn solved(&self, depth: f64, settings: &Settings) -> Result<Solution, Unsolved> {
         match settings.method {
-            Method::Qp | Method::Fft => self.on_grid(depth),
-            Method::Auto if settings.cells.is_some() => self.on_grid(depth),
-            Method::Auto => match without_grid(self.contact, self.contact.gap(), depth, [0.0; 2], settings, false) {
-                None => self.on_grid(depth),
-                Some(Err(short)) if short.verdict == Verdict::ToleranceNotReached => self.on_grid(depth),
+            Method::Qp | Method::Fft => self.on_grid(depth, settings),
+            Method::Auto if settings.cells.is_some() => self.on_grid(depth, settings),
+            Method::Auto => match self.without_grid(depth, settings) {
                 Some(answered) => answered,
+                None => self.on_grid(depth, settings),
             },
             _ => respond(self.contact, depth, [0.0; 2], settings, false),
         }
     }
 
-    fn on_grid(&self, depth: f64) -> Result<Solution, Unsolved> {
-        if on_several_grids(self.contact, depth, &self.settings) {
-            // No finer than it can be had.
-            let loose = Settings { tolerance: self.tolerance, ..self.settings };
-            return respond(self.contact, depth, [0.0; 2], &self.settings, false)
-                .or_else(|_| respond(self.contact, depth, [0.0; 2], &loose, false));
+    /// The state without a grid, to what is wanted, or as near to it as can be had; `None` where it takes a grid.
+    fn without_grid(&self, depth: f64, settings: &Settings) -> Option<Result<Solution, Unsolved>> {
+        let mut tolerance = settings.tolerance;
+        loop {
+            let settings = Settings { tolerance, ..*settings };
+            match without_grid(self.contact, self.contact.gap(), depth, [0.0; 2], &settings, false) {
+                None => {}
+                Some(Err(short)) if short.verdict == Verdict::ToleranceNotReached => {}
+                answered => return answered,
+            }
+            if tolerance >= self.tolerance {
+                return None;
+            }
+            tolerance = (LOOSER * tolerance).min(self.tolerance);
         }
-        let method = if self.settings.method == Method::Qp { Method::Qp } else { Method::Fft };
+    }
+
+    fn on_grid(&self, depth: f64, settings: &Settings) -> Result<Solution, Unsolved> {
+        if on_several_grids(self.contact, depth, settings) {
+            // No finer than it can be had.
+            let loose = Settings { tolerance: self.tolerance, ..*settings };
+            return respond(self.contact, depth, [0.0; 2], settings, false)
+                .or_else(|_| respond(self.contact, depth, [0.0; 2], &loose, false))
+                .or_else(Unsolved::accept_best);
+        }
+        let method = if settings.method == Method::Qp { Method::Qp } else { Method::Fft };
         let apart = || Unsolved::new(Verdict::NotApplicable, format!("no contact at depth {depth:e}"));
         let scaled = Overlap::of(self.contact.gap(), depth)?.ok_or_else(apart)?.scaled();
         let law = self.contact.gap().known().law;
-        let mut found = refinement::as_far_as(FINE, &scaled, &self.settings, method, law)?;
-        let short = found.error / found.force / self.settings.tolerance;
+        let mut found = refinement::as_far_as(FINE, &scaled, settings, method, law)?;
+        let short = found.error / found.force / settings.tolerance;
         // Twice as many cells take a half to three quarters of the error away.
-        if self.settings.cells.is_none() && (1.0..4.0).contains(&short) {
-            found = refinement::as_far_as(2 * FINE, &scaled, &self.settings, method, law)?;
+        if settings.cells.is_none() && (1.0..4.0).contains(&short) {
+            found = refinement::as_far_as(2 * FINE, &scaled, settings, method, law)?;
         }
-        dimensional(self.contact, &scaled, &found, law, depth, [0.0; 2], &self.settings)
+        let state = dimensional(self.contact, &scaled, &found, law, depth, [0.0; 2], settings)?;
+        if settings.cells.is_some() || found.error <= self.tolerance * found.force {
+            return Ok(state);
+        }
+        // As a single state is solved: on as many cells as it takes.
+        let loose = Settings { tolerance: self.tolerance, ..*settings };
+        let other = respond(self.contact, depth, [0.0; 2], &loose, false).or_else(Unsolved::accept_best);
+        let error = |state: &Solution| state.force_error.unwrap_or(f64::INFINITY);
+        Ok(other.ok().filter(|other| error(other) < error(&state)).unwrap_or(state))
     }
 }
+
+/// Steps in which a tolerance becomes looser.
+const LOOSER: f64 = 3.0;
 
 /// Least relative error that is asked of a grid for a curve.
 const SHARPEST: f64 = 1e-6;
 
-fn sample(state: &Solution) -> Sample {
+/// Does the work for each item, on several threads where there are several; the first error in their order.
+pub(super) fn each<T: Sync, R: Send>(
+    items: &[T],
+    threads: usize,
+    work: impl Fn(&T) -> Result<R, Unsolved> + Sync,
+) -> Result<Vec<R>, Unsolved> {
+    #[cfg(feature = "parallel")]
+    if threads > 1
+        && items.len() > 1
+        && let Ok(pool) = rayon::ThreadPoolBuilder::new().num_threads(threads.min(items.len())).build()
+    {
+        use rayon::prelude::*;
+        let found: Vec<_> = pool.install(|| items.par_iter().map(&work).collect());
+        return found.into_iter().collect();
+    }
+    let _ = threads;
+    items.iter().map(work).collect()
+}
+
+fn sample(contact: &Contact, state: &Solution) -> Sample {
     let centre = state.moment.map(|[mx, my]| [-my / state.force, mx / state.force]);
     Sample {
         depth: state.depth,
@@ -115,5 +177,6 @@ fn sample(state: &Solution) -> Sample {
         energy_error: state.energy_error,
         centre: centre.filter(|c| c.iter().all(|c| c.is_finite())),
         energy: state.energy,
+        map_error: sampled::share(contact, state),
     }
 }

@@ -26,14 +26,27 @@ const DOUBT_OF_SLOPES: f64 = 0.2;
 /// Sweeps over the slopes: each leaves less than a quarter of the error before it.
 const SWEEPS: usize = 24;
 
+/// Slope of what is left in the middle of an interval of width h, over that and h: 3.1 for t^2 (1 - t)^2, which is what a smooth law
+/// leaves, and more where its second derivative jumps.
+const SLOPE_OF_REST: f64 = 5.0;
+
+/// Slope that errors of the values make, over the sum of two neighbouring ones and their distance, where slopes bend the law least:
+/// 1.5 for errors that alternate, about 2.2 for the worst there are.
+const SLOPE_OF_NOISE: f64 = 2.5;
+
 /// The states by overlap, and how well they determine what lies between.
 pub(super) struct Law {
     /// s, P, m = d ln P/d ln s.
     knots: Vec<[f64; 3]>,
     /// Relative doubt of each slope.
     doubts: Vec<f64>,
-    /// Estimate of the largest relative error between the states, theirs included.
-    pub error: f64,
+    /// Estimates of the largest relative errors of force and slope in each interval between two states, those of the states included.
+    pub errors: Vec<[f64; 2]>,
+}
+
+/// The larger doubt of the states beside an interval.
+fn noise_of(states: &[Sample], k: usize, doubt: &impl Fn(&Sample) -> f64) -> f64 {
+    doubt(&states[k]).max(doubt(&states[k + 1]))
 }
 
 /// What a bisection found: relative miss of the state in the middle, and how much of it their own errors can explain.
@@ -45,27 +58,29 @@ struct Miss {
 
 impl Law {
     /// States from `from` to `to` until what lies between them is known to `accuracy`, or `most` of them are solved; `doubt` is the
-    /// part of a state's error that differs from one to the next.
+    /// part of a state's error that differs from one to the next. `solve` is asked for all overlaps of a round at once; `told` is
+    /// given the states so far and what the widest interval leaves open.
     pub fn solved(
         [from, to]: [f64; 2],
         accuracy: f64,
         most: usize,
         first_touch: f64,
         doubt: impl Fn(&Sample) -> f64,
-        mut solve: impl FnMut(f64) -> Result<Sample, Unsolved>,
+        mut solve: impl FnMut(&[f64]) -> Result<Vec<Sample>, Unsolved>,
+        told: &mut dyn FnMut(usize, Option<f64>),
     ) -> Result<(Self, Vec<Sample>), Unsolved> {
+        told(0, None);
         // Deepest first: it may serve all.
-        let deepest = solve(to)?;
-        let mut states = Vec::with_capacity(2 * FIRST);
-        for k in 0..FIRST {
-            states.push(solve(from * (to / from).powf(k as f64 / FIRST as f64))?);
-        }
-        states.push(deepest);
+        let deepest = solve(&[to])?;
+        told(1, None);
+        let shallower: Vec<f64> = (0..FIRST).map(|k| from * (to / from).powf(k as f64 / FIRST as f64)).collect();
+        let mut states = solve(&shallower)?;
+        states.extend(deepest);
         // One an interval: what was found when it was halved last.
-        let mut found = vec![Miss { missed: 0.0, doubt: 0.0 }; FIRST];
+        let mut found = vec![Miss { missed: 0.0, doubt: 0.0 }; states.len() - 1];
         loop {
             let law = Self::through(&states, first_touch);
-            let noise = |k: usize| doubt(&states[k]).max(doubt(&states[k + 1]));
+            let noise = |k: usize| noise_of(&states, k, &doubt);
             let open = |k: usize| {
                 let by_halving = LEFT * (found[k].missed - found[k].doubt);
                 // A state's error takes part in a neighbour's extrapolation with a share below this.
@@ -74,20 +89,48 @@ impl Law {
                 // More states do not know more than each of them.
                 if narrow || open <= noise(k) { 0.0 } else { open }
             };
-            let widest = (0..found.len()).max_by(|&a, &b| open(a).total_cmp(&open(b))).unwrap_or(0);
-            if open(widest) <= accuracy || states.len() >= most {
-                let own = states.iter().filter_map(|s| s.force_error).fold(0.0, f64::max);
-                let left = |k: usize| (LEFT * found[k].missed).max(law.unseen(k)).max(law.unsure(k));
-                let between = (0..found.len()).map(left).fold(0.0, f64::max);
-                return Ok((Self { error: own + between, ..law }, states));
+            let open: Vec<f64> = (0..found.len()).map(open).collect();
+            told(states.len(), open.iter().copied().reduce(f64::max));
+            let mut wide: Vec<usize> = (0..open.len()).filter(|&k| open[k] > accuracy).collect();
+            // The widest first, where there is no room for all.
+            wide.sort_by(|&a, &b| open[b].total_cmp(&open[a]).then(a.cmp(&b)));
+            wide.truncate(most.saturating_sub(states.len()));
+            wide.sort_unstable();
+            if wide.is_empty() {
+                let own: Vec<[f64; 2]> =
+                    (0..found.len()).map(|k| law.errors_in(k, &states, &found[k], &doubt)).collect();
+                // An interval is no better known than those beside it.
+                let beside = |k: usize| &own[k.saturating_sub(1)..(k + 2).min(own.len())];
+                let largest = |k: usize, n: usize| beside(k).iter().map(|e| e[n]).fold(0.0, f64::max);
+                let errors = (0..own.len()).map(|k| [largest(k, 0), largest(k, 1)]).collect();
+                return Ok((Self { errors, ..law }, states));
             }
-            let s = (law.knots[widest][0] * law.knots[widest + 1][0]).sqrt();
-            let state = solve(s)?;
-            let miss = Miss { missed: (law.at(s)[0] / state.force).ln().abs(), doubt: doubt(&state) + noise(widest) };
-            states.insert(widest + 1, state);
-            found[widest] = miss;
-            found.insert(widest, miss);
+            let middles: Vec<f64> = wide.iter().map(|&k| (law.knots[k][0] * law.knots[k + 1][0]).sqrt()).collect();
+            let solved = solve(&middles)?;
+            // From the end, so that the places of the others stay.
+            for ((&k, &s), state) in wide.iter().zip(&middles).zip(solved).rev() {
+                let miss = Miss {
+                    missed: (law.at(s)[0] / state.force).ln().abs(),
+                    doubt: doubt(&state) + noise_of(&states, k, &doubt),
+                };
+                states.insert(k + 1, state);
+                found[k] = miss;
+                found.insert(k, miss);
+            }
         }
+    }
+
+    /// Estimates of the largest relative errors of force and slope between the states k and k + 1.
+    fn errors_in(&self, k: usize, states: &[Sample], found: &Miss, doubt: &impl Fn(&Sample) -> f64) -> [f64; 2] {
+        let own = [k, k + 1].iter().filter_map(|&k| states[k].force_error).fold(0.0, f64::max);
+        let left = (LEFT * found.missed).max(self.unseen(k)).max(self.unsure(k));
+        let ([a, _, m], [b, _, n]) = (self.knots[k], self.knots[k + 1]);
+        let h = (b / a).ln();
+        let by_values = SLOPE_OF_NOISE * (doubt(&states[k]) + doubt(&states[k + 1])) / h;
+        // A slope is never farther from the one of its state than that is doubted.
+        let of_slopes = by_values.min(2.0 * (m * self.doubts[k]).max(n * self.doubts[k + 1]));
+        let slope = (SLOPE_OF_REST * left / h + of_slopes) / m.min(n);
+        [own + left, own + left + slope]
     }
 
     /// Estimate of the error in the middle of an interval, from its neighbours: with h its width and c a state beside it,
@@ -122,9 +165,13 @@ impl Law {
                 [s, state.force, (state.stiffness * s / state.force).max(1.0)]
             })
             .collect();
-        let doubts: Vec<f64> =
-            states.iter().map(|state| DOUBT_OF_SLOPES * state.force_error.unwrap_or(0.0).sqrt()).collect();
-        let mut law = Self { knots: given.clone(), doubts: doubts.clone(), error: 0.0 };
+        let doubt = |state: &Sample| {
+            let own = state.force_error.unwrap_or(0.0);
+            let of_grids = DOUBT_OF_SLOPES * own.sqrt();
+            state.stiffness_error.map_or(of_grids, |stated| of_grids.min(stated + own))
+        };
+        let doubts: Vec<f64> = states.iter().map(doubt).collect();
+        let mut law = Self { knots: given.clone(), doubts: doubts.clone(), errors: Vec::new() };
         for _ in 0..SWEEPS {
             for k in 1..given.len() - 1 {
                 let m = given[k][2];
@@ -152,6 +199,11 @@ impl Law {
         let y = u * u * t * h * ma + t * t * ((1.0 + 2.0 * u) * rise - u * h * mb);
         let m = 6.0 * t * u * rise / h + u * (u - 2.0 * t) * ma + t * (t - 2.0 * u) * mb;
         [y, m]
+    }
+
+    /// Overlaps of the states.
+    pub fn overlaps(&self) -> impl Iterator<Item = f64> + '_ {
+        self.knots.iter().map(|knot| knot[0])
     }
 
     /// Force and slope at overlap `s` within the range.

@@ -2,30 +2,24 @@
 
 mod export;
 mod family;
+#[cfg(feature = "scene")]
+mod fmu;
+mod header;
 mod law;
+mod made;
 mod spline;
+mod tilted;
+mod warm;
 
-pub use spline::Knot;
+pub use export::About;
+#[cfg(feature = "scene")]
+pub use fmu::{Binary, Source};
+pub use spline::{Beyond, Knot};
+pub use tilted::{TiltRange, TiltTable, TiltedForce};
+pub use warm::{Pose, Reaction, WarmContact};
 
-use crate::error::{InputError, positive};
-use crate::overlap::least;
-use crate::problem::{Contact, Settings};
-use crate::solution::{Singular, Unsolved, Verdict};
-use family::Family;
-use law::Law;
+use crate::solution::Singular;
 use spline::Spline;
-
-/// Most states of one curve.
-const MOST_STATES: usize = 200;
-
-/// Share of the accuracy that is left to the error of the states; the rest is for what lies between them.
-const OF_STATES: f64 = 0.4;
-
-/// Share of the accuracy by which the convex interpolant may differ from the law through the states.
-const OF_FORM: f64 = 0.02;
-
-/// Least depth of a curve that is asked for by its end alone, as a share of it.
-const SHALLOWEST: f64 = 1.0 / 200.0;
 
 /// What [`Curve::new`] is asked for.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -68,6 +62,9 @@ pub struct Sample {
     pub centre: Option<[f64; 2]>,
     /// Stored energy.
     pub energy: Option<f64>,
+    /// Share of the force that the samples of a measured gap leave open, on top of `force_error`; `None` for gaps that are no
+    /// measurements.
+    pub map_error: Option<f64>,
 }
 
 /// P = k s^e fitted to a curve, s the depth below first touch.
@@ -87,69 +84,96 @@ pub struct Curve {
     first_touch: f64,
     spline: Spline,
     samples: Vec<Sample>,
-    interpolation_error: f64,
+    /// Largest relative errors of force and stiffness between neighbouring samples.
+    errors: Vec<[f64; 2]>,
     solves: usize,
+    e_star: f64,
+    beyond: Beyond,
+    /// Whether one law holds at all depths.
+    homogeneous: bool,
 }
 
 impl Curve {
-    /// The curve of a punch that does not tilt; the loading of the contact is not used. Depths are solved where the interpolant misses
-    /// them by more than the accuracy; a homogeneous gap takes one solve.
+    /// The same curve with this continuation beyond its largest depth; [`Beyond::Refuse`] unless said.
     ///
     /// ```
-    /// use contact_patch::{Contact, Curve, CurveRange, EffectiveModulus, Loading, Settings, gap::Paraboloid};
-    /// let modulus = EffectiveModulus::from_e_star(1.0)?;
-    /// let sphere = Contact::new(modulus, Paraboloid::new([1.0, 1.0])?, Loading::depth(1.0))?;
-    /// let range = CurveRange { from: 0.01, to: 1.0, accuracy: 1e-5 };
-    /// let spring = Curve::new(&sphere, &Settings::default(), range)?;
-    /// assert!((spring.force(0.25).unwrap() - 4.0 / 3.0 * 0.125).abs() < 2e-6);
+    /// use contact_patch::{Contact, Curve, EffectiveModulus, Loading, Settings, curve::Beyond, gap::Paraboloid};
+    /// let sphere = Contact::new(EffectiveModulus::from_e_star(1.0)?, Paraboloid::new([1.0, 1.0])?, Loading::depth(1.0))?;
+    /// let spring = Curve::up_to(&sphere, &Settings::default(), 1.0, 1e-4)?;
+    /// assert_eq!(spring.force(1.2), None);
+    /// let spring = spring.continued(Beyond::Power);
+    /// assert!((spring.force(1.2).unwrap() / (4.0 / 3.0 * 1.2f64.powf(1.5)) - 1.0).abs() < 1e-4);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    ///
-    /// # Errors
-    /// What stops the solve at some depth; `NotApplicable` when the range is not 0 < from < to.
-    pub fn new(contact: &Contact, settings: &Settings, range: CurveRange) -> Result<Self, Unsolved> {
-        range.checked().map_err(|e| Unsolved::new(Verdict::NotApplicable, e.to_string()))?;
-        let (_, first_touch) = least(contact.gap());
-        let CurveRange { from, to, accuracy } = range;
-        let mut family = Family::new(contact, settings, OF_STATES * accuracy, first_touch, to);
-        // On a prescribed grid nearly all of a state's error is that of the grid, the same from one state to the next.
-        let share = if settings.cells.is_some() { 0.1 } else { 1.0 };
-        let doubt = |state: &Sample| share * state.force_error.unwrap_or(0.0);
-        let left = (1.0 - OF_STATES - OF_FORM) * accuracy;
-        let (law, samples) = Law::solved([from, to], left, MOST_STATES, first_touch, doubt, |s| family.at(s))?;
-        let (spline, off) = convex(&law, OF_FORM * accuracy);
-        Ok(Self { first_touch, spline, samples, interpolation_error: law.error + off, solves: family.solves() })
+    #[must_use]
+    pub fn continued(self, beyond: Beyond) -> Self {
+        Self { beyond, ..self }
     }
 
-    /// The curve up to a depth, from a two-hundredth of the overlap there on: as [`Curve::new`].
-    ///
-    /// # Errors
-    /// As [`Curve::new`]; `NotApplicable` when the bodies do not touch at that depth.
-    pub fn up_to(contact: &Contact, settings: &Settings, depth: f64, accuracy: f64) -> Result<Self, Unsolved> {
-        let to = depth - least(contact.gap()).1;
-        if !(to.is_finite() && to > 0.0) {
-            let reason = format!("a curve up to depth {depth:e}, at which the bodies do not touch");
-            return Err(Unsolved::new(Verdict::NotApplicable, reason));
-        }
-        Self::new(contact, settings, CurveRange { from: SHALLOWEST * to, to, accuracy })
+    /// What it says beyond its largest depth.
+    #[must_use]
+    pub fn beyond(&self) -> Beyond {
+        self.beyond
     }
 
-    /// Force at a depth: zero before first touch, `None` beyond the range.
+    /// Force, stiffness dP/dd and d2P/dd2 at a depth: zero before first touch; beyond the range as [`Curve::beyond`] says.
+    #[must_use]
+    pub fn derivatives(&self, depth: f64) -> Option<[f64; 3]> {
+        self.spline.at(depth - self.first_touch, self.beyond)
+    }
+
+    /// Force at a depth: zero before first touch; beyond the range as [`Curve::beyond`] says, `None` where it refuses.
     #[must_use]
     pub fn force(&self, depth: f64) -> Option<f64> {
-        self.spline.at(depth - self.first_touch).map(|p| p[0])
+        self.derivatives(depth).map(|p| p[0])
     }
 
-    /// dP/dd at a depth; `None` beyond the range.
+    /// dP/dd at a depth, as [`Curve::force`].
     #[must_use]
     pub fn stiffness(&self, depth: f64) -> Option<f64> {
-        self.spline.at(depth - self.first_touch).map(|p| p[1])
+        self.derivatives(depth).map(|p| p[1])
     }
 
-    /// Depth at a force: the inverse of [`Curve::force`]; `None` for a pull and beyond the range.
+    /// Depth at a force: the inverse of [`Curve::force`]; `None` for a pull, and beyond the range where that refuses.
     #[must_use]
     pub fn depth(&self, force: f64) -> Option<f64> {
-        self.spline.overlap_at(force).map(|s| self.first_touch + s)
+        self.spline.overlap_at(force, self.beyond).map(|s| self.first_touch + s)
+    }
+
+    /// Area of the patch: powers of the overlap between the solved states, continued on both sides; zero before first touch, `None`
+    /// where the force is.
+    #[must_use]
+    pub fn area(&self, depth: f64) -> Option<f64> {
+        self.derivatives(depth)?;
+        let s = depth - self.first_touch;
+        if s <= 0.0 {
+            return Some(0.0);
+        }
+        let [a, b] = self.beside(depth);
+        let (la, lb) = ((a.depth - self.first_touch).ln(), (b.depth - self.first_touch).ln());
+        let exponent = (b.area / a.area).ln() / (lb - la);
+        Some(a.area * ((s.ln() - la) * exponent).exp())
+    }
+
+    /// Centre of pressure: lines between the solved states, constant beyond them; `None` where the force is, and where the method
+    /// gives none.
+    #[must_use]
+    pub fn centre(&self, depth: f64) -> Option<[f64; 2]> {
+        self.derivatives(depth)?;
+        let [a, b] = self.beside(depth);
+        let (ca, cb) = (a.centre?, b.centre?);
+        let t = ((depth - a.depth) / (b.depth - a.depth)).clamp(0.0, 1.0);
+        Some([0, 1].map(|m| ca[m] + t * (cb[m] - ca[m])))
+    }
+
+    /// The solved states beside a depth, or the two at the end nearest to it.
+    fn beside(&self, depth: f64) -> [&Sample; 2] {
+        let k = self.interval(depth);
+        [&self.samples[k], &self.samples[k + 1]]
+    }
+
+    fn interval(&self, depth: f64) -> usize {
+        self.samples.partition_point(|s| s.depth < depth).clamp(1, self.samples.len() - 1) - 1
     }
 
     /// Depth at which the bodies first touch.
@@ -165,10 +189,36 @@ impl Curve {
     }
 
     /// Estimate (not a bound) of the largest relative error of the force within the range: what the solved states leave open
-    /// between them, and their own error.
+    /// between them, and their own error. What the samples of a measured gap leave open is beside it: [`Curve::map_error`].
     #[must_use]
     pub fn interpolation_error(&self) -> f64 {
-        self.interpolation_error
+        self.errors.iter().map(|e| e[0]).fold(0.0, f64::max)
+    }
+
+    /// The same of the stiffness.
+    #[must_use]
+    pub fn stiffness_error(&self) -> f64 {
+        self.errors.iter().map(|e| e[1]).fold(0.0, f64::max)
+    }
+
+    /// The same of force and stiffness at one depth; `None` outside of the range, where they follow a continuation. The law of a
+    /// homogeneous gap holds at every depth.
+    #[must_use]
+    pub fn errors_at(&self, depth: f64) -> Option<[f64; 2]> {
+        let inside = depth >= self.samples[0].depth && depth <= self.deepest();
+        (inside || self.homogeneous).then(|| self.errors[self.interval(depth)])
+    }
+
+    /// Largest share of the force that the samples of a measured gap leave open within the range; `None` for other gaps.
+    #[must_use]
+    pub fn map_error(&self) -> Option<f64> {
+        self.samples.iter().filter_map(|s| s.map_error).reduce(f64::max)
+    }
+
+    /// E* of the bodies.
+    #[must_use]
+    pub fn e_star(&self) -> f64 {
+        self.e_star
     }
 
     /// States that were solved; a homogeneous gap needs one.
@@ -197,7 +247,7 @@ impl Curve {
         let ratio = (last.overlap / first.overlap).ln();
         let points: Vec<[f64; 2]> = (0..=POINTS)
             .map(|k| (first.overlap * (ratio * f64::from(k) / f64::from(POINTS)).exp()).min(last.overlap))
-            .filter_map(|s| self.spline.at(s).map(|p| [s.ln(), p[0].ln()]))
+            .filter_map(|s| self.spline.at(s, self.beyond).map(|p| [s.ln(), p[0].ln()]))
             .collect();
         let n = points.len() as f64;
         let [x, y] = [0, 1].map(|m| points.iter().map(|p| p[m]).sum::<f64>() / n);
@@ -208,29 +258,3 @@ impl Curve {
         PowerLaw { coefficient: level.exp(), exponent, error }
     }
 }
-
-impl CurveRange {
-    fn checked(self) -> Result<(), InputError> {
-        positive("from", self.from)?;
-        positive("to", self.to)?;
-        positive("accuracy", self.accuracy)?;
-        if self.from < self.to { Ok(()) } else { Err(InputError::new("from", self.from, "less than to")) }
-    }
-}
-
-/// The increasing convex interpolant of the law, and by how much it differs from it.
-fn convex(law: &Law, allowed: f64) -> (Spline, f64) {
-    let mut pieces = 1;
-    loop {
-        let spline = Spline::new(&law.sampled(pieces));
-        let off = |row: &[f64; 3]| spline.at(row[0]).map_or(0.0, |p| (p[0] / row[1] - 1.0).abs());
-        let worst = law.sampled(4 * pieces).iter().map(off).fold(0.0, f64::max);
-        if worst <= allowed || pieces == MOST_PIECES {
-            return (spline, worst);
-        }
-        pieces *= 2;
-    }
-}
-
-/// Most pieces of the interpolant between two states.
-const MOST_PIECES: usize = 16;

@@ -21,6 +21,50 @@ pub struct Knot {
     pub shape: f64,
 }
 
+impl Knot {
+    /// d ln P/d ln s.
+    fn exponent(&self) -> f64 {
+        self.stiffness * self.overlap / self.force
+    }
+
+    /// The power law that continues value and slope here: force and its first two derivatives.
+    fn power(&self, s: f64) -> [f64; 3] {
+        let m = self.exponent();
+        let ratio = s / self.overlap;
+        let stiffness = self.stiffness * ratio.powf(m - 1.0);
+        [self.force * ratio.powf(m), stiffness, (m - 1.0) * stiffness / s]
+    }
+
+    /// Its inverse.
+    fn overlap_by_power(&self, force: f64) -> f64 {
+        self.overlap * (force / self.force).powf(1.0 / self.exponent())
+    }
+}
+
+/// What a curve says at depths beyond its range.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Beyond {
+    /// Nothing: `None`, NaN in exports.
+    #[default]
+    Refuse,
+    /// The power law that continues force and stiffness: P ~ s^m, m = K s/P at the end of the range.
+    Power,
+    /// The tangent: the stiffness stays.
+    Tangent,
+}
+
+impl Beyond {
+    /// The word on the command line and in exports.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Refuse => "refuse",
+            Self::Power => "power",
+            Self::Tangent => "tangent",
+        }
+    }
+}
+
 /// The interpolant.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Spline {
@@ -66,19 +110,24 @@ impl Spline {
         Self { knots }
     }
 
-    /// Force and stiffness; `None` beyond the last knot.
-    pub fn at(&self, s: f64) -> Option<[f64; 2]> {
+    /// Force, stiffness and d2P/ds2, with this continuation beyond the last knot; `None` where that refuses.
+    pub fn at(&self, s: f64, beyond: Beyond) -> Option<[f64; 3]> {
         let (first, last) = (self.knots.first()?, self.knots.last()?);
-        if s.is_nan() || s > last.overlap {
+        if s.is_nan() {
             return None;
         }
         if s <= 0.0 {
-            return Some([0.0; 2]);
+            return Some([0.0; 3]);
+        }
+        if s > last.overlap {
+            return match beyond {
+                Beyond::Refuse => None,
+                Beyond::Power => Some(last.power(s)),
+                Beyond::Tangent => Some([last.force + last.stiffness * (s - last.overlap), last.stiffness, 0.0]),
+            };
         }
         if s <= first.overlap {
-            let m = first.stiffness * first.overlap / first.force;
-            let force = first.force * (s / first.overlap).powf(m);
-            return Some([force, m * force / s]);
+            return Some(first.power(s));
         }
         let k = self.knots.partition_point(|knot| knot.overlap < s).min(self.knots.len() - 1) - 1;
         let ([a, b], h) = ([self.knots[k], self.knots[k + 1]], self.knots[k + 1].overlap - self.knots[k].overlap);
@@ -89,25 +138,35 @@ impl Spline {
         let below = 1.0 + (a.shape - 3.0) * t * u;
         let d_above = 3.0 * (t * t * b.force - u * u * a.force) + (u - 2.0 * t) * u * p + (2.0 * u - t) * t * q;
         let d_below = (a.shape - 3.0) * (u - t);
+        let dd_above = 6.0 * (u * a.force + t * b.force) + (6.0 * t - 4.0) * p + (6.0 * u - 4.0) * q;
+        let dd_below = -2.0 * (a.shape - 3.0);
         let force = above / below;
-        Some([force, (d_above - force * d_below) / (below * h)])
+        let slope = (d_above - force * d_below) / below;
+        let curvature = (dd_above - 2.0 * slope * d_below - force * dd_below) / below;
+        Some([force, slope / h, curvature / (h * h)])
     }
 
-    /// The overlap at this force: the inverse; `None` beyond the last knot and for a pull.
-    pub fn overlap_at(&self, force: f64) -> Option<f64> {
+    /// The overlap at this force: the inverse; `None` for a pull, and where there is no continuation beyond the last knot.
+    pub fn overlap_at(&self, force: f64, beyond: Beyond) -> Option<f64> {
         let (first, last) = (self.knots.first()?, self.knots.last()?);
-        if force.is_nan() || force < 0.0 || force > last.force {
+        if force.is_nan() || force < 0.0 {
             return None;
         }
+        if force > last.force {
+            return match beyond {
+                Beyond::Refuse => None,
+                Beyond::Power => Some(last.overlap_by_power(force)),
+                Beyond::Tangent => Some(last.overlap + (force - last.force) / last.stiffness),
+            };
+        }
         if force <= first.force {
-            let m = first.stiffness * first.overlap / first.force;
-            return Some(first.overlap * (force / first.force).powf(1.0 / m));
+            return Some(first.overlap_by_power(force));
         }
         let k = self.knots.partition_point(|knot| knot.force < force).min(self.knots.len() - 1) - 1;
         let (mut low, mut high) = (self.knots[k].overlap, self.knots[k + 1].overlap);
         let mut s = 0.5 * (low + high);
         for _ in 0..100 {
-            let [there, slope] = self.at(s)?;
+            let [there, slope, _] = self.at(s, beyond)?;
             if there < force {
                 low = s
             } else {
@@ -153,7 +212,7 @@ mod tests {
             let spline = powers(m, 8);
             for k in 0..100 {
                 let s = 0.1 + 0.06 * k as f64;
-                let [p, slope] = spline.at(s).unwrap();
+                let [p, slope, _] = spline.at(s, Beyond::Refuse).unwrap();
                 assert!((p - s.powf(m)).abs() < 1e-13 * p.max(1.0), "s^{m} at {s}: {p}");
                 assert!((slope - m * s.powf(m - 1.0)).abs() < 1e-12 * slope, "slope of s^{m} at {s}");
             }
@@ -163,26 +222,53 @@ mod tests {
     #[test]
     fn slope_is_the_derivative_and_never_falls() {
         let spline = powers(1.5, 8);
+        let p_bend = |p: [f64; 3]| p[2];
         let mut before = 0.0;
         for k in 1..200 {
             let s = 0.03 * k as f64;
-            let [p, slope] = spline.at(s).unwrap();
+            let [p, slope, _] = spline.at(s, Beyond::Refuse).unwrap();
             let e = 1e-5 * s;
-            let central = (spline.at(s + e).unwrap()[0] - spline.at(s - e).unwrap()[0]) / (2.0 * e);
+            let at = |s: f64| spline.at(s, Beyond::Refuse).unwrap();
+            let central = (at(s + e)[0] - at(s - e)[0]) / (2.0 * e);
+            // Not across a knot, where the second derivative jumps.
+            let between = spline.knots.iter().all(|knot| (knot.overlap - s).abs() > 2.0 * e);
+            let bend = (at(s + e)[1] - at(s - e)[1]) / (2.0 * e);
+            assert!(!between || (p_bend(at(s)) - bend).abs() < 1e-4 * bend, "{bend} at {s}");
             assert!((slope - central).abs() < 1e-6 * slope && slope >= before);
             assert!((p - s.powf(1.5)).abs() < 2e-5 * p);
             before = slope;
-            assert!((spline.overlap_at(p).unwrap() - s).abs() < 1e-13 * s);
+            assert!((spline.overlap_at(p, Beyond::Refuse).unwrap() - s).abs() < 1e-13 * s);
         }
-        assert_eq!(spline.at(1e3), None);
-        assert_eq!(spline.overlap_at(-1.0), None);
+        assert_eq!(spline.at(1e3, Beyond::Refuse), None);
+        assert_eq!(spline.overlap_at(-1.0, Beyond::Power), None);
+    }
+
+    #[test]
+    fn continuations_keep_value_and_slope_and_have_an_inverse() {
+        let spline = powers(1.7, 8);
+        let end = spline.knots.last().unwrap().overlap;
+        let here = spline.at(end, Beyond::Refuse).unwrap();
+        for beyond in [Beyond::Power, Beyond::Tangent] {
+            let after = spline.at(end * (1.0 + 1e-12), beyond).unwrap();
+            assert!((after[0] / here[0] - 1.0).abs() < 1e-11 && (after[1] / here[1] - 1.0).abs() < 1e-11);
+            for s in [1.1 * end, 7.0 * end] {
+                let [p, slope, bend] = spline.at(s, beyond).unwrap();
+                let e = 1e-5 * s;
+                let (low, high) = (spline.at(s - e, beyond).unwrap(), spline.at(s + e, beyond).unwrap());
+                assert!(((high[0] - low[0]) / (2.0 * e) / slope - 1.0).abs() < 1e-8);
+                assert!(((high[1] - low[1]) / (2.0 * e) - bend).abs() < 1e-6 * slope / s);
+                assert!((spline.overlap_at(p, beyond).unwrap() / s - 1.0).abs() < 1e-12);
+            }
+        }
+        let law = spline.at(10.0 * end, Beyond::Power).unwrap();
+        assert!((law[0] / (10.0 * end).powf(1.7) - 1.0).abs() < 1e-12);
     }
 
     #[test]
     fn noise_is_made_convex() {
         let noisy = [[1.0, 1.0, 1.0], [2.0, 2.9, 2.5], [3.0, 4.7, 2.4], [4.0, 8.0, 4.0]];
         let spline = Spline::new(&noisy);
-        let slopes: Vec<f64> = (1..=400).map(|k| spline.at(0.01 * k as f64).unwrap()[1]).collect();
+        let slopes: Vec<f64> = (1..=400).map(|k| spline.at(0.01 * k as f64, Beyond::Refuse).unwrap()[1]).collect();
         assert!(slopes.windows(2).all(|w| w[1] >= w[0] - 1e-9));
     }
 }
