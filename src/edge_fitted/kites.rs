@@ -8,6 +8,7 @@ use std::collections::HashMap;
 
 use super::bilinear::CORNERS;
 use super::mesh::{Bilinear, Mesh, Point, cross, dot, minus, norm};
+use super::rectilinear::split;
 
 /// Centre and radius of the largest circle in a convex polygon, counter-clockwise: all sides move inwards alike, the side that
 /// vanishes first is left out, until three are left. `None` where the polygon has no inside.
@@ -64,11 +65,17 @@ impl NodeIndex {
     }
 }
 
-/// The mesh of convex pieces that share whole sides, counter-clockwise, with `n` x `n` cells at each corner of each.
-pub(crate) fn mesh(pieces: &[Vec<Point>], n: usize, beta: f64) -> Option<Mesh> {
+/// The mesh of convex pieces that share whole sides, counter-clockwise, with `n` x `n` cells at each corner of each, and more where
+/// they would be longer than about `most`.
+pub(crate) fn mesh(pieces: &[Vec<Point>], n: usize, beta: f64, most: f64) -> Option<Mesh> {
     let extent = pieces.iter().flatten().map(|p| norm(*p)).fold(0.0, f64::max);
     let mut index = NodeIndex { nodes: Vec::new(), places: HashMap::new(), tolerance: 1e-12 * extent };
     let grade: Vec<f64> = (0..=n).map(|i| 1.0 - 2.0 * ((n - i) as f64 / n as f64).powf(beta)).collect();
+    // No block is longer than the longest way from a corner to the centre of its piece.
+    let longest = pieces.iter().filter_map(|piece| inner_circle(piece).map(|(o, _)| (o, piece)));
+    let longest = longest.flat_map(|(o, piece)| piece.iter().map(move |p| norm(minus(*p, o)))).fold(0.0, f64::max);
+    let grade = split(&grade, 2.0 * most / longest);
+    let n = grade.len() - 1;
     let mut cells = Vec::new();
     for (own, piece) in pieces.iter().enumerate() {
         let count = piece.len();
@@ -185,7 +192,7 @@ mod tests {
     use crate::edge_fitted::polygon::{cleaned, convex_pieces, double_area};
 
     fn check(pieces: &[Vec<Point>], area: f64, n: usize, length: f64) {
-        let mesh = mesh(pieces, n, 4.0).unwrap();
+        let mesh = mesh(pieces, n, 4.0, f64::INFINITY).unwrap();
         let sum: f64 = (0..mesh.loaded).map(|i| Bilinear::new(mesh.corners(i)).area()).sum();
         assert!((sum - area).abs() < 1e-12 * area);
         // Only the outline has cells on one side only.

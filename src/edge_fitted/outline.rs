@@ -1,10 +1,12 @@
 //! Where the material ends, and the meshes that fit it.
 
+use nalgebra::Matrix3;
+
 use super::Limits;
 use super::kites;
 use super::mesh::{Mesh, Point, dot};
 use super::polygon::{STRAIGHT, cleaned, convex_pieces, double_area, rectilinear_frame, symmetries};
-use super::rectilinear::{graded_both, tensor};
+use super::rectilinear::{graded_both, split, tensor};
 use super::symmetry::{Isometry, Orbits};
 
 /// The exponent of the grading. Near a sharp edge p ~ s^(-1/2) and the energy of cells of size h(s) errs by the integral
@@ -45,6 +47,12 @@ impl Fitted {
         let [x, y] = [q[0] + self.origin[0], q[1] + self.origin[1]];
         [c * x - s * y, s * x + c * y]
     }
+
+    /// (1, x, y) of the outline's axes as combinations of those of the mesh's.
+    pub(crate) fn basis(&self) -> Matrix3<f64> {
+        let ([c, s], [x, y]) = (self.frame, self.to_outline([0.0; 2]));
+        Matrix3::new(1.0, 0.0, 0.0, x, c, -s, y, s, c)
+    }
 }
 
 impl Outline {
@@ -80,17 +88,23 @@ impl Outline {
     /// A mesh with `n` cells between an edge and the middle of the part that it bounds.
     #[must_use]
     pub fn mesh(&self, n: usize) -> Option<Fitted> {
+        self.mesh_within(n, f64::INFINITY)
+    }
+
+    /// The same with cells no longer than about `most`.
+    #[must_use]
+    pub fn mesh_within(&self, n: usize, most: f64) -> Option<Fitted> {
         match self.frame {
-            Some(frame) => Some(self.tensor(frame, n)),
+            Some(frame) => Some(self.tensor(frame, n, most)),
             None => {
-                let mesh = kites::mesh(&self.pieces, n, EXPONENT)?;
+                let mesh = kites::mesh(&self.pieces, n, EXPONENT, most)?;
                 Some(Fitted { mesh, frame: [1.0, 0.0], origin: [0.0; 2], group: symmetries(&self.corners) })
             }
         }
     }
 
     /// Lines graded on both sides to every line that holds a side.
-    fn tensor(&self, frame: Point, n: usize) -> Fitted {
+    fn tensor(&self, frame: Point, n: usize, most: f64) -> Fitted {
         let turned: Vec<Point> =
             self.corners.iter().map(|p| [dot(frame, *p), frame[0] * p[1] - frame[1] * p[0]]).collect();
         let mut lines = [0, 1].map(|k| {
@@ -128,7 +142,7 @@ impl Outline {
             for pair in v.windows(2) {
                 all.extend(graded_both(pair[0], pair[1], n, EXPONENT).into_iter().skip(1));
             }
-            all
+            split(&all, most)
         };
         let (x, y) = (nodes(&lines[0]), nodes(&lines[1]));
         let inside = |i: usize, j: usize| {

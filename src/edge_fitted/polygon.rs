@@ -11,6 +11,19 @@ pub(crate) fn double_area(p: &[Point]) -> f64 {
     (0..p.len()).map(|i| cross(p[i], p[(i + 1) % p.len()])).sum()
 }
 
+/// A closed line without the points that lie on the line of their neighbours.
+pub(crate) fn straightened(mut p: Vec<Point>) -> Vec<Point> {
+    let n = p.len();
+    let bent = |i: usize| {
+        let (u, v) = (minus(p[i], p[(i + n - 1) % n]), minus(p[(i + 1) % n], p[i]));
+        cross(u, v).abs() > 1e-9 * norm(u) * norm(v) || dot(u, v) < 0.0
+    };
+    let keep: Vec<bool> = (0..n).map(bent).collect();
+    let mut kept = keep.into_iter();
+    p.retain(|_| kept.next().unwrap_or(true));
+    p
+}
+
 /// Counter-clockwise, without corners that lie on the line of their neighbours or coincide.
 pub(crate) fn cleaned(corners: &[Point]) -> Vec<Point> {
     let mut p = corners.to_vec();
