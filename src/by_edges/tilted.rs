@@ -42,7 +42,9 @@ impl Tilting {
         if contains(&hull(&self.flat.corners), [x, y]) {
             return Ok(());
         }
-        let reason = format!("the line of action meets the surface at ({x:e}, {y:e}), outside of the convex hull of all material");
+        let reason = format!(
+            "the line of action meets the surface at ({x:e}, {y:e}), outside of the convex hull of all material"
+        );
         Err(Unsolved::new(Verdict::NoEquilibrium, reason))
     }
 
@@ -104,15 +106,16 @@ impl Tilting {
         let area: f64 = pieces.iter().map(|piece| piece.area).sum();
         let doubt: f64 = state.regions.iter().map(|region| 0.5 * region.doubt * length * length).sum();
         let of_pressure = e_star * unit / length;
-        let cells: Vec<_> =
-            state.cells.iter().map(|(c, p)| (c.map(|q| flat.outward(q)), p * of_pressure)).collect();
+        let cells: Vec<_> = state.cells.iter().map(|(c, p)| (c.map(|q| flat.outward(q)), p * of_pressure)).collect();
         let boundary: Vec<Vec<[f64; 2]>> =
             state.regions.iter().flat_map(|region| &region.boundary).map(outward).collect();
         let distance = |p: &[f64; 2]| (p[0] - reference[0]).hypot(p[1] - reference[1]);
         let max_radius = boundary.iter().flatten().map(distance).fold(0.0, f64::max);
         let rect = Rect::holding(boundary.iter().flatten().copied()).unwrap_or(Rect::around(flat.origin, [length; 2]));
-        let strongest = cells.iter().max_by(|a, b| a.1.total_cmp(&b.1)).map_or(flat.origin, |(c, _)| super::flat::middle(c));
-        let touch = if state.everywhere { "it touches everywhere" } else { "it touches on a part, and lifts off elsewhere" };
+        let strongest =
+            cells.iter().max_by(|a, b| a.1.total_cmp(&b.1)).map_or(flat.origin, |(c, _)| super::flat::middle(c));
+        let touch =
+            if state.everywhere { "it touches everywhere" } else { "it touches on a part, and lifts off elsewhere" };
         Found {
             force: state.force.map(|p| p * of_force),
             energy: state.energy.map(|u| u * of_force * unit),

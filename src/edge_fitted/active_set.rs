@@ -105,7 +105,8 @@ pub(crate) fn balance(
         let p: Vec<f64> = (0..n).map(|i| g[0] * each[0][i] + g[1] * each[1][i] + g[2] * each[2][i]).collect();
         let u = s.product(&p);
         let f = |i: usize| g[0] * weights[0][i] + g[1] * weights[1][i] + g[2] * weights[2][i];
-        let size = |i: usize| (g[0] * weights[0][i]).abs() + (g[1] * weights[1][i]).abs() + (g[2] * weights[2][i]).abs();
+        let size =
+            |i: usize| (g[0] * weights[0][i]).abs() + (g[1] * weights[1][i]).abs() + (g[2] * weights[2][i]).abs();
         let negative = |i: usize| contact[i] && p[i] < 0.0;
         let penetrating = |i: usize| !contact[i] && u[i] - f(i) < -1e-12 * size(i);
         let wrong: Vec<usize> = (0..n).filter(|&i| negative(i) || penetrating(i)).collect();

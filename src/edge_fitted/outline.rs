@@ -8,6 +8,7 @@ use super::mesh::{Mesh, Point, dot};
 use super::polygon::{STRAIGHT, cleaned, convex_pieces, double_area, rectilinear_frame, symmetries};
 use super::rectilinear::{graded_both, split, tensor};
 use super::symmetry::{Isometry, Orbits};
+use crate::geometry::clip;
 
 /// The exponent of the grading. Near a sharp edge p ~ s^(-1/2) and the energy of cells of size h(s) errs by the integral
 /// of h^3 s^(-3): n^-3 for nodes (i/n)^beta with beta > 3; 4 is the least whole number.
@@ -78,6 +79,42 @@ impl Outline {
             2 * mesh.loaded <= limits.cells && 2 * Orbits::new(&mesh, &group).loaded <= limits.unknowns
         };
         self.mesh(COARSEST).is_some_and(half)
+    }
+
+    /// Its corners, counter-clockwise.
+    pub(crate) fn corners(&self) -> &[Point] {
+        &self.corners
+    }
+
+    /// The longer side of its box.
+    pub(crate) fn extent(&self) -> f64 {
+        let range = |k: usize| {
+            let (low, high) =
+                self.corners.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), p| (a.min(p[k]), b.max(p[k])));
+            high - low
+        };
+        range(0).max(range(1))
+    }
+
+    /// The part where f = plane . (1, x, y) is positive; `None` where that is all of it, nothing, or in several pieces.
+    pub(crate) fn part(&self, plane: [f64; 3]) -> Option<Self> {
+        let [c, a, b] = plane;
+        let f: Vec<f64> = self.corners.iter().map(|[x, y]| c + a * x + b * y).collect();
+        let changes = (0..f.len()).filter(|&k| (f[k] > 0.0) != (f[(k + 1) % f.len()] > 0.0)).count();
+        if changes != 2 {
+            return None;
+        }
+        Self::polygon(&clip(&self.corners, -a, -b, -c))
+    }
+
+    /// Whether f = plane . (1, x, y) is positive somewhere outside of a part that a line cut off.
+    pub(crate) fn beyond(&self, part: &Self, plane: [f64; 3]) -> bool {
+        let [c, a, b] = plane;
+        let outside = |p: &Point| !part.corners.contains(p) && !contains(&part.corners, *p);
+        let positive = |p: &Point| c + a * p[0] + b * p[1] > 0.0;
+        // The corners of the cut are the only ones of the part that are none of the outline.
+        let cut = part.corners.iter().filter(|p| !self.corners.contains(p));
+        self.corners.iter().filter(|p| outside(p)).chain(cut).any(positive)
     }
 
     /// What the rounding of the mesh's corners does to the stiffness at most, relative.

@@ -70,7 +70,8 @@ pub(crate) fn norms<const K: usize>(
         if deadline.has_passed() {
             return None;
         }
-        let context = Context { lines, decay: mesh.cells[cell].map(|n| decay[n]), extent: mesh.extent(), strengths, targets };
+        let context =
+            Context { lines, decay: mesh.cells[cell].map(|n| decay[n]), extent: mesh.extent(), strengths, targets };
         let surroundings = Surroundings::new(mesh, lines, &arounds, cell, (pressures, strengths), &mut work.scratch);
         let mut own: [Sums; K] = std::array::from_fn(|_| Sums::default());
         for panel in panels {
@@ -291,7 +292,17 @@ impl<const K: usize> Context<'_, K> {
         }
         let decay = restrict(&self.decay, &subcell.range);
         let Target { value, slope, .. } = self.targets[k];
-        let shape = Integrand { overlap: map.corners().map(|p| value + dot(slope, p)), slope, map, decay, rules, count: pending.count, nodal: &nodal, jumps, left_out: pending.errors[k] };
+        let shape = Integrand {
+            overlap: map.corners().map(|p| value + dot(slope, p)),
+            slope,
+            map,
+            decay,
+            rules,
+            count: pending.count,
+            nodal: &nodal,
+            jumps,
+            left_out: pending.errors[k],
+        };
         own.add(1.0, &shape.sums(chi));
     }
 }

@@ -14,17 +14,18 @@
 //! **From below.** P >= P_A for every A: m_0 of A displaces by at most 1 everywhere, so that P >= <S m_0, p> = <m_0, S p> >= <m_0, f>
 //! (Barber 1974; Shield 1967).
 //!
-//! **From above.** Where the computed p_h is positive on all of the material, m_h <= tau p_h with a known tau. With u = S p and
-//! X = <u - f, p_h>, U - U_low = |p - p_h|^2/2 + X,
+//! **From above.** Where the computed p_h is positive on all of the material, m_h <= tau p_h with a known tau. With u = S p, the least
+//! energy gamma above U_low, a'' = a(1 - S m_h, 1 - S m_h) and X = <u - f, p_h>, U - U_low = |p - p_h|^2/2 + X and
 //!
 //! ```text
-//! P = <u, m_h> + <p_h, 1 - S m_h> + <p - p_h, 1 - S m_h> <= P_h + tau X + sqrt(2 (gamma - X) a''),     a'' = a(1 - S m_h, ...),
+//! P = <u, m_h> + <p_h, 1 - S m_h> + <p - p_h, 1 - S m_h> <= P_h + max over X in [0, gamma] of tau X + sqrt(2 (gamma - X) a''),
 //! ```
 //!
-//! with <p_h, 1 - S m_h> = 0 and <f, m_h> = P_h on Galerkin cells; the greatest over 0 <= X <= gamma.
+//! since <p_h, 1 - S m_h> = 0 and <f, m_h> = P_h on Galerkin cells: sqrt(2 gamma a'') where tau is at most sqrt(a''/(2 gamma)), else
+//! tau gamma + a''/(2 tau).
 //!
-//! Where the punch lifts off, the force of A is stationary in A (Barber 1974): what cells at the line of lift-off leave open is of second
-//! order, and estimated by what the force changed by from the mesh before.
+//! Where the punch lifts off, nothing is proved: U_low rises to U as n^-3 and tells its own error from two meshes; the force of A is
+//! stationary in A (Barber 1974), so that it errs by no more, and is held against its own change.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -76,75 +77,132 @@ pub(crate) struct Tilted {
     pub unknowns: usize,
 }
 
-/// Cells are at most this part of the contact over n where it may end inside of the material.
-const FINE: f64 = 1.5;
+/// Constant pressures on cells of size h leave of a pressure that varies by the share v of itself over a length l an energy of the order
+/// of v^2 (h/l)^3: cells are at most this times l v^(-2/3)/n, which leaves as much as the edges do.
+const FINE: f64 = 0.9;
+
+/// n that is mostly enough for an error of 1e-3: of a level punch, and more by the share that f varies by.
+const ENOUGH: [f64; 2] = [5.6, 1.6];
+
+/// The mesh before the first one, where it lifts off, over that.
+const BEFORE: f64 = 0.67;
+
+/// Cells of the first look, over the size of the outline.
+const LOOK: f64 = 0.4;
 
 /// Meshes of rising n until the error of the force is within the tolerance. `None` where the outline has no mesh that can be solved on, the
 /// load has no balance, and where the time ends before the first one is solved.
 #[must_use]
 pub(crate) fn tilted(outline: &Outline, given: Given, limits: &Limits) -> Option<Tilted> {
-    let mut n = COARSEST;
-    let mut most = f64::INFINITY;
-    let mut best: Option<Tilted> = None;
+    let punch = |n: usize, most: f64| {
+        let fitted = outline.mesh_within(n, most).filter(|fitted| fitted.mesh.loaded <= limits.unknowns)?;
+        Punch::new(fitted, limits.deadline)
+    };
+    // A look at what is in contact, for the size of the cells.
+    let look = punch(COARSEST, LOOK).or_else(|| punch(COARSEST, f64::INFINITY))?;
+    let first = look.pressed(given)?;
+    if let Some(part) = in_reach(outline, look.outer_plane(&first)?, given) {
+        let mut found = tilted(&part, given, limits)?;
+        (found.everywhere, found.proved) = (false, false);
+        let beyond = outline.beyond(&part, found.plane);
+        return (!beyond).then_some(found);
+    }
+    let mut size = first.size;
+    let enough = ENOUGH[0] + ENOUGH[1] * first.varies;
+    let mut n = (enough * (1e-3 / limits.tolerance).cbrt()).round().clamp(COARSEST as f64, 64.0) as usize;
+    if first.lifts() {
+        // An estimate takes two meshes.
+        n = ((BEFORE * n as f64).round() as usize).max(COARSEST);
+    }
+    let mut best: Option<(usize, Tilted)> = None;
     let mut before = limits.deadline.remaining();
     loop {
-        let fitted = outline.mesh_within(n, most)?;
-        if fitted.mesh.loaded > limits.unknowns {
-            return best;
-        }
-        let loaded = fitted.mesh.loaded;
-        let punch = Punch::new(fitted, limits.deadline);
-        let Some(mut found) = punch.and_then(|punch| punch.solve(given, outline.displaced())) else { return best };
-        if !found.everywhere && most == f64::INFINITY {
-            // Where it lifts off cells inside have to be small, too.
-            most = FINE * found.extent() / n as f64;
-            best = best.or(Some(found));
-            continue;
-        }
-        if let Some(best) = best.as_ref().filter(|_| !found.everywhere) {
-            let changed = (found.load[0] - best.load[0]).abs();
-            // Under a load what changes is the plane.
-            let moved = Vector3::from(found.plane) - Vector3::from(best.plane);
-            let moved = (Matrix3::from_fn(|i, j| found.matrix[i][j]) * moved)[0].abs();
-            found.widen(changed.max(moved));
+        let found = punch(n, FINE * size / n as f64).and_then(|punch| {
+            let pressed = punch.pressed(given)?;
+            size = pressed.size;
+            punch.bounded(&pressed, outline.displaced())
+        });
+        // Too many cells: one that is not as fine as it should be is better than none.
+        let found = found.or_else(|| {
+            if best.is_some() { None } else { punch(n, f64::INFINITY)?.answer(given, outline.displaced()) }
+        });
+        let Some(mut found) = found else { return best.map(|(_, best)| best) };
+        if !found.everywhere {
+            found.estimate(n, best.as_ref().map(|(n, best)| (*n, best)));
         }
         let width = (found.force[1] - found.force[0]) / (found.force[0] + found.force[1]);
-        let met = width <= limits.tolerance;
-        let next = if found.everywhere {
-            ((n as f64 * (width / limits.tolerance).cbrt()).ceil() as usize).max(n + 1).min(2 * n)
-        } else {
-            n + 2
-        };
-        if most < f64::INFINITY {
-            most = FINE * found.extent() / next as f64;
-        }
-        best = Some(found);
+        let wanted = if width < 1.0 { n as f64 * (width / limits.tolerance).cbrt() } else { n as f64 / BEFORE };
+        let next = (wanted.ceil() as usize).max(n + 1).min(2 * n);
+        // Unknowns grow as n^2.
+        let next = next.min((n as f64 * (limits.unknowns as f64 / found.unknowns as f64).sqrt()) as usize);
         let growth = (next * next) as f64 / (n * n) as f64;
         let left = limits.deadline.remaining();
-        if met || loaded as f64 * growth > limits.unknowns as f64 || (before - left) * growth > left {
-            return best;
+        let too_many = next <= n;
+        best = Some((n, found));
+        if width <= limits.tolerance || too_many || (before - left) * growth > left {
+            return best.map(|(_, best)| best);
         }
         (n, before) = (next, left);
     }
 }
 
-impl Tilted {
-    /// The size of the contact.
-    fn extent(&self) -> f64 {
-        let points = || self.regions.iter().flat_map(|region| region.boundary.iter().flatten());
-        let range = |k: usize| {
-            let (low, high) = points().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), p| (a.min(p[k]), b.max(p[k])));
-            high - low
-        };
-        0.5 * range(0).max(range(1))
-    }
+/// What of an outline can touch where that is but a small part of it: nothing does where f <= 0; where f is not given, with room for what
+/// the look at it leaves open.
+fn in_reach(outline: &Outline, plane: [f64; 3], given: Given) -> Option<Outline> {
+    let room = match given {
+        Given::Plane(_) => 0.0,
+        Given::Load(_) => ROOM,
+    };
+    let [c, a, b] = plane;
+    let most = outline.corners().iter().map(|[x, y]| c + a * x + b * y).fold(0.0, f64::max);
+    outline.part([c + room * most, a, b]).filter(|part| part.extent() <= SMALL * outline.extent())
+}
 
-    /// The same with this much more doubt of the force.
-    fn widen(&mut self, force: f64) {
-        let share = force / self.load[0];
-        self.force = [self.force[0] - force, self.force[1] + force];
-        self.energy = [self.energy[0] * (1.0 - share), self.energy[1] * (1.0 + share)];
-        self.stiffness_error += share;
+/// Of the largest f.
+const ROOM: f64 = 0.3;
+
+/// Size of a part over that of the outline below which it is worth a mesh of its own.
+const SMALL: f64 = 0.7;
+
+impl Tilted {
+    /// Where it lifts off: what energy and force still change by, after what they changed by since the mesh before.
+    fn estimate(&mut self, n: usize, before: Option<(usize, &Self)>) {
+        let Some((coarser, before)) = before else {
+            self.force[0] = 0.0;
+            self.force[1] = 2.0 * self.load[0];
+            return;
+        };
+        let ratio = n as f64 / coarser as f64;
+        // Under a load what changes is the plane.
+        let moved = Vector3::from(self.plane) - Vector3::from(before.plane);
+        let moved = (Matrix3::from_fn(|i, j| self.matrix[i][j]) * moved)[0].abs();
+        let changed = (self.load[0] - before.load[0]).abs().max(moved) / self.load[0];
+        // At one plane: U is homogeneous of degree 2 in it.
+        let turned =
+            |state: &Self| state.energy[0] / (0..3).map(|k| state.plane[k] * self.load[k]).sum::<f64>().powi(2);
+        let stored = (turned(self) / turned(before) - 1.0).abs() / (ratio.powi(3) - 1.0);
+        let error = stored.max(changed / (ratio.powi(2) - 1.0));
+        self.force = [self.load[0] * (1.0 - error), self.load[0] * (1.0 + error)];
+        self.energy[1] = self.energy[0] * (1.0 + 2.0 * stored);
+        self.stiffness_error = error;
+    }
+}
+
+/// The pressure on a mesh.
+struct Pressed {
+    pressure: Vec<f64>,
+    /// f = plane . (1, x, y) in the mesh's axes.
+    plane: Vector3<f64>,
+    contact: Vec<bool>,
+    /// Share of the largest f that f varies by.
+    varies: f64,
+    /// Half the extent of the contact, longer where f varies less.
+    size: f64,
+}
+
+impl Pressed {
+    fn lifts(&self) -> bool {
+        self.contact.iter().any(|c| !c)
     }
 }
 
@@ -186,10 +244,10 @@ impl Punch {
         Vector3::from_fn(|k, _| p.iter().zip(&self.weights[k]).map(|(p, w)| p * w).sum())
     }
 
-    /// `displaced`: see [`Outline::displaced`].
-    fn solve(&self, given: Given, displaced: f64) -> Option<Tilted> {
+    /// The pressure that is >= 0 and its plane.
+    fn pressed(&self, given: Given) -> Option<Pressed> {
         let map = self.fitted.basis();
-        let (p, g) = match given {
+        let (pressure, plane) = match given {
             Given::Plane(plane) => {
                 let g = map.transpose() * Vector3::from(plane);
                 (solve(&self.compliance, &self.integrals(&g)), g)
@@ -199,10 +257,38 @@ impl Punch {
                 balance(&self.compliance, &self.weights, wanted, self.deadline)?
             }
         };
-        let contact: Vec<bool> = p.iter().map(|p| *p > 0.0).collect();
+        let contact: Vec<bool> = pressure.iter().map(|p| *p > 0.0).collect();
+        let corners = || (0..contact.len()).filter(|&i| contact[i]).flat_map(|i| self.mesh().corners(i));
+        let extent = |k: usize| {
+            let (low, high) =
+                corners().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), p| (a.min(p[k]), b.max(p[k])));
+            high - low
+        };
+        let (low, high) = corners()
+            .map(|[x, y]| plane[0] + plane[1] * x + plane[2] * y)
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), f| (a.min(f), b.max(f)));
+        let varies = ((high - low) / high).clamp(1e-3, 1.0);
+        let size = 0.5 * extent(0).max(extent(1)) * varies.powf(-2.0 / 3.0);
+        (high > 0.0 && size > 0.0).then_some(Pressed { pressure, plane, contact, varies, size })
+    }
+
+    /// The plane in the outline's axes.
+    fn outer_plane(&self, pressed: &Pressed) -> Option<[f64; 3]> {
+        Some((self.fitted.basis().transpose().try_inverse()? * pressed.plane).into())
+    }
+
+    /// Both.
+    fn answer(&self, given: Given, displaced: f64) -> Option<Tilted> {
+        self.bounded(&self.pressed(given)?, displaced)
+    }
+
+    /// What the pressure proves, and what it leaves open; `displaced`: see [`Outline::displaced`].
+    fn bounded(&self, pressed: &Pressed, displaced: f64) -> Option<Tilted> {
+        let map = self.fitted.basis();
+        let Pressed { pressure: p, plane: g, contact, .. } = pressed;
         let everywhere = contact.iter().all(|c| *c);
-        let own = factor(&self.compliance, &contact)?;
-        let each = [0, 1, 2].map(|k| solve_on(&own, &contact, &self.weights[k]));
+        let own = factor(&self.compliance, contact)?;
+        let each = [0, 1, 2].map(|k| solve_on(&own, contact, &self.weights[k]));
         let matrix = Matrix3::from_fn(|i, j| each[j].iter().zip(&self.weights[i]).map(|(m, w)| m * w).sum::<f64>());
         let unit = &each[0];
         // t that makes both parts of one size.
@@ -212,55 +298,51 @@ impl Punch {
             return None;
         }
         let t = t2.sqrt();
-        let mixed = |sign: f64| -> (Vec<f64>, Vector3<f64>) {
-            let pressure = unit.iter().zip(&p).map(|(m, p)| t * m + sign * p / t).collect();
-            (pressure, Vector3::new(t, 0.0, 0.0) + g * (sign / t))
-        };
-        let ((plus, over), (minus, under)) = (mixed(1.0), mixed(-1.0));
-        let e = Vector3::new(1.0, 0.0, 0.0);
-        let target = |p, g: &Vector3<f64>| Target { pressure: p, value: g[0], slope: [g[1], g[2]] };
-        let targets = [target(unit, &e), target(&plus, &over), target(&minus, &under), target(&p, &g)];
-        let decay = decay_lengths(self.mesh());
-        let sums = norms(self.mesh(), &self.lines, &self.orbits, &decay, &contact, targets, self.deadline)?;
-        let [of_unit, of_plus, of_minus, of_p] = sums.map(|s: Sums| s.bound());
+        let load = self.load(p);
         // What the place of the edges leaves open, of the sizes of both parts.
-        let form = |p: &[f64], g: &Vector3<f64>, rest: f64| -> [f64; 2] {
-            let (low, off) = (self.form_below(p, g), displaced * (energy / t2 + matrix[(0, 0)] * g.norm_squared()));
-            [low - off, low + rest + off]
-        };
-        let (stiffness, energy) = (form(unit, &e, of_unit), form(&p, &g, of_p));
-        let (above, below) = (form(&plus, &over, of_plus), form(&minus, &under, of_minus));
-        let load = self.load(&p);
-        let low = 0.25 * (above[0] - below[1]);
-        let mut high = 0.25 * (above[1] - below[0]);
-        let rounding = 1e-12 * (load[0] + above[1] + below[1].abs());
+        let off = displaced * (energy / t2 + matrix[(0, 0)] * g.norm_squared());
+        let low = self.form_below(p, g) - off;
+        let (mut force, mut energy, mut stiffness_error) = ([load[0]; 2], [low, low], 0.0);
         if everywhere {
-            let tau = unit.iter().zip(&p).map(|(m, p)| m / p).fold(0.0, f64::max);
-            let (gamma, rest) = (0.5 * (energy[1] - energy[0]), stiffness[1] - stiffness[0]);
-            let more = if tau <= (rest / (2.0 * gamma)).sqrt() {
-                (2.0 * gamma * rest).sqrt()
-            } else {
-                tau * gamma + rest / (2.0 * tau)
+            let mixed = |sign: f64| -> (Vec<f64>, Vector3<f64>) {
+                let pressure = unit.iter().zip(p).map(|(m, p)| t * m + sign * p / t).collect();
+                (pressure, Vector3::new(t, 0.0, 0.0) + g * (sign / t))
             };
-            let off = 2.0 * self.compliance.uncertainty(&p, unit);
-            high = load[0] + more + off + displaced * load[0];
+            let ((plus, over), (minus, under)) = (mixed(1.0), mixed(-1.0));
+            let target = |pressure, g: &Vector3<f64>| Target { pressure, value: g[0], slope: [g[1], g[2]] };
+            let targets = [target(unit, &Vector3::x()), target(p, g), target(&minus, &under)];
+            let decay = decay_lengths(self.mesh());
+            let sums = norms(self.mesh(), &self.lines, &self.orbits, &decay, contact, targets, self.deadline)?;
+            let [of_unit, of_p, of_minus] = sums.map(|s: Sums| s.bound());
+            let (above, below) = (self.form_below(&plus, &over), self.form_below(&minus, &under));
+            let rounding = 1e-12 * (load[0] + above) + off + self.compliance.uncertainty(p, unit);
+            // Q of the difference from above: its rounding and the uncertainty of its products counted the other way.
+            let below = below + 2.0 * self.compliance.uncertainty(&minus, &minus) + rounding + of_minus;
+            // By at most the rests of products gamma and a'' are larger.
+            let gamma = 0.5 * of_p + self.compliance.uncertainty(p, p) + off;
+            let rest = of_unit + 2.0 * self.compliance.uncertainty(unit, unit) + off;
+            let tau = unit.iter().zip(p).map(|(m, p)| m / p).fold(0.0, f64::max);
+            let balance = (rest / (2.0 * gamma)).sqrt();
+            let more = if tau <= balance { (2.0 * gamma * rest).sqrt() } else { tau * gamma + rest / (2.0 * tau) };
+            force = [0.25 * (above - below) - rounding, load[0] + more + 2.0 * rounding];
+            energy[1] = low + 2.0 * gamma;
+            stiffness_error = 0.5 * rest / matrix[(0, 0)];
         }
-        let force = [low - rounding, high + rounding];
-        let finite = force.iter().chain(&energy).all(|x| x.is_finite()) && force[1] > force[0] && energy[0] > 0.0;
+        let finite = force.iter().chain(&energy).all(|x| x.is_finite()) && force[1] >= force[0] && energy[0] > 0.0;
         if !(finite && load[0] > 0.0) {
             return None;
         }
         // In the outline's axes.
-        let plane = map.transpose().try_inverse()? * g;
+        let plane = self.outer_plane(pressed)?;
         let outer = map * matrix * map.transpose();
         let cells = (0..self.mesh().loaded).map(|i| (self.mesh().corners(i).map(|q| self.fitted.to_outline(q)), p[i]));
-        let mut regions = regions(self.mesh(), &contact, &p);
+        let mut regions = regions(self.mesh(), contact, p);
         regions.iter_mut().for_each(|region| region.map(|q| self.fitted.to_outline(q)));
         Some(Tilted {
-            plane: plane.into(),
+            plane,
             load: (map * load).into(),
             matrix: [0, 1, 2].map(|i| [0, 1, 2].map(|j| outer[(i, j)])),
-            stiffness_error: (stiffness[1] - stiffness[0]) / (stiffness[1] + stiffness[0]),
+            stiffness_error,
             force,
             proved: everywhere,
             energy: energy.map(|q| 0.5 * q),
