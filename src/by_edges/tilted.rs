@@ -87,7 +87,9 @@ impl Tilting {
         let (flat, length, e_star) = (&self.flat, self.flat.length, contact.modulus().e_star());
         let of_force = e_star * length * unit;
         let basis = self.basis();
-        let load = basis * Vector3::from(state.load) * of_force;
+        // Of the middle of the bounds, through where the computed pressure acts.
+        let middle = 0.5 * (state.force[0] + state.force[1]) / state.load[0];
+        let load = basis * Vector3::from(state.load) * (middle * of_force);
         let matrix = basis * Matrix3::from_fn(|i, j| state.matrix[i][j]) * basis.transpose() * (e_star * length);
         let reference = contact.gap().known().reference;
         let outward = |line: &Vec<[f64; 2]>| line.iter().map(|p| flat.outward(*p)).collect::<Vec<_>>();

@@ -134,7 +134,7 @@ impl Outline {
         match self.frame {
             Some(frame) => Some(self.tensor(frame, n, most)),
             None => {
-                let mesh = kites::mesh(&self.pieces, n, EXPONENT, most)?;
+                let mesh = kites::mesh(&self.corners, &self.pieces, n, EXPONENT, most)?;
                 Some(Fitted { mesh, frame: [1.0, 0.0], origin: [0.0; 2], group: symmetries(&self.corners) })
             }
         }

@@ -145,7 +145,7 @@ pub(crate) fn convex_pieces(p: &[Point]) -> Option<Vec<Vec<Point>>> {
         (0..n).filter(|&j| j != i && (j + 1) % n != i && (i + 1) % n != j && diagonal(p, i, j)).max_by(|&a, &b| {
             let score = |j: usize| {
                 let v = minus(p[j], p[i]);
-                let open = (cross(before, v) / (norm(before) * norm(v))).min(cross(v, after) / (norm(v) * norm(after)));
+                let open = (cross(before, v) / (norm(before) * norm(v))).min(cross(after, v) / (norm(v) * norm(after)));
                 // Convex at the corner on both sides, then the shorter one.
                 (if open >= -1e-12 { 1.0 } else { open }) / norm(v).powf(if open >= -1e-12 { 1.0 } else { 0.0 })
             };
