@@ -321,11 +321,15 @@ mod formulas {
     }
 
     #[test]
-    fn material_that_is_not_known_is_left_alone() {
-        // No number for r < 0.3: no proof rests on it.
-        let gap = Formula::within("0*sqrt(r-0.3)", Outline::disc(1.0).unwrap()).unwrap();
-        let contact = contact(1.0, gap, Loading::depth(1e-3));
-        assert_ne!(plan(&contact, &Settings::default()).unwrap().method, Some(Method::EdgeFitted));
+    fn a_ring_is_one_however_it_is_written() {
+        // No number for r < 0.5: no material there.
+        for text in ["0*sqrt(r-0.5)", "sqrt(x^2 + y^2 - 0.25)*0", "0*sqrt(hypot(x, y) - 0.5)"] {
+            let gap = Formula::within(text, Outline::disc(1.0).unwrap()).unwrap();
+            let state = fitted(1.0, gap, Load::Depth(1e-3), &Settings::default());
+            within(&state, 1e-3 * 2.0 * 0.981_017_896_923, 1e-9);
+            let area = std::f64::consts::PI * 0.75;
+            assert!((state.patch.area / area - 1.0).abs() < 1e-9 && state.evidence().word() == "proved", "{text}");
+        }
     }
 }
 
