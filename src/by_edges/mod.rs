@@ -167,10 +167,10 @@ pub(crate) fn balanced(
         method => method == Method::EdgeFitted,
     };
     let face = contact.gap().known().face.as_ref().filter(|_| chosen && force > 0.0)?;
-    let tilting = tilted::Tilting::of(face)?;
-    if let Err(outside) = tilting.balances(force, moment) {
+    if let Err(outside) = tilted::balances(face, force, moment) {
         return Some(Err(outside));
     }
+    let tilting = tilted::Tilting::of(face)?;
     let limits = Limits { tolerance: settings.tolerance, deadline: settings.deadline, ..Limits::default() };
     let (found, depth, tilt) = tilting.under(contact, force, moment, settings, &limits)?;
     let gap = contact.tilted_gap(tilt);

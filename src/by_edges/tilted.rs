@@ -35,19 +35,6 @@ impl Tilting {
         Matrix3::new(1.0, 0.0, 0.0, x, l * cos, -l * sin, y, l * sin, l * cos)
     }
 
-    /// # Errors
-    /// `NoEquilibrium` where the line of action meets the surface outside of the convex hull of the material: no pressure acts there.
-    pub(super) fn balances(&self, force: f64, moment: [f64; 2]) -> Result<(), Unsolved> {
-        let [x, y] = [-moment[1] / force, moment[0] / force];
-        if contains(&hull(&self.flat.corners), [x, y]) {
-            return Ok(());
-        }
-        let reason = format!(
-            "the line of action meets the surface at ({x:e}, {y:e}), outside of the convex hull of all material"
-        );
-        Err(Unsolved::new(Verdict::NoEquilibrium, reason))
-    }
-
     /// The state at a depth, the tilt being in the slope of the face.
     pub(super) fn at(&self, contact: &Contact, depth: f64, settings: &Settings, limits: &Limits) -> Option<Found> {
         let Flat { origin, turn: [cos, sin], length, value, .. } = self.flat;
@@ -148,6 +135,21 @@ impl Tilting {
             }),
         }
     }
+}
+
+/// # Errors
+/// `NoEquilibrium` where the line of action meets the surface outside of the convex hull of a polygon: no pressure acts there.
+pub(super) fn balances(face: &Face, force: f64, moment: [f64; 2]) -> Result<(), Unsolved> {
+    let [x, y] = [-moment[1] / force, moment[0] / force];
+    let (sin, cos) = face.turn.sin_cos();
+    let [u, v] = [x - face.at[0], y - face.at[1]];
+    let corners = face.outline.corners();
+    if corners.is_empty() || contains(&hull(corners), [cos * u + sin * v, cos * v - sin * u]) {
+        return Ok(());
+    }
+    let reason =
+        format!("the line of action meets the surface at ({x:e}, {y:e}), outside of the convex hull of all material");
+    Err(Unsolved::new(Verdict::NoEquilibrium, reason))
 }
 
 /// The convex hull of points, counter-clockwise (Andrew 1979).

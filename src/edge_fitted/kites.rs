@@ -213,7 +213,7 @@ fn classes(pieces: &[Piece], outline: &[Point]) -> (Vec<Class>, Vec<Vec<usize>>)
 const SHARP: f64 = 0.4;
 
 /// Cells along a curve are at most this times the half width of what it bounds, over n.
-const ALONG: f64 = 6.0;
+const ALONG: f64 = 16.0;
 
 /// The mesh of convex pieces of an outline that share whole sides, all counter-clockwise, with `n` x `n` cells at each corner of each, fewer
 /// along curves and more where they would be longer than about `most`.

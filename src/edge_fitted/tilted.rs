@@ -110,9 +110,17 @@ pub(crate) fn tilted(outline: &Outline, given: Given, limits: &Limits) -> Option
     let mut size = first.size;
     let enough = ENOUGH[0] + ENOUGH[1] * first.varies;
     let mut n = (enough * (1e-3 / limits.tolerance).cbrt()).round().clamp(COARSEST as f64, 64.0) as usize;
+    // An estimate takes two meshes.
+    let last = |n: usize| if first.lifts() { (n as f64 / BEFORE) as usize } else { n };
     if first.lifts() {
-        // An estimate takes two meshes.
         n = ((BEFORE * n as f64).round() as usize).max(COARSEST);
+    }
+    let fits = |n: usize, size: f64| {
+        let most = FINE * size / n as f64;
+        outline.mesh_within(n, most).is_some_and(|fitted| fitted.mesh.loaded <= limits.unknowns)
+    };
+    while n > COARSEST && !fits(last(n), size) {
+        n -= 1;
     }
     let mut best: Option<(usize, Tilted)> = None;
     let mut before = limits.deadline.remaining();
@@ -132,9 +140,10 @@ pub(crate) fn tilted(outline: &Outline, given: Given, limits: &Limits) -> Option
         }
         let width = (found.force[1] - found.force[0]) / (found.force[0] + found.force[1]);
         let wanted = if width < 1.0 { n as f64 * (width / limits.tolerance).cbrt() } else { n as f64 / BEFORE };
-        let next = (wanted.ceil() as usize).max(n + 1).min(2 * n);
-        // Unknowns grow as n^2.
-        let next = next.min((n as f64 * (limits.unknowns as f64 / found.unknowns as f64).sqrt()) as usize);
+        let mut next = (wanted.ceil() as usize).max(n + 1).min(2 * n);
+        while next > n && !fits(next, size) {
+            next -= 1;
+        }
         let growth = (next * next) as f64 / (n * n) as f64;
         let left = limits.deadline.remaining();
         let too_many = next <= n;
