@@ -7,8 +7,6 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-use crate::error::{Unsolved, Verdict};
-
 /// CPU seconds that one state of loading may take unless said.
 pub(crate) const DEFAULT_SECONDS: f64 = 60.0;
 
@@ -164,17 +162,27 @@ impl Deadline {
     }
 
     /// # Errors
-    /// [`Verdict::TimeLimit`] once the time is used up.
-    pub fn check(&self) -> Result<(), Unsolved> {
+    /// Once the time is used up, or a user has interrupted.
+    pub fn check(&self) -> Result<(), OutOfTime> {
         if !self.has_passed() {
             return Ok(());
         }
-        if self.is_interrupted() {
-            return Err(Unsolved::new(Verdict::TimeLimit, "the solve was interrupted"));
-        }
-        let reason = format!("the time allowed, {} CPU seconds, is used up", self.seconds);
-        Err(Unsolved::new(Verdict::TimeLimit, reason))
+        Err(if self.is_interrupted() { OutOfTime::Interrupted } else { OutOfTime::UsedUp { seconds: self.seconds } })
     }
+}
+
+/// Why a solve had to stop.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum OutOfTime {
+    /// The allowance is gone.
+    #[error("the time allowed, {seconds} CPU seconds, is used up")]
+    UsedUp {
+        /// The allowance, CPU seconds.
+        seconds: f64,
+    },
+    /// By an [`Interrupt`].
+    #[error("the solve was interrupted")]
+    Interrupted,
 }
 
 impl Default for Deadline {
@@ -250,8 +258,7 @@ mod tests {
             assert!(watch.seconds() < 60.0);
         }
         let error = deadline.check().unwrap_err();
-        assert_eq!(error.verdict, Verdict::TimeLimit);
-        assert!(error.reason.contains("0.05 CPU seconds"), "{error}");
+        assert!(error.to_string().contains("0.05 CPU seconds"), "{error}");
     }
 
     #[test]
@@ -263,7 +270,7 @@ mod tests {
         one.set();
         one.set();
         assert!(mine.has_passed() && mine.remaining() == 0.0 && !theirs.has_passed());
-        assert!(mine.check().unwrap_err().reason.contains("interrupted"));
+        assert!(mine.check().unwrap_err().to_string().contains("interrupted"));
         // A counter that is used again starts quiet.
         drop(one);
         let next = Interrupt::new();

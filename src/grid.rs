@@ -1,6 +1,6 @@
 //! The grid of equal rectangular cells, each under uniform pressure, and fields on it.
 
-use crate::geometry::Rect;
+use crate::numeric::geometry::Rect;
 
 /// Equal rectangular cells over a rectangle. Cell (i, j) has index `j * shape[0] + i`: x runs fastest.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -35,13 +35,9 @@
 #![doc = include_str!("theory.md")]
 
 mod acceptance;
-mod approximate_work;
+pub mod approximate;
 pub mod bracket;
-mod bracketed;
-mod by_approximation;
 mod by_edges;
-mod by_formula;
-mod by_grid;
 pub mod check;
 #[cfg(feature = "cli")]
 pub mod cli;
@@ -49,78 +45,56 @@ mod clock;
 pub mod closed_form;
 pub mod compare;
 mod consistency;
-mod contact;
 pub mod curve;
 mod discrete;
-mod displaced;
-mod domain;
 mod edge_fitted;
-mod edges;
 pub mod energy;
-mod engine;
-mod equilibrium;
 mod error;
-mod exact;
-mod extrapolate;
-pub mod fabrikant;
 mod files;
 pub mod gap;
-pub mod geometry;
 mod grid;
-mod held;
+mod grid_method;
 pub mod influence;
-mod material;
+mod loading;
 pub mod matrix_free;
 pub mod numeric;
-mod one_grid;
-mod outgrown;
 pub mod overlap;
 pub mod patch;
-mod peak;
 mod plan;
 #[cfg(feature = "plot")]
 pub mod plot;
+mod problem;
 #[cfg(feature = "qp")]
 pub mod qp;
-pub mod quadrature;
 #[cfg(feature = "scene")]
 pub mod report;
-mod respond;
-pub mod ritz;
-mod sampled;
-pub mod scalar;
 #[cfg(feature = "scene")]
 pub mod scene;
-mod separate;
-mod settings;
 mod solution;
 mod solve;
 #[cfg(all(feature = "scene", feature = "qp", feature = "formula"))]
 pub mod stability;
-mod stated;
-pub mod symmetry;
 #[cfg(feature = "scene")]
 pub mod table;
-mod tilting;
 mod units;
-mod unresolved;
-mod validity;
 
-pub use clock::{Deadline, Interrupt};
-pub use contact::{Contact, Load, Loading};
+pub use approximate::{fabrikant, ritz};
+pub use clock::{Deadline, Interrupt, OutOfTime};
 pub use curve::{Curve, CurveRange};
-pub use discrete::{Discrete, DiscreteSolution, Residuals};
-pub use error::{InputError, Unsolved, Verdict};
+pub use discrete::{Discrete, DiscreteSolution, symmetry};
+pub use error::InputError;
 pub use gap::Gap;
 pub use grid::{Grid, Kernel, Pressure};
 pub use influence::InfluenceTable;
-pub use material::{Body, EffectiveModulus};
+pub use numeric::{geometry, quadrature, scalar};
 pub use plan::{Plan, plan};
+pub use problem::{Body, Contact, EffectiveModulus, Load, Loading};
+pub use problem::{BoundaryFamily, ErrorBar, Method, Outputs, Settings};
 #[cfg(feature = "scene")]
 pub use scene::Scene;
-pub use settings::{BoundaryFamily, ErrorBar, Method, Outputs, Settings};
 pub use solution::{
-    Cost, ForceEvidence, Origin, Patch, Piece, PressureSummary, Singular, Solution, TouchesEdge, Validity,
+    Cost, ForceEvidence, Origin, Patch, Piece, PressureSummary, Residuals, Singular, Solution, TouchesEdge, Unsolved,
+    Validity, Verdict,
 };
 pub use solve::solve;
 pub use units::UnitLabels;

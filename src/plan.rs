@@ -3,19 +3,18 @@
 use std::fmt;
 
 use crate::by_edges::{self, Route};
-use crate::by_formula;
 use crate::clock::Deadline;
-use crate::contact::{Contact, Load};
+use crate::closed_form::select;
 use crate::discrete::Discrete;
-use crate::domain::{coarsest, shape};
-use crate::equilibrium::overlap_of_size;
-use crate::error::Unsolved;
+use crate::discrete::symmetry::Symmetry;
 use crate::gap::Degree;
-use crate::geometry::Rect;
 use crate::grid::{Grid, Kernel};
+use crate::grid_method::domain::{coarsest, shape};
+use crate::loading::equilibrium::overlap_of_size;
+use crate::numeric::geometry::Rect;
 use crate::overlap::{Overlap, Scaled, least};
-use crate::settings::{Method, Settings};
-use crate::symmetry::Symmetry;
+use crate::problem::{Contact, Load, Method, Settings};
+use crate::solution::Unsolved;
 
 /// The decision and its reasons.
 #[derive(Debug, Clone, PartialEq)]
@@ -67,7 +66,7 @@ pub fn plan(contact: &Contact, settings: &Settings) -> Result<Plan, Unsolved> {
         return Ok(Plan { method: None, steps, left_out: vec!["everything".to_owned()] });
     };
     // The formula itself decides, as in the solve.
-    let closed = by_formula::of(&overlap, contact.modulus(), Deadline::NEVER);
+    let closed = select::of(&overlap, contact.modulus(), Deadline::NEVER);
     match &closed {
         Ok(form) => steps.push(format!("the gap is {}", form.found)),
         Err(why) => steps.push(format!("no closed form: {}", why.reason)),

@@ -1,20 +1,19 @@
 //! One call for every method and every loading.
 
+use crate::acceptance::sampled::with_samples;
+use crate::acceptance::stated;
 use crate::acceptance::{accepted, within_memory};
-use crate::bracketed::with_bracket;
+use crate::bracket::refined::with_bracket;
+use crate::by_edges;
 use crate::clock::Stopwatch;
-use crate::contact::{Contact, Load};
-use crate::engine::{Engine, close};
-use crate::equilibrium;
-use crate::error::{Unsolved, Verdict};
 use crate::gap::{AnyGap, Gap, Law, Reach};
+use crate::loading::engine::{Engine, close};
+use crate::loading::equilibrium;
+use crate::loading::respond;
+use crate::loading::tilting;
 use crate::overlap::{Overlap, least};
-use crate::respond::respond;
-use crate::sampled::with_samples;
-use crate::settings::Settings;
-use crate::solution::Solution;
-use crate::stated;
-use crate::{by_edges, tilting};
+use crate::problem::{Contact, Load, Settings};
+use crate::solution::{Solution, Unsolved, Verdict};
 
 /// Solves every state of the loading, in order.
 ///

@@ -13,14 +13,13 @@
 
 use serde::Deserialize;
 
-use crate::contact::Load;
-use crate::error::{InputError, Unsolved};
+use crate::error::InputError;
 use crate::grid::{Grid, Kernel, Pressure};
 use crate::influence::InfluenceTable;
 use crate::matrix_free::{Operator, Scratch};
+use crate::problem::{Load, Method, Outputs, Settings};
 use crate::scene::Scene;
-use crate::settings::{Method, Outputs, Settings};
-use crate::solution::Solution;
+use crate::solution::{Solution, Unsolved};
 use crate::solve::solve;
 
 /// Topic and text of each file of cases.

@@ -6,10 +6,10 @@ use std::alloc::System;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
-use contact_patch::EffectiveModulus;
-use contact_patch::fabrikant::{self, Family, Settings};
+use contact_patch::fabrikant::{Family, Settings};
 use contact_patch::gap::{Gap, Reach};
 use contact_patch::geometry::Rect;
+use contact_patch::{EffectiveModulus, approximate};
 use peakmem_alloc::{INSTRUMENTED_SYSTEM, PeakMemAlloc, PeakMemAllocTrait};
 
 #[global_allocator]
@@ -62,7 +62,7 @@ fn the_inner_loops_allocate_nothing() {
             let settings = Settings::with_tolerance(tolerance);
             let watching = Arc::new(Watching::default());
             let gap = Watched(watching.clone());
-            fabrikant::solve(&gap, modulus, 1.0, family, &settings).unwrap();
+            approximate::solve(&gap, modulus, 1.0, family, &settings).unwrap();
             counts.push([&watching.evaluations, &watching.after_allocation].map(|n| n.load(Relaxed)));
         }
         println!("{family:?}: [evaluations, after an allocation] {counts:?}");

@@ -1,19 +1,19 @@
 //! Brackets without a solve: the best ellipse or a corrected Fabrikant pressure from below, a simpler gap from above.
 //!
 //! Below: the exact pressure m of a flat elliptical punch has S m <= 1, so that the integral of f m is at most P (Rayleigh &
-//! Ritz; [`crate::ritz`]); so has any pressure over the supremum of its displacement ([`super::measure`]). Above:
+//! Ritz; [`crate::approximate::ritz`]); so has any pressure over the supremum of its displacement ([`super::measure`]). Above:
 //! [`super::comparison`].
 
 use super::comparison::Comparisons;
 use super::{BracketCost, Evidence, ForceBracket, Repair, Side, Theorem, measure};
-use crate::clock::Stopwatch;
+use crate::approximate::ritz;
+use crate::approximate::{fabrikant, solve};
+use crate::clock::{Deadline, Stopwatch};
 use crate::closed_form::FlatPunch;
-use crate::error::Unsolved;
-use crate::fabrikant;
 use crate::gap::{AnyGap, Gap};
-use crate::material::EffectiveModulus;
 use crate::overlap::Overlap;
-use crate::ritz;
+use crate::problem::EffectiveModulus;
+use crate::solution::Unsolved;
 
 /// Times the quadrature's own estimate of its error that the lower bound gives up.
 const DOUBT: f64 = 10.0;
@@ -34,10 +34,21 @@ const DOUBT: f64 = 10.0;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn approximate(gap: impl Into<AnyGap>, modulus: EffectiveModulus, depth: f64) -> Result<ForceBracket, Unsolved> {
-    let gap = &gap.into();
+    approximate_before(&gap.into(), modulus, depth, Deadline::NEVER)
+}
+
+/// As [`approximate`], with what is found until the deadline.
+pub(super) fn approximate_before(
+    gap: &AnyGap,
+    modulus: EffectiveModulus,
+    depth: f64,
+    deadline: Deadline,
+) -> Result<ForceBracket, Unsolved> {
     let started = Stopwatch::start();
-    let Some(Overlap { reach, certain, .. }) = Overlap::of(gap, depth)? else { return Ok(super::no_contact(None)) };
-    let settings = fabrikant::Settings { tolerance: 1e-6, boundary_points: 64, ..fabrikant::Settings::default() };
+    let Some(Overlap { reach, certain, .. }) = Overlap::of(gap, depth)? else {
+        return Ok(ForceBracket::no_contact(None));
+    };
+    let settings = fabrikant::Settings { tolerance: 1e-6, boundary_points: 64, deadline, ..Default::default() };
     let found = ritz::ellipse(gap, modulus, depth, &settings).ok();
     let lower = found.as_ref().and_then(|e| e.lower_bound.map(|b| e.force - DOUBT * (e.force - b.force())));
     let middle = found.as_ref().map_or(gap.known().centre, |e| e.centroid);
@@ -45,7 +56,7 @@ pub fn approximate(gap: impl Into<AnyGap>, modulus: EffectiveModulus, depth: f64
     let ellipse = lower.unwrap_or(0.0).max(inscribed(&comparisons));
     let fabrikant = [fabrikant::Family::Stationary, fabrikant::Family::PlanForm]
         .into_iter()
-        .find_map(|family| fabrikant::solve(gap, modulus, depth, family, &settings).ok())
+        .find_map(|family| solve(gap, modulus, depth, family, &settings).ok())
         .map_or(0.0, |found| measure::corrected_fabrikant(gap, modulus, depth, &found.boundary));
     let below = Side {
         force: ellipse.max(fabrikant),

@@ -1,6 +1,6 @@
 //! Force from above without a grid: a simpler gap, or a flat punch, that is pressed with at least as much.
 //!
-//! P grows with the overlap. A gap h - c with a closed form that is no larger than g wherever g < d is pressed with at least the
+//! P grows with the overlap. A gap h - c with a repaired form that is no larger than g wherever g < d is pressed with at least the
 //! force of g; h is given, and c is the supremum of h - g over {g < d}, found by halving rectangles on which g bounds itself
 //! ([`crate::gap::Gap::bounds`]), or on a lattice where it cannot.
 
@@ -10,9 +10,9 @@ use super::depth::first_touch;
 use super::{Evidence, Repair, Side, Theorem};
 use crate::closed_form::{FlatPunch, Hertz, Power};
 use crate::gap::{AnyGap, Gap};
-use crate::geometry::Rect;
 use crate::grid::Grid;
-use crate::material::EffectiveModulus;
+use crate::numeric::geometry::Rect;
+use crate::problem::EffectiveModulus;
 
 /// Points a side of the lattice on which comparison gaps are chosen.
 const LATTICE: usize = 48;
@@ -39,7 +39,7 @@ pub(super) struct Comparisons<'a> {
     pub certain: bool,
 }
 
-/// A convex gap with a closed form, zero at its centre.
+/// A convex gap with a repaired form, zero at its centre.
 #[derive(Clone, Copy)]
 enum Simple {
     /// c r^n, n >= 1.
@@ -91,7 +91,7 @@ impl Simple {
                 Hertz::new(modulus, curvatures.map(f64::recip)).ok()?.at_depth(depth).ok()?.force
             }
         };
-        // The closed forms are good to a few roundings.
+        // The repaired forms are good to a few roundings.
         Some(force * (1.0 + 1e-12))
     }
 }

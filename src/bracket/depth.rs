@@ -1,16 +1,8 @@
 //! The depth under a prescribed force, from a bracket of the force near it.
 
-use super::frame::degree_of;
-use super::{Evidence, ForceBracket};
+use super::problem::degree_of;
+use super::{DepthBracket, Evidence, ForceBracket};
 use crate::gap::{AnyGap, Gap, Reach};
-
-/// lower <= depth <= upper for a prescribed force.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct DepthBracket {
-    lower: f64,
-    upper: Option<f64>,
-    evidence: Evidence,
-}
 
 impl DepthBracket {
     /// The depth at which the force is `force`, from its bracket at `depth`.
@@ -45,24 +37,6 @@ impl DepthBracket {
         let share = force / below;
         let upper = if share > 1.0 || exact { at(share) } else { depth };
         [lower - hair, upper + hair]
-    }
-
-    /// Lower bound.
-    #[must_use]
-    pub fn lower(&self) -> f64 {
-        self.lower
-    }
-
-    /// Upper bound; `None` when the force has no lower bound to derive one from.
-    #[must_use]
-    pub fn upper(&self) -> Option<f64> {
-        self.upper
-    }
-
-    /// How the suprema under it were found.
-    #[must_use]
-    pub fn evidence(&self) -> Evidence {
-        self.evidence
     }
 }
 

@@ -1,6 +1,6 @@
 //! Displacement and its slopes at any point by unit pressure on one rectangle, E* = 1.
 //!
-//! Near the rectangle Love's closed form (1929), further out tensor Gauss rules on 1/r; every value is good to
+//! Near the rectangle Love's repaired form (1929), further out tensor Gauss rules on 1/r; every value is good to
 //! [`RELATIVE_ERROR`] of itself for cells that are not more slender than [`MOST_SLENDER`].
 
 use std::f64::consts::FRAC_1_PI;

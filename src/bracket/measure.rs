@@ -10,11 +10,11 @@
 //! displacement there exceeds its mean by. The bound is that of the corrected pressure; his own, over its supremum alone, proves less.
 
 use super::field::{Field, Surroundings};
-use crate::fabrikant::Boundary;
+use crate::approximate::fabrikant::Boundary;
 use crate::gap::{AnyGap, Gap};
-use crate::geometry::Rect;
 use crate::grid::Grid;
-use crate::material::EffectiveModulus;
+use crate::numeric::geometry::Rect;
+use crate::problem::EffectiveModulus;
 
 /// Cells along the longer side of the boundary.
 const CELLS: usize = 48;

@@ -1,7 +1,7 @@
 //! Mirrors of a pressure in the middle of its grid: cells that they map to each other displace alike and are worked out once.
 //! Of the gap nothing is presumed: it is looked at in every cell, unless it is known to have the same mirror.
 
-use super::frame::Frame;
+use super::problem::BracketProblem;
 
 /// Pressures that differ by less than this share of the largest are evened out.
 const SAME: f64 = 1e-6;
@@ -28,8 +28,8 @@ pub(super) struct Image {
 
 impl Mirrors {
     /// Evens out a pressure that is nearly symmetric.
-    pub fn found(q: &mut [f64], frame: &Frame) -> Self {
-        let (grid, gap, at) = (&frame.grid, frame.gap.known().mirrors, frame.gap.known().centre);
+    pub fn found(q: &mut [f64], problem: &BracketProblem) -> Self {
+        let (grid, gap, at) = (&problem.grid, problem.gap.known().mirrors, problem.gap.known().centre);
         let middle = grid.extent().centre();
         let gap = [0, 1].map(|m| gap[m] && (at[m] - middle[m]).abs() <= ASIDE * grid.spacing[m]);
         Self::of(q, grid.shape, gap)

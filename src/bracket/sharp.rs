@@ -4,20 +4,21 @@
 //! contact, where closing costs its maximum. On the lower side the support never grows: a cell that is taken in again is
 //! thrown out in the next round. Less support costs little, since P(A) is stationary at the true contact.
 
-use super::close::{self, Closed};
 use super::field::{Field, Surroundings};
-use super::frame::{self, Attention, Frame};
-use super::known::Known;
+use super::gap_bounds::GapBounds;
 use super::mirrors::Mirrors;
+use super::problem::{self, BracketProblem};
+use super::repair::{self, Repaired};
+use super::suprema::{BoundState, suprema};
 use super::violation::{self, Violation};
-use super::{BracketCost, BracketSettings, Evidence, ForceBracket, look, outside};
+use super::{BracketCost, BracketSettings, Evidence, ForceBracket, evaluate, exterior};
 use crate::clock::Stopwatch;
 use crate::discrete::Discrete;
-use crate::error::Unsolved;
 use crate::gap::{AnyGap, Gap};
 use crate::grid::{Kernel, Pressure};
-use crate::material::EffectiveModulus;
 use crate::matrix_free;
+use crate::problem::EffectiveModulus;
+use crate::solution::Unsolved;
 
 /// Largest residual of a solve, as a share of the largest violation that it is to make good.
 const SHARE: f64 = 0.03;
@@ -54,32 +55,32 @@ pub fn sharp(
     settings: &BracketSettings,
 ) -> Result<ForceBracket, Unsolved> {
     let gap = &gap.into();
-    frame::within(gap, modulus, depth, pressure, |frame, mut q| {
+    problem::within(gap, modulus, depth, pressure, |problem, mut q| {
         let started = Stopwatch::start();
-        let mirrors = Mirrors::found(&mut q, frame);
+        let mirrors = Mirrors::found(&mut q, problem);
         let mut session = Session {
-            around: Surroundings::new(&frame.grid, settings.per_cell.max(1)),
-            attention: Attention {
-                known: Known::new(q.len(), true),
-                closely: vec![look::QUARTERED; q.len()],
+            around: Surroundings::new(&problem.grid, settings.per_cell.max(1)),
+            state: BoundState {
+                known: GapBounds::new(q.len(), true),
+                closely: vec![evaluate::QUARTERED; q.len()],
                 mirrors,
                 prove: settings.prove,
             },
-            frame,
+            problem,
             settings,
             cost: BracketCost::default(),
             evidence: Evidence::Proved,
         };
         let (field, first) = session.look(&q, violation::Side::Both);
-        let outside = outside::look(frame, &q);
-        let upper = (close::upper(frame, &q, &first, &outside), q.clone());
-        let lower = (close::lower(frame, &q, &first), q);
+        let exterior = exterior::uncovered(problem, &q);
+        let upper = (repair::upper(problem, &q, &first, &exterior), q.clone());
+        let lower = (repair::lower(problem, &q, &first), q);
         let upper = session.raise(upper, (&field, &first), lower.0.force);
         let lower = session.lower(lower, (&field, &first), upper.0.force);
         session.cost.seconds = started.seconds();
         ForceBracket {
-            lower: frame.side(lower.0, &lower.1, session.evidence),
-            upper: frame.side(upper.0, &upper.1, session.evidence),
+            lower: lower.0.side(problem, &lower.1, session.evidence),
+            upper: upper.0.side(problem, &upper.1, session.evidence),
             cost: session.cost,
         }
     })
@@ -87,8 +88,8 @@ pub fn sharp(
 
 struct Session<'a> {
     around: Surroundings,
-    attention: Attention,
-    frame: &'a Frame,
+    state: BoundState,
+    problem: &'a BracketProblem,
     settings: &'a BracketSettings,
     cost: BracketCost,
     evidence: Evidence,
@@ -96,7 +97,7 @@ struct Session<'a> {
 
 impl Session<'_> {
     fn look(&mut self, q: &[f64], side: violation::Side) -> (Field, Violation) {
-        let (field, found, evidence) = self.frame.look(&mut self.around, q, side, &mut self.attention);
+        let (field, found, evidence) = suprema(self.problem, &mut self.around, q, side, &mut self.state);
         self.evidence = evidence;
         self.cost.products += 1;
         (field, found)
@@ -105,8 +106,8 @@ impl Session<'_> {
     /// The pressure for these overlaps, good to a share of the violation that they make good; `None` when the solver gives
     /// up or the time is used up. From nothing: on nested grids that is quicker than from a pressure near by.
     fn solve(&mut self, overlap: Vec<f64>, violation: f64) -> Option<Vec<f64>> {
-        let problem = Discrete { grid: self.frame.grid, kernel: Kernel::Collocation, overlap };
-        let tolerance = (SHARE * violation / self.frame.depth.abs()).clamp(1e-9, 1e-3);
+        let problem = Discrete { grid: self.problem.grid, kernel: Kernel::Collocation, overlap };
+        let tolerance = (SHARE * violation / self.problem.depth.abs()).clamp(1e-9, 1e-3);
         let settings = matrix_free::Settings {
             tolerance,
             threads: self.settings.threads,
@@ -119,20 +120,20 @@ impl Session<'_> {
         self.cost.solves += 1;
         let solved = matrix_free::solve_nested(&problem, &settings).ok()?;
         let mut q = solved.pressure;
-        self.attention.mirrors.even_out(&mut q);
+        self.state.mirrors.even_out(&mut q);
         Some(q)
     }
 
     /// f at the centre of a cell, or, where there is no material, the most of it in the cell.
     fn overlap(&self, k: usize) -> f64 {
-        let [x, y] = self.frame.grid.centre_of(k);
-        let f = self.frame.depth - self.frame.gap.gap(x, y);
-        let nx = self.frame.grid.shape[0];
-        if f.is_finite() { f } else { self.frame.most_overlap(&self.frame.grid.cell(k % nx, k / nx)) }
+        let [x, y] = self.problem.grid.centre_of(k);
+        let f = self.problem.depth - self.problem.gap.gap(x, y);
+        let nx = self.problem.grid.shape[0];
+        if f.is_finite() { f } else { self.problem.most_overlap(&self.problem.grid.cell(k % nx, k / nx)) }
     }
 
-    fn raise(&mut self, first: (Closed, Vec<f64>), look: (&Field, &Violation), other: f64) -> (Closed, Vec<f64>) {
-        let nx = self.frame.grid.shape[0];
+    fn raise(&mut self, first: (Repaired, Vec<f64>), look: (&Field, &Violation), other: f64) -> (Repaired, Vec<f64>) {
+        let nx = self.problem.grid.shape[0];
         let mut best = first;
         let mut q = best.1.clone();
         let mut aim: Vec<f64> = (0..q.len()).map(|k| self.overlap(k)).collect();
@@ -149,12 +150,12 @@ impl Session<'_> {
             let Some(next) = self.solve(aim.clone(), worst) else { break };
             q = next;
             let (field, found) = self.look(&q, violation::Side::Upper);
-            let outside = outside::look(self.frame, &q);
-            let closed = close::upper(self.frame, &q, &found, &outside);
-            let repair = closed.force - self.carried(&q);
-            let gained = best.0.force - closed.force;
+            let exterior = exterior::uncovered(self.problem, &q);
+            let repaired = repair::upper(self.problem, &q, &found, &exterior);
+            let repair = repaired.force - self.carried(&q);
+            let gained = best.0.force - repaired.force;
             if gained > 0.0 {
-                best = (closed, q.clone());
+                best = (repaired, q.clone());
             }
             let width = best.0.force - other;
             if repair < PAYS * width || gained < GAINS * width {
@@ -165,8 +166,8 @@ impl Session<'_> {
         best
     }
 
-    fn lower(&mut self, first: (Closed, Vec<f64>), look: (&Field, &Violation), other: f64) -> (Closed, Vec<f64>) {
-        let nx = self.frame.grid.shape[0];
+    fn lower(&mut self, first: (Repaired, Vec<f64>), look: (&Field, &Violation), other: f64) -> (Repaired, Vec<f64>) {
+        let nx = self.problem.grid.shape[0];
         let mut best = first;
         let mut q = best.1.clone();
         let mut again: Option<(Field, Violation)> = None;
@@ -188,11 +189,11 @@ impl Session<'_> {
             let Some(next) = self.solve(aim, worst) else { break };
             q = next;
             let (field, found) = self.look(&q, violation::Side::Lower);
-            let closed = close::lower(self.frame, &q, &found);
-            let repair = self.carried(&q) - closed.force;
-            let gained = closed.force - best.0.force;
+            let repaired = repair::lower(self.problem, &q, &found);
+            let repair = self.carried(&q) - repaired.force;
+            let gained = repaired.force - best.0.force;
             if gained > 0.0 {
-                best = (closed, q.clone());
+                best = (repaired, q.clone());
             }
             let width = other - best.0.force;
             if repair < PAYS * width || gained < GAINS * width {
@@ -204,6 +205,6 @@ impl Session<'_> {
     }
 
     fn carried(&self, q: &[f64]) -> f64 {
-        q.iter().sum::<f64>() * self.frame.grid.cell_area()
+        q.iter().sum::<f64>() * self.problem.grid.cell_area()
     }
 }

@@ -5,7 +5,7 @@ use super::polynomial::{NODES, Polynomial};
 
 /// One source: its K and the polynomial through it.
 pub(super) struct Source {
-    /// Sides of the loaded rectangle, and its centre in the frame of the middle cell.
+    /// Sides of the loaded rectangle, and its centre in the problem of the middle cell.
     pub sides: [f64; 2],
     pub centre: [f64; 2],
     /// Sides of a cell.

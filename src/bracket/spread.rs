@@ -1,7 +1,7 @@
 //! Largest differences within a block around every cell: maxima and minima of sliding windows, in a few passes.
 
 /// For each cell of a grid the largest difference between its value and any in the block of half sides `half` around it;
-/// `padded` holds the grid with a frame as wide as that.
+/// `padded` holds the grid with a problem as wide as that.
 pub(super) fn spread(padded: &[f64], shape: [usize; 2], half: [usize; 2]) -> Vec<f64> {
     let high = slide(padded, shape, half, |a, b| if a > b { a } else { b });
     let low = slide(padded, shape, half, |a, b| if a < b { a } else { b });

@@ -3,9 +3,9 @@
 //! With K_j the displacement by cell j and P the polynomial through its values at the centres, e_j = K_j - P K_j is large
 //! where cell j is near, and falls with the sixth power of its distance. In the middle cell i of a block B of cells
 //!
-//!   u = P u + sum over j in B of (q_j - q_i) e_j + q_i e_B + sum over j outside B of q_j e_j,
+//!   u = P u + sum over j in B of (q_j - q_i) e_j + q_i e_B + sum over j exterior B of q_j e_j,
 //!
-//! with e_B that of the block under uniform pressure, which has a closed form. The tables hold values and slopes of e_j at
+//! with e_B that of the block under uniform pressure, which has a repaired form. The tables hold values and slopes of e_j at
 //! the points of a lattice, bounds of what e_j does around such a point, and bounds over the whole cell.
 
 use std::f64::consts::FRAC_1_PI;
@@ -57,7 +57,7 @@ pub(super) struct Tables {
     pub trend: Trend,
     /// Supremum of |e_B|.
     pub uniform: f64,
-    /// Sum of the suprema of |e_j| over all cells outside B.
+    /// Sum of the suprema of |e_j| over all cells exterior B.
     pub beyond: f64,
     /// Sub-squares with their middle at (k + 1/2)/S of a cell, and with half their sides.
     pub squares: [Squares; 2],
@@ -269,7 +269,7 @@ fn lattice(n: usize, place: impl Fn(usize) -> f64) -> Vec<[f64; 2]> {
     (0..n * n).map(|k| [place(k % n), place(k / n)]).collect()
 }
 
-/// Sum of bounds of |e_j| over all cells outside the block: the remainder of interpolation in either direction,
+/// Sum of bounds of |e_j| over all cells exterior the block: the remainder of interpolation in either direction,
 /// NODAL/5! times the fifth derivative, which is at most 5!/r^6 of a unit of load.
 fn beyond(h: [f64; 2], block: [usize; 2]) -> f64 {
     let far = half_sides(h, 8.0 * BLOCK);

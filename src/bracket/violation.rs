@@ -1,8 +1,8 @@
 //! How far a pressure is from being admissible, cell by cell, as suprema over the whole cell.
 
 use super::field::Field;
-use super::frame::Frame;
 use super::mirrors::Mirrors;
+use super::problem::BracketProblem;
 use super::tables::Tables;
 
 /// Suprema over each cell, cells as in the grid. Where a cell has nothing to say a supremum is minus infinity.
@@ -20,8 +20,8 @@ pub(super) struct Violation {
 }
 
 /// What is looked at, and how.
-pub(super) struct Subject<'a> {
-    pub frame: &'a Frame,
+pub(super) struct BoundInput<'a> {
+    pub problem: &'a BracketProblem,
     pub field: &'a Field,
     pub tables: &'a Tables,
     pub q: &'a [f64],
@@ -39,7 +39,7 @@ pub(super) enum Side {
 
 /// What was seen in one cell so far: bounds of r = f - u and of u.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Seen {
+pub(super) struct CellBounds {
     /// Largest r where f may be positive.
     over: f64,
     /// Least r anywhere.
@@ -47,7 +47,7 @@ pub(super) struct Seen {
     u: [f64; 2],
 }
 
-impl Seen {
+impl CellBounds {
     pub const NOTHING: Self =
         Self { over: f64::NEG_INFINITY, least: f64::INFINITY, u: [f64::INFINITY, f64::NEG_INFINITY] };
 
@@ -102,7 +102,7 @@ impl Violation {
     }
 
     /// Notes what was seen in a cell in place of what was known.
-    pub fn note(&mut self, cell: usize, loaded: bool, seen: &Seen) {
+    pub fn note(&mut self, cell: usize, loaded: bool, seen: &CellBounds) {
         let [u_low, u_high] = seen.u;
         self.least[cell] = u_low;
         (self.over[cell], self.short[cell]) = (seen.over, f64::NEG_INFINITY);
@@ -121,7 +121,7 @@ impl Violation {
     }
 
     /// Notes what was seen where it is narrower than what was known: both bound the same suprema.
-    pub fn narrow(&mut self, cell: usize, loaded: bool, seen: &Seen) {
+    pub fn narrow(&mut self, cell: usize, loaded: bool, seen: &CellBounds) {
         let known = [self.over[cell], self.short[cell], self.under[cell], self.long[cell], self.least[cell]];
         self.note(cell, loaded, seen);
         self.over[cell] = self.over[cell].min(known[0]);
@@ -139,8 +139,8 @@ impl Violation {
     /// Adds the cells with the largest violations to those that are looked at more closely: at first about as many as lie
     /// along the edge of the contact and its ridges, then some more. A cell that was corrected by what was seen closely must be
     /// seen so again: from further away it would seem to be violated still.
-    pub fn add_worst(&self, subject: &Subject, looked: &[bool], closely: &mut [u8], level: u8) {
-        let height = |k: usize| match subject.side {
+    pub fn add_worst(&self, input: &BoundInput, looked: &[bool], closely: &mut [u8], level: u8) {
+        let height = |k: usize| match input.side {
             Side::Both => self.over[k].max(self.under[k]),
             Side::Upper => self.over[k],
             Side::Lower => self.under[k],
@@ -151,14 +151,14 @@ impl Violation {
             .map(|k| (height(k), k))
             .filter(|c| c.0 > 0.0)
             .collect();
-        let loaded = subject.q.iter().filter(|&&q| q > 0.0).count();
+        let loaded = input.q.iter().filter(|&&q| q > 0.0).count();
         let lines = LINES[usize::from(level) - 1] * if first { 1.0 } else { MORE };
-        let most = (lines * (loaded as f64).sqrt()) as usize / subject.mirrors.fold() + 16;
+        let most = (lines * (loaded as f64).sqrt()) as usize / input.mirrors.fold() + 16;
         if most < cells.len() {
             cells.select_nth_unstable_by(most, |a, b| b.0.total_cmp(&a.0));
             cells.truncate(most);
         }
-        let all = cells.into_iter().flat_map(|c| subject.mirrors.images(c.1));
+        let all = cells.into_iter().flat_map(|c| input.mirrors.images(c.1));
         all.for_each(|image| closely[image.cell] = level);
     }
 }

@@ -1,11 +1,10 @@
 //! A level face in a polygon with no material outside: P = E* K d.
 
 use super::{Found, field_grid};
-use crate::contact::Contact;
 use crate::edge_fitted::{FlatStiffness, Limits, Outline, flat_stiffness, resample};
 use crate::gap::Face;
-use crate::geometry::{Rect, area, centroid};
-use crate::settings::Settings;
+use crate::numeric::geometry::{Rect, area, centroid};
+use crate::problem::{Contact, Settings};
 use crate::solution::Patch;
 
 /// A polygon, and the outline that the cells are fitted to: in units of half its longer side, about the middle of its box.

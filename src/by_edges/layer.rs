@@ -13,12 +13,11 @@
 
 use super::Found;
 use super::flat::{Flat, MOST_CORNERS};
-use crate::contact::Contact;
 use crate::edge_fitted::Limits;
 use crate::gap::Gap;
-use crate::geometry::{Rect, clip};
+use crate::numeric::geometry::{Rect, clip};
 use crate::overlap::Overlap;
-use crate::settings::Settings;
+use crate::problem::{Contact, Settings};
 
 /// A flat with flanks.
 pub(crate) struct Layer {

@@ -13,16 +13,16 @@ mod rings;
 mod tilted;
 
 use crate::bracket::ForceBracket;
-use crate::contact::Contact;
-use crate::domain::shape;
 use crate::edge_fitted::Limits;
-use crate::error::{Unsolved, Verdict};
 use crate::gap::{AnyGap, Gap};
-use crate::geometry::Rect;
 use crate::grid::{Grid, Kernel, Pressure};
+use crate::grid_method::domain::shape;
+use crate::numeric::geometry::Rect;
 use crate::overlap::Overlap;
-use crate::settings::{Method, Settings};
-use crate::solution::{Cost, Origin, Patch, Piece, PressureSummary, Singular, Solution, TouchesEdge, Validity};
+use crate::problem::{Contact, Method, Settings};
+use crate::solution::{
+    Cost, Origin, Patch, Piece, PressureSummary, Singular, Solution, TouchesEdge, Unsolved, Validity, Verdict,
+};
 
 /// What the cells are fitted to.
 pub(crate) enum Route {

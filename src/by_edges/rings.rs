@@ -3,12 +3,11 @@
 use std::f64::consts::{PI, TAU};
 
 use super::{Found, field_grid};
-use crate::contact::Contact;
 use crate::edge_fitted::{Annular, Law, Limits, RadialBounds, RadialJet, Span, annular, resample_rings};
 use crate::gap::{AnyGap, Axis, Gap};
-use crate::geometry::Rect;
+use crate::numeric::geometry::Rect;
 use crate::overlap::Overlap;
-use crate::settings::Settings;
+use crate::problem::{Contact, Settings};
 use crate::solution::{Patch, Piece};
 
 /// The overlap along a radius: lengths in units of the reach, heights in units of the deepest overlap.

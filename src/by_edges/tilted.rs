@@ -4,13 +4,11 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::flat::Flat;
 use super::{Found, Moments, field_grid};
-use crate::contact::Contact;
 use crate::edge_fitted::{Given, Limits, Tilted, resample, tilted};
-use crate::error::{Unsolved, Verdict};
 use crate::gap::Face;
 use crate::geometry::Rect;
-use crate::settings::Settings;
-use crate::solution::{Patch, Piece};
+use crate::problem::{Contact, Settings};
+use crate::solution::{Patch, Piece, Unsolved, Verdict};
 
 /// A polygon with the plane of its face: the gap at x is value + slope . (x - at).
 pub(crate) struct Tilting {

@@ -5,11 +5,10 @@ use super::result::State;
 use super::state::{ROUNDING, matrix};
 use super::{Verification, close, formula};
 use crate::bracket;
-use crate::contact::{Load, Loading};
 use crate::error::InputError;
 use crate::gap::AnyGap;
+use crate::problem::{Load, Loading, Method, Outputs, Settings};
 use crate::scene::{Json, Scene};
-use crate::settings::{Method, Outputs, Settings};
 use crate::solution::Solution;
 use crate::solve::solve;
 

@@ -6,8 +6,8 @@ use super::summation::{Receiver, Summation};
 use crate::bracket::{Evidence, ForceBracket, Repair, Side};
 use crate::gap::{AnyGap, Gap};
 use crate::grid::{Grid, Pressure};
-use crate::material::EffectiveModulus;
 use crate::overlap::Overlap;
+use crate::problem::EffectiveModulus;
 
 /// Where the checker looks in a cell; off the lattices that proofs and solvers use.
 const POINTS: [[f64; 2]; 4] = [[0.31, 0.27], [0.73, 0.36], [0.21, 0.69], [0.83, 0.87]];

@@ -1,12 +1,12 @@
 //! What a pressure field does in its cells: overlap, displacement, residuals, energy, and the flat punch on its contact.
 
 use super::summation::{Near, Receiver, Summation};
-use crate::discrete::{Discrete, DiscreteSolution, Residuals};
+use crate::discrete::{Discrete, DiscreteSolution};
 use crate::gap::Gap;
 use crate::grid::{Kernel, Pressure};
-use crate::material::EffectiveModulus;
 use crate::patch;
-use crate::solution::Patch;
+use crate::problem::EffectiveModulus;
+use crate::solution::{Patch, Residuals};
 
 /// Pressed cells up to which flat punches are solved for: about two seconds each at this limit.
 const MOST_PRESSED: usize = 20_000;

@@ -4,9 +4,9 @@ use super::bounds::{loaded, violations};
 use super::one_cell::of_cell;
 use super::summation::{Receiver, Summation};
 use crate::gap::{AnyGap, Gap};
-use crate::geometry::Rect;
 use crate::grid::Pressure;
-use crate::material::EffectiveModulus;
+use crate::numeric::geometry::Rect;
+use crate::problem::EffectiveModulus;
 
 /// Bounds of the force by sampled violations of a field: P(d - e2) <= P(field) <= P(d + e1), with a flat disc around everything for
 /// the difference.

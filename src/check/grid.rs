@@ -6,10 +6,10 @@ use super::cells::Cells;
 use super::result::State;
 use super::state::{ROUNDING, matrix};
 use super::{CLOSER, Verification, close, formula, homogeneous};
-use crate::contact::Load;
 use crate::error::InputError;
 use crate::gap::AnyGap;
 use crate::grid::{Grid, Kernel, Pressure};
+use crate::problem::Load;
 use crate::scene::Scene;
 use crate::solution::Piece;
 

@@ -3,12 +3,12 @@
 use super::result::{Bounds, State};
 use super::{Claim, Verification, bounds, close};
 use crate::bracket::{self, DepthBracket};
-use crate::contact::Load;
 use crate::energy::{Trial, force_bounds};
 use crate::error::InputError;
 use crate::gap::{AnyGap, Gap};
 use crate::grid::{Grid, Pressure};
 use crate::overlap::{Overlap, least};
+use crate::problem::Load;
 use crate::scene::Scene;
 
 /// Relative difference of two numbers that are written from the same ones.

@@ -18,10 +18,10 @@ use super::table::TableOptions;
 use super::{Failure, Overrides, checked_threads};
 use crate::clock::Deadline;
 use crate::error::InputError;
+use crate::problem::Settings;
 use crate::report;
 use crate::scene::Scene;
 use crate::scene::fields::checked_seconds;
-use crate::settings::Settings;
 
 /// Lines in flight for each worker: enough that none waits for a slow neighbour.
 const WINDOW: usize = 32;

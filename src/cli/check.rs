@@ -8,8 +8,8 @@ use clap::Args;
 use super::outputs::MainOutput;
 use super::{Failure, inputs, scene};
 use crate::check::{State, Verification};
-use crate::contact::Loading;
 use crate::error::InputError;
+use crate::problem::Loading;
 use crate::scene::{Json, Scene};
 
 /// Check a result by direct summation: exit 0 accepted, 1 refused

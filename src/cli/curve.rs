@@ -8,12 +8,13 @@ use clap::{Args, ValueEnum};
 
 use super::outputs::outputs;
 use super::{Failure, Overrides, inputs, scene};
-use crate::contact::Load;
 use crate::curve::Curve;
-use crate::error::{InputError, Unsolved};
+use crate::error::InputError;
 use crate::overlap::least;
 use crate::plot;
+use crate::problem::Load;
 use crate::scene::Scene;
+use crate::solution::Unsolved;
 use crate::units::UnitLabels;
 
 /// Steps in a file that asks for none.
@@ -136,7 +137,7 @@ impl CurveCommand {
             }
         }
         if strongest > 0.0 {
-            let contact = scene.contact.under(crate::contact::Loading::force(strongest));
+            let contact = scene.contact.under(crate::problem::Loading::force(strongest));
             match crate::solve(&contact, &scene.settings).remove(0).or_else(Unsolved::accept_best) {
                 Ok(solution) => deepest = deepest.max(solution.depth),
                 Err(unsolved) => return Ok(Err(unsolved)),

@@ -26,9 +26,9 @@ use std::process::ExitCode;
 use clap::{Args, Parser, Subcommand};
 
 use crate::error::InputError;
+use crate::problem::Settings;
 use crate::scene::Scene;
 use crate::scene::fields::{EvidenceName, KernelName, MethodName, checked_cells, checked_tolerance};
-use crate::settings::Settings;
 
 /// Contact patch, force, stiffness and pressure of two bodies pressed together.
 #[derive(Parser)]

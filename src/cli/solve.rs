@@ -8,13 +8,12 @@ use clap::Args;
 
 use super::outputs::outputs;
 use super::{Failure, Overrides, checked_threads, inputs, scene};
-use crate::contact::Loading;
 use crate::error::InputError;
 use crate::plot::{self, Format};
+use crate::problem::{Loading, Method};
 use crate::report::write::Target;
 use crate::report::{self, npy};
 use crate::scene::Scene;
-use crate::settings::Method;
 use crate::units::UnitLabels;
 
 /// Solve a scene and print a short table

@@ -11,8 +11,8 @@ use clap::Args;
 use super::Failure;
 use crate::error::InputError;
 use crate::files;
+use crate::problem::Settings;
 use crate::scene::{Given, Json, LONGEST};
-use crate::settings::Settings;
 use crate::table::{Answers, Column, Template};
 
 /// Rows that are held at a time.

@@ -5,8 +5,9 @@ use std::f64::consts::PI;
 use nalgebra::{Matrix3, Rotation2, Vector2};
 
 use super::{ClosedForm, Distribution, Ellipse, ROUNDING, r_d, r_f};
-use crate::error::{InputError, Unsolved, Verdict, finite, positive};
-use crate::material::EffectiveModulus;
+use crate::error::{InputError, finite, positive};
+use crate::problem::EffectiveModulus;
+use crate::solution::{Unsolved, Verdict};
 
 /// A flat punch of elliptic plan-form, with sharp edges.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 use std::fmt;
 
 use crate::clock::Deadline;
-use crate::quadrature::{Integral, adaptive, from_zero};
+use crate::numeric::quadrature::{Integral, adaptive, from_zero};
 
 /// g'(r) or g(r).
 pub(super) type Profile = Box<dyn Fn(f64) -> f64 + Send + Sync>;

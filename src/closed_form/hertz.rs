@@ -14,8 +14,8 @@ use std::f64::consts::PI;
 
 use super::{ClosedForm, Distribution, Ellipse, ROUNDING, r_d, r_f};
 use crate::error::{InputError, finite, positive};
-use crate::material::EffectiveModulus;
-use crate::scalar::root;
+use crate::numeric::scalar::root;
+use crate::problem::EffectiveModulus;
 
 /// The gap xx x^2 + xy x y + yy y^2. Those of two bodies add.
 #[derive(Debug, Clone, Copy, PartialEq)]

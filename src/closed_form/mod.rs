@@ -14,6 +14,7 @@ mod flat_punch;
 mod generatrix;
 mod hertz;
 mod power;
+pub(crate) mod select;
 mod sneddon;
 mod sphere;
 mod tipped_cone;

@@ -9,9 +9,9 @@ use std::f64::consts::PI;
 
 use super::{ClosedForm, Revolution};
 use crate::error::{InputError, positive};
-use crate::material::EffectiveModulus;
-use crate::quadrature::adaptive;
-use crate::scalar::maximum;
+use crate::numeric::quadrature::adaptive;
+use crate::numeric::scalar::maximum;
+use crate::problem::EffectiveModulus;
 
 /// The gap c r^n.
 #[derive(Debug, Clone, Copy, PartialEq)]

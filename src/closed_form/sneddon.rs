@@ -17,10 +17,11 @@ use std::sync::Arc;
 use super::generatrix::{Generatrix, Profile};
 use super::{ClosedForm, Revolution};
 use crate::clock::Deadline;
-use crate::error::{InputError, Unsolved, Verdict};
-use crate::material::EffectiveModulus;
-use crate::quadrature::{adaptive, from_zero};
-use crate::scalar::{maximum, root};
+use crate::error::InputError;
+use crate::numeric::quadrature::{adaptive, from_zero};
+use crate::numeric::scalar::{maximum, root};
+use crate::problem::EffectiveModulus;
+use crate::solution::{Unsolved, Verdict};
 
 /// A gap of revolution, given by its slope g'(r) or by the gap itself.
 #[derive(Debug, Clone)]

@@ -12,9 +12,9 @@ use std::f64::consts::PI;
 
 use super::{ClosedForm, Revolution};
 use crate::error::{InputError, positive};
-use crate::material::EffectiveModulus;
-use crate::quadrature::adaptive;
-use crate::scalar::{maximum, root};
+use crate::numeric::quadrature::adaptive;
+use crate::numeric::scalar::{maximum, root};
+use crate::problem::EffectiveModulus;
 
 /// A rigid sphere, or two bodies whose gap is that of one.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -16,9 +16,9 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::{ClosedForm, Hertz, Revolution, r_f};
 use crate::error::{InputError, positive};
-use crate::material::EffectiveModulus;
-use crate::quadrature::adaptive;
-use crate::scalar::root;
+use crate::numeric::quadrature::adaptive;
+use crate::numeric::scalar::root;
+use crate::problem::EffectiveModulus;
 
 /// A cone with its tip cut off: gap 0 to r = b, then slope t.
 #[derive(Debug, Clone, Copy, PartialEq)]

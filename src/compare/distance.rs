@@ -1,7 +1,7 @@
 //! How far two patches, and two pressures, are apart.
 
-use crate::geometry::Rect;
 use crate::grid::Pressure;
+use crate::numeric::geometry::Rect;
 
 /// Lines across both patches, on which lengths are exact: the area between two boundaries is good to about 1e-3 of it.
 const SCAN_LINES: usize = 1000;

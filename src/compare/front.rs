@@ -1,7 +1,7 @@
 //! The Pareto front of error and run time, and how far behind it each run lies.
 
 use super::{Figures, Run};
-use crate::settings::Method;
+use crate::problem::Method;
 
 /// Fills in how far behind the Pareto front of error and run time each run lies.
 pub(super) fn rank(runs: &mut [Run], uncertainty: f64) {

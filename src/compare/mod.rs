@@ -4,10 +4,8 @@ mod distance;
 mod front;
 
 use crate::bracket::{self, BracketSettings, ForceBracket};
-use crate::contact::{Contact, Load, Loading};
-use crate::error::Unsolved;
-use crate::settings::{Method, Outputs, Settings};
-use crate::solution::Solution;
+use crate::problem::{Contact, Load, Loading, Method, Outputs, Settings};
+use crate::solution::{Solution, Unsolved};
 use crate::solve::solve;
 
 /// Does the work and tells the most bytes of heap it held at once beyond those held before.

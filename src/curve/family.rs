@@ -1,15 +1,14 @@
 //! The states of one contact at many depths, each as exact as the curve needs it.
 
 use super::Sample;
-use crate::by_grid::{dimensional, on_several_grids};
-use crate::contact::Contact;
-use crate::error::{Unsolved, Verdict};
-use crate::exact;
 use crate::gap::Law;
+use crate::grid_method::dimensional::dimensional;
+use crate::grid_method::on_several_grids;
+use crate::grid_method::refinement;
+use crate::loading::{respond, without_grid};
 use crate::overlap::Overlap;
-use crate::respond::{respond, without_grid};
-use crate::settings::{Method, Outputs, Settings};
-use crate::solution::Solution;
+use crate::problem::{Contact, Method, Outputs, Settings};
+use crate::solution::{Solution, Unsolved, Verdict};
 
 /// Cells along the longer side of the finest grid of one state, or half of them where twice as many are enough. Where they are
 /// not, the error of that state says so and the curve is no better.
@@ -87,11 +86,11 @@ impl<'a> Family<'a> {
         let apart = || Unsolved::new(Verdict::NotApplicable, format!("no contact at depth {depth:e}"));
         let scaled = Overlap::of(self.contact.gap(), depth)?.ok_or_else(apart)?.scaled();
         let law = self.contact.gap().known().law;
-        let mut found = exact::as_far_as(FINE, &scaled, &self.settings, method, law)?;
+        let mut found = refinement::as_far_as(FINE, &scaled, &self.settings, method, law)?;
         let short = found.error / found.force / self.settings.tolerance;
         // Twice as many cells take a half to three quarters of the error away.
         if self.settings.cells.is_none() && (1.0..4.0).contains(&short) {
-            found = exact::as_far_as(2 * FINE, &scaled, &self.settings, method, law)?;
+            found = refinement::as_far_as(2 * FINE, &scaled, &self.settings, method, law)?;
         }
         dimensional(self.contact, &scaled, &found, law, depth, [0.0; 2], &self.settings)
     }

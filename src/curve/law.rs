@@ -8,7 +8,7 @@
 //! first: the slopes are taken, within their doubt, where they bend the law least. The values then tell them to one another.
 
 use super::Sample;
-use crate::error::Unsolved;
+use crate::solution::Unsolved;
 
 /// Share of a miss in the middle of an interval that is left in its halves: 1/16 where the law is smooth.
 const LEFT: f64 = 0.2;

@@ -7,11 +7,10 @@ mod spline;
 
 pub use spline::Knot;
 
-use crate::contact::Contact;
-use crate::error::{InputError, Unsolved, Verdict, positive};
+use crate::error::{InputError, positive};
 use crate::overlap::least;
-use crate::settings::Settings;
-use crate::solution::Singular;
+use crate::problem::{Contact, Settings};
+use crate::solution::{Singular, Unsolved, Verdict};
 use family::Family;
 use law::Law;
 use spline::Spline;

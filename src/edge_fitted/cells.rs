@@ -1,8 +1,8 @@
 //! Pressure in cells, resampled onto a uniform grid by exact means.
 
 use super::mesh::{Point, cross, dot, minus, norm};
-use crate::geometry::{area, clip};
 use crate::grid::{Grid, Pressure};
+use crate::numeric::geometry::{area, clip};
 
 /// The means over the cells of a grid of a pressure that is constant in convex cells.
 #[must_use]

@@ -105,7 +105,7 @@ pub(super) fn of_taylor(t: &[f64; 10], [hx, hy]: [f64; 2]) -> [(usize, f64); 10]
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::quadrature::GaussLegendre;
+    use crate::numeric::quadrature::GaussLegendre;
 
     #[test]
     fn means_of_a_quartic_give_it_back() {

@@ -1,11 +1,12 @@
 //! The residual f - u in one cell, quarter by quarter: where the overlap has a kink or an end, and where the extension fades.
 
 use super::basis::{BENDS, DEGREES, of_taylor};
+use super::expansion::Expansion;
 use super::field::Field;
-use super::lanes::{Expansion, LANES, Lane, add};
+use super::lane::{LANES, Lane, add};
 use super::overlap::{OverlapBounds, Taylor};
 use super::quarter::{CORNERS, INNER, LATTICE, MISSED, POINTS, Rule, WEIGHTS};
-use crate::geometry::Rect;
+use crate::numeric::geometry::Rect;
 
 /// f over a sub-square: a polynomial about the centre of the cell, and how far f may be from it.
 #[derive(Clone, Copy)]
@@ -448,7 +449,7 @@ impl Sums {
 
 #[cfg(test)]
 mod tests {
-    use super::super::lanes::{Expansions, Room};
+    use super::super::expansion::{Expansions, Room};
     use super::super::overlap::Plane;
     use super::super::potential::Corners;
     use super::*;

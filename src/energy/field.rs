@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::basis::NODES;
-use super::lanes::LANES;
+use super::lane::LANES;
 use super::tables::Tables;
 use crate::grid::{Grid, Kernel};
 use crate::influence::InfluenceTable;

@@ -37,10 +37,11 @@
 mod basis;
 mod bracket;
 mod cut;
+mod expansion;
 mod extension;
 mod field;
 mod force;
-mod lanes;
+mod lane;
 mod of_gap;
 mod outside;
 mod overlap;
@@ -48,6 +49,7 @@ mod potential;
 mod quarter;
 mod residual;
 mod tables;
+mod touching;
 mod whole;
 
 pub use bracket::{EnergyBracket, Padded, Trial, energy_bracket};

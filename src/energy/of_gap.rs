@@ -2,8 +2,8 @@
 
 use super::overlap::{Interval, Jet, OverlapBounds};
 use crate::gap::{AnyGap, Gap, Reach};
-use crate::geometry::Rect;
 use crate::numeric;
+use crate::numeric::geometry::Rect;
 use crate::overlap::Scaled;
 
 /// f = depth - g of any gap.

@@ -5,7 +5,7 @@
 
 use super::field::{Field, RING};
 use super::overlap::OverlapBounds;
-use crate::geometry::Rect;
+use crate::numeric::geometry::Rect;
 
 /// Blocks of cells along each side of the loaded box.
 const BLOCKS: usize = 8;

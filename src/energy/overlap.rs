@@ -1,6 +1,6 @@
 //! What the bounds have to know of the overlap f = depth + tilt . x - gap: enclosures over rectangles.
 
-use crate::geometry::Rect;
+use crate::numeric::geometry::Rect;
 
 /// An interval: least and greatest.
 pub type Interval = [f64; 2];

@@ -5,9 +5,9 @@
 //! the slopes have a logarithm. They belong to four sub-squares.
 
 use super::basis::{DEGREES, POLYNOMIALS, legendre, slopes};
-use super::lanes::{LANES, Lane};
-use super::tables::{TOUCHING, Touching};
-use crate::quadrature::GaussLegendre;
+use super::lane::{LANES, Lane};
+use super::touching::{TOUCHING, Touching};
+use crate::numeric::quadrature::GaussLegendre;
 
 /// Points along half a side.
 pub(super) const POINTS: usize = 7;

@@ -1,15 +1,16 @@
 //! The energy norm of the residual: a trial displacement w, continued beyond the contact, and the integrals of w^2 and |grad w|^2.
 
 use super::cut::{Cell, left_out, scaled};
+use super::expansion::{Expansions, Room};
 use super::extension::Extension;
 use super::field::{Field, RING};
-use super::lanes::{Expansions, LANES, Room};
+use super::lane::LANES;
 use super::outside::{Loads, clear_beyond, near};
 use super::overlap::{OverlapBounds, Taylor};
 use super::tables::MOST_SLENDER;
 use super::whole::integrals;
 use super::{basis, whole};
-use crate::geometry::Rect;
+use crate::numeric::geometry::Rect;
 
 /// Which halves of the grid are worked out: the upper one along an axis where pressure and overlap are their own images.
 pub(super) type Halves = [bool; 2];

@@ -4,8 +4,10 @@
 //! |grad r|^2 has them within each class of parity.
 
 use super::basis::{CLASSES, DEGREES, POLYNOMIALS};
-use super::lanes::{Expansions, LANES, Lane, add};
-use super::tables::{FIRSTS, Tables};
+use super::expansion::Expansions;
+use super::lane::{LANES, Lane, add};
+use super::tables::Tables;
+use super::touching::FIRSTS;
 
 /// Coefficients of Taylor polynomials in cells side by side ([`super::basis::of_taylor`]): places 0, 1, 3, 9, ...
 pub(super) type Overlaps = [Lane; POLYNOMIALS];
@@ -83,8 +85,8 @@ fn line<'a>(
 #[cfg(test)]
 mod tests {
     use super::super::basis::of_taylor;
+    use super::super::expansion::Room;
     use super::super::field::Field;
-    use super::super::lanes::Room;
     use super::super::potential::Corners;
     use super::super::tables::graded;
     use super::*;

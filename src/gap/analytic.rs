@@ -3,8 +3,8 @@
 use super::radial::{self, Profile, distances};
 use super::{Axis, Degree, Gap, Generatrix, Growth, Known, Law, Material, Quadratic, Reach, Taylor};
 use crate::error::{InputError, finite, positive};
-use crate::geometry::Rect;
 use crate::numeric::Interval;
+use crate::numeric::geometry::Rect;
 
 /// Room for the rounding of a radius.
 const ROUNDING: f64 = 1.0 + 1e-14;

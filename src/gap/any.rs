@@ -5,9 +5,9 @@ use std::sync::Arc;
 use super::transform::{Transform, quarter_exact};
 use super::{Gap, Growth, Known, Material, Reach, Ridges, Taylor, enclosure, mean, range};
 use crate::error::{InputError, finite};
-use crate::geometry::Rect;
 use crate::grid::Grid;
 use crate::numeric::Interval;
+use crate::numeric::geometry::Rect;
 
 /// A gap behind a shared pointer, moved, turned, tilted or seen in other units, so that gaps of different kinds can stand side by side.
 #[derive(Clone)]
@@ -246,6 +246,10 @@ impl Gap for AnyGap {
             return self.inner.growth(sector, from);
         }
         self.transform.growth_outward(sector, from, |sector, from| self.inner.growth(sector, from))
+    }
+
+    fn is_measured(&self) -> bool {
+        self.inner.is_measured()
     }
 
     fn sampling_error(&self, rect: &Rect) -> f64 {

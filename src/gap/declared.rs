@@ -1,8 +1,8 @@
 //! A closure with what its author knows about it.
 
 use super::{Axis, Degree, Gap, Generatrix, Growth, Known, Law, Material, Outline, Reach};
-use crate::geometry::Rect;
 use crate::numeric::Interval;
+use crate::numeric::geometry::Rect;
 
 type Slopes = Box<dyn Fn(f64, f64) -> [f64; 2] + Send + Sync>;
 

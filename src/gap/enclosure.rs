@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 use super::{Gap, Reach};
-use crate::geometry::Rect;
+use crate::numeric::geometry::Rect;
 
 /// A side is found to this part of the rectangle's extent.
 const FINE: f64 = 1.0 / 32.0;
@@ -18,10 +18,11 @@ const BUDGET: usize = 600;
 /// Rounds of shrinking: each leaves at most four fifths.
 const ROUNDS: usize = 200;
 
-/// A rectangle that may hold points below the depth, and how far it reaches towards the side in question.
-struct Candidate {
-    far: f64,
-    rect: Rect,
+/// A rectangle of a branch and bound, the one of the largest bound first.
+pub(crate) struct Candidate {
+    /// Bound of what is sought.
+    pub bound: f64,
+    pub rect: Rect,
 }
 
 impl PartialEq for Candidate {
@@ -40,12 +41,12 @@ impl PartialOrd for Candidate {
 
 impl Ord for Candidate {
     fn cmp(&self, other: &Self) -> Ordering {
-        self.far.total_cmp(&other.far)
+        self.bound.total_cmp(&other.bound)
     }
 }
 
 /// The two halves of a rectangle, cut across the side that is longer in units of `extent`.
-fn halves(rect: &Rect, extent: [f64; 2]) -> [Rect; 2] {
+pub(crate) fn halves(rect: &Rect, extent: [f64; 2]) -> [Rect; 2] {
     let ([w, h], c) = (rect.size(), rect.centre());
     let (mut a, mut b) = (*rect, *rect);
     let axis = usize::from(h / extent[1] > w / extent[0]);
@@ -64,9 +65,9 @@ fn farthest(
 ) -> Option<f64> {
     let extent = outer.size();
     let far = |rect: &Rect| if upwards { rect.max[axis] } else { -rect.min[axis] };
-    let mut open = BinaryHeap::from([Candidate { far: far(outer), rect: *outer }]);
+    let mut open = BinaryHeap::from([Candidate { bound: far(outer), rect: *outer }]);
     for _ in 0..BUDGET {
-        let Candidate { far: reached, rect } = open.pop()?;
+        let Candidate { bound: reached, rect } = open.pop()?;
         if !(lower(&rect) < depth) {
             continue;
         }
@@ -74,10 +75,10 @@ fn farthest(
             return Some(if upwards { reached } else { -reached });
         }
         for half in halves(&rect, extent) {
-            open.push(Candidate { far: far(&half), rect: half });
+            open.push(Candidate { bound: far(&half), rect: half });
         }
     }
-    open.pop().map(|c| if upwards { c.far } else { -c.far })
+    open.pop().map(|c| if upwards { c.bound } else { -c.bound })
 }
 
 /// The part of `outer` that holds all points where the gap can be below the depth, from lower bounds of the gap over rectangles.
@@ -141,10 +142,10 @@ pub(crate) fn least(gap: &(impl Gap + ?Sized), outer: &Rect, close: f64, enough:
     let value = |[x, y]: [f64; 2]| Some(gap.gap(x, y)).filter(|g| !g.is_nan()).unwrap_or(f64::INFINITY);
     let c = outer.centre();
     let mut best = Least { at: c, value: value(c), bound: gap.bounds(outer, [0.0; 2])?[0] };
-    let mut open = BinaryHeap::from([Candidate { far: -best.bound, rect: *outer }]);
+    let mut open = BinaryHeap::from([Candidate { bound: -best.bound, rect: *outer }]);
     let mut dropped = f64::INFINITY;
     for _ in 0..LEAST_BUDGET {
-        let Some(Candidate { far, rect }) = open.pop() else { break };
+        let Some(Candidate { bound: far, rect }) = open.pop() else { break };
         best.bound = (-far).min(dropped);
         if best.value - best.bound <= close || best.value < enough || best.bound >= enough {
             return Some(best);
@@ -163,13 +164,13 @@ pub(crate) fn least(gap: &(impl Gap + ?Sized), outer: &Rect, close: f64, enough:
             // A rectangle that cannot be cut any more is a point.
             let cut = (0..2).any(|m| half.min[m] < c[m] && c[m] < half.max[m]);
             if low < best.value && cut {
-                open.push(Candidate { far: -low, rect: half });
+                open.push(Candidate { bound: -low, rect: half });
             } else {
                 dropped = dropped.min(low.max(best.value));
             }
         }
     }
-    best.bound = open.peek().map_or(best.value, |c| -c.far).min(dropped).min(best.value);
+    best.bound = open.peek().map_or(best.value, |c| -c.bound).min(dropped).min(best.value);
     Some(best)
 }
 

@@ -1,8 +1,8 @@
 //! Flat punches.
 
 use super::{Axis, Degree, Face, Gap, Generatrix, Growth, Known, Law, Material, Outline, Reach, Taylor};
-use crate::geometry::Rect;
 use crate::numeric::Interval;
+use crate::numeric::geometry::Rect;
 
 /// Gap zero inside an outline, no material outside: a flat punch with a sharp edge.
 ///

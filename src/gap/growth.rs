@@ -4,8 +4,8 @@
 //! above a depth everywhere outside a disc, or below it however far out.
 
 use super::Reach;
-use crate::geometry::Rect;
 use crate::numeric::Interval;
+use crate::numeric::geometry::Rect;
 
 /// Terms that are kept apart; more of them share the largest degree.
 const MOST_TERMS: usize = 6;

@@ -3,7 +3,7 @@
 //! Nothing here is sampled: a closed form, a law of similarity or a proof may rest on every entry. `None` means "not known", never "not so".
 
 use super::{Outline, Reach};
-use crate::geometry::Rect;
+use crate::numeric::geometry::Rect;
 
 /// Facts about a gap that follow from its construction.
 #[derive(Debug, Clone, PartialEq)]

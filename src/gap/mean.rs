@@ -1,6 +1,6 @@
 //! Mean of a gap over a cell: of the highest of some planes, and by quadrature where no closed form is known.
 
-use crate::geometry::{Rect, area, centroid, clip};
+use crate::numeric::geometry::{Rect, area, centroid, clip};
 
 /// With more planes than this quadrature is quicker where they meet.
 pub(super) const MOST_PLANES: usize = 24;

@@ -3,8 +3,8 @@
 use super::sum::{common_axis, common_mirrors, tips_of};
 use super::{AnyGap, Gap, Generatrix, Growth, Known, Material, Reach, Taylor, enclosure};
 use crate::error::InputError;
-use crate::geometry::Rect;
 use crate::numeric::Interval;
+use crate::numeric::geometry::Rect;
 
 /// More parts than this are refused.
 const MOST_PARTS: usize = 100_000;
@@ -200,6 +200,10 @@ impl Gap for Minimum {
         // Where a part has no material the others count.
         let lasting = parts.iter().filter(|part| !part.is_ended()).copied().reduce(|a, b| a.lesser(&b));
         lasting.or_else(|| parts.first().copied())
+    }
+
+    fn is_measured(&self) -> bool {
+        self.parts.iter().any(Gap::is_measured)
     }
 
     fn sampling_error(&self, rect: &Rect) -> f64 {

@@ -55,9 +55,9 @@ pub use taylor::Taylor;
 use std::sync::Arc;
 
 use crate::error::InputError;
-use crate::geometry::Rect;
 use crate::grid::Grid;
 use crate::numeric::Interval;
+use crate::numeric::geometry::Rect;
 
 /// Where a gap is less than a given depth.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -175,6 +175,11 @@ pub trait Gap: Send + Sync {
         None
     }
 
+    /// Whether parts of the gap are measured, so that its samples leave something open ([`Gap::sampling_error`]).
+    fn is_measured(&self) -> bool {
+        false
+    }
+
     /// How far the gap may be, over a rectangle, from the surface that was measured: what lies between its samples, and what is left
     /// of their noise. An estimate from the samples alone; 0 where the gap is given by construction.
     fn sampling_error(&self, _rect: &Rect) -> f64 {
@@ -205,7 +210,7 @@ pub trait Gap: Send + Sync {
     fn kink_directions(&self, _from: [f64; 2], _angles: &mut Vec<f64>) {}
 
     /// All ridges of a gap that is the highest of several planes; `None` for any other. With them the integrals over an
-    /// ellipse have a closed form ([`crate::ritz`]).
+    /// ellipse have a closed form ([`crate::approximate::ritz`]).
     fn ridges(&self) -> Option<Ridges> {
         None
     }

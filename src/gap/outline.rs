@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use crate::error::{InputError, finite, positive};
-use crate::geometry::{self, Rect};
+use crate::numeric::geometry::{self, Rect};
 
 /// More corners than a drawing has; the check for crossings is quadratic in them.
 const MOST_CORNERS: usize = 10_000;

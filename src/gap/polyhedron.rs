@@ -6,8 +6,8 @@ use super::analytic::slope_of;
 use super::ridges::{corner_window, face_polygon, unit};
 use super::{AnyGap, Degree, Gap, Growth, Known, Law, Material, Quadratic, Reach, Ridges, Taylor, mean, radial, range};
 use crate::error::{InputError, finite, positive};
-use crate::geometry::{Rect, centroid, clip};
 use crate::numeric::Interval;
+use crate::numeric::geometry::{Rect, centroid, clip};
 
 /// g = max over k of (slope_x x + slope_y y + offset): a convex polyhedron, blunt or pointed, regular or not.
 ///

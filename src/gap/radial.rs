@@ -1,8 +1,8 @@
 //! Gaps that are smooth functions of the distance from the origin: bounds, Taylor form and growth from those of one variable.
 
 use super::{Growth, Taylor};
-use crate::geometry::Rect;
 use crate::numeric::Interval;
+use crate::numeric::geometry::Rect;
 
 /// The sides of a rectangle as intervals.
 pub(super) fn sides(rect: &Rect) -> [Interval; 2] {

@@ -2,8 +2,8 @@
 
 use super::Gap;
 use super::radial::distances;
-use crate::geometry::Rect;
 use crate::numeric::Interval;
+use crate::numeric::geometry::Rect;
 
 /// The highest of some planes.
 pub(super) fn of_planes(planes: &[[f64; 3]], rect: &Rect, slope: [f64; 2]) -> [f64; 2] {
@@ -113,7 +113,7 @@ pub(super) fn of_segments(points: &[[f64; 2]], rect: &Rect, slope: [f64; 2]) -> 
 mod tests {
     use crate::gap::Sum;
     use crate::gap::{AnyGap, Cone, Flat, Gap, Minimum, Outline, Paraboloid, Polyhedron, Power, Revolved, Sphere};
-    use crate::geometry::Rect;
+    use crate::numeric::geometry::Rect;
 
     fn kinds() -> Vec<AnyGap> {
         let all = |g: AnyGap| [g.clone().placed([0.1, -0.2], 0.7).map(AnyGap::new).unwrap(), g];

@@ -4,8 +4,8 @@ use super::outline::circle_crossings;
 use super::radial::{self, Profile, distances};
 use super::{Axis, Gap, Generatrix, Growth, Known, Material, Reach, Taylor, range};
 use crate::error::{InputError, finite};
-use crate::geometry::Rect;
 use crate::numeric::Interval;
+use crate::numeric::geometry::Rect;
 
 /// g(r) straight between the points (r, z) of a table: the profile of a tip, a turned punch, a worn bearing.
 ///

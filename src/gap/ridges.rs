@@ -1,6 +1,6 @@
 //! The ridges of a polyhedral gap: the stretches of straight line on which two of its planes meet.
 
-use crate::geometry::{Rect, clip};
+use crate::numeric::geometry::{Rect, clip};
 
 /// One ridge.
 #[derive(Debug, Clone, PartialEq)]

@@ -2,8 +2,8 @@
 
 use super::{AnyGap, Axis, Gap, Generatrix, Growth, Known, Law, Material, Quadratic, Reach, Taylor, enclosure, growth};
 use crate::error::InputError;
-use crate::geometry::Rect;
 use crate::numeric::Interval;
+use crate::numeric::geometry::Rect;
 
 /// The sum of several gaps: two curved bodies, each turned its own way, against each other.
 ///
@@ -286,6 +286,10 @@ impl Gap for Sum {
         let mut parts = self.parts.iter().map(|part| part.growth(sector, from));
         let first = parts.next()??;
         parts.try_fold(first, |sum, part| part.map(|part| sum.plus(&part)))
+    }
+
+    fn is_measured(&self) -> bool {
+        self.parts.iter().any(Gap::is_measured)
     }
 
     fn sampling_error(&self, rect: &Rect) -> f64 {

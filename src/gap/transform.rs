@@ -3,8 +3,8 @@
 use nalgebra::{Matrix2, Rotation2, Vector2};
 
 use super::{Axis, Degree, Face, Generatrix, Growth, Known, Law, Material, Quadratic, Reach, Taylor};
-use crate::geometry::Rect;
 use crate::numeric::Interval;
+use crate::numeric::geometry::Rect;
 
 /// Room for rounding on the way from one frame to another, relative to the coordinates.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;

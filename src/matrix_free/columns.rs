@@ -18,7 +18,7 @@ use std::sync::Arc;
 use rustfft::Fft;
 use rustfft::num_complex::Complex;
 
-use super::symbol::Real;
+use super::real::Real;
 
 /// Products of columns with a symbol over L points, or over 2L with zeros behind.
 #[derive(Clone)]

@@ -3,7 +3,8 @@
 
 use std::ops::Range;
 
-use super::symbol::{Real, Symbol};
+use super::real::Real;
+use super::symbol::Symbol;
 use super::transforms::Transforms;
 
 /// A convolution, ready to be applied.

@@ -3,8 +3,8 @@
 use super::window::Window;
 use super::{Operator, Operators, Settings, faces, fixed, with_threads};
 use crate::discrete::Discrete;
-use crate::error::{Unsolved, Verdict};
 use crate::influence::InfluenceTable;
+use crate::solution::{Unsolved, Verdict};
 
 /// The pressure that grows at the given rates of overlap on the cells where `pressure` is positive: A m = rate there,
 /// m = 0 elsewhere. Rate 1 is a flat punch of the plan-form of the contact: its force is the stiffness dP/dd.
@@ -97,8 +97,8 @@ pub fn displacement(problem: &Discrete, pressure: &[f64]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::Rect;
     use crate::grid::{Grid, Kernel};
+    use crate::numeric::geometry::Rect;
 
     #[test]
     fn a_full_square_under_unit_rate_is_a_flat_punch() {

@@ -4,19 +4,10 @@ use std::ops::Range;
 
 use rustfft::num_complex::Complex;
 
-use super::symbol::Real;
-
-/// Side of the squares in which rows become columns: a side is a whole number of cache lines.
-pub(super) const TILE: usize = 8;
+use super::real::Real;
 
 /// Rows handed over together: what passes between rows and columns then comes in pieces of several cache lines.
 pub(super) const GROUP: usize = 32;
-
-/// Distance of sequences of `n` numbers that are worked on side by side: lengths that are powers of two would share their place
-/// in the cache, and each is to begin with a cache line.
-pub(super) fn apart(n: usize) -> usize {
-    (n.div_ceil(TILE) | 1) * TILE
-}
 
 /// Numbers that begin with a cache line; grown as needed.
 #[derive(Debug)]

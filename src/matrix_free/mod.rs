@@ -19,6 +19,7 @@ mod level;
 mod monotone;
 mod nested;
 mod operator;
+mod real;
 mod rows;
 mod solver;
 mod symbol;
@@ -27,8 +28,8 @@ mod window;
 
 use crate::clock::Deadline;
 use crate::discrete::{Discrete, DiscreteSolution};
-use crate::error::{Unsolved, Verdict};
 use crate::influence::InfluenceTable;
+use crate::solution::{Unsolved, Verdict};
 
 pub use growth::{displacement, growth};
 pub use nested::{halved, solve_nested};

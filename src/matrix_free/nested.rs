@@ -8,7 +8,7 @@ use super::level::Limit;
 use super::window::Window;
 use super::{Cells, Operators, SYMMETRIC, Settings, no_contact, with_threads};
 use crate::discrete::{Discrete, DiscreteSolution};
-use crate::error::Unsolved;
+use crate::solution::Unsolved;
 
 /// Error of the gap on the grids before the last, relative to the depth: well below their distance from the next grid. What is
 /// left on a coarse grid is smooth, and dear on the fine one: at 5e-4 a paraboloid on 1024 cells takes 6 products more.

@@ -7,7 +7,8 @@ use std::ops::Range;
 
 use super::convolution::Convolution;
 use super::lanes::Room;
-use super::symbol::{Real, Symbol};
+use super::real::Real;
+use super::symbol::Symbol;
 use super::transforms::Transforms;
 use crate::influence::InfluenceTable;
 

@@ -17,7 +17,7 @@ use realfft::{ComplexToReal, RealToComplex};
 use rustfft::Fft;
 use rustfft::num_complex::Complex;
 
-use super::symbol::Real;
+use super::real::Real;
 
 /// Transforms of real rows over L points, or over 2L with zeros behind.
 #[derive(Clone)]

@@ -3,9 +3,9 @@
 use super::window::Window;
 use super::{Operators, SYMMETRIC, Scratch, Settings, no_contact, operator, solve_nested};
 use crate::discrete::{Discrete, DiscreteSolution};
-use crate::error::Unsolved;
 use crate::grid::{Grid, Kernel};
 use crate::influence::InfluenceTable;
+use crate::solution::Unsolved;
 
 /// Share of the last load that must lie where the bodies now overlap for the last pressure to be a start.
 const SHARED: f64 = 0.5;

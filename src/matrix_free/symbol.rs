@@ -1,56 +1,8 @@
-//! The transform of an even kernel, and the planners of either precision.
+//! The transform of an even kernel.
 
-use std::cell::RefCell;
-use std::ops::Mul;
-
-use realfft::RealFftPlanner;
 use rustfft::num_complex::Complex;
-use rustfft::{FftNum, FftPlanner};
 
-use super::lanes::apart;
-
-/// A precision to compute in.
-pub(super) trait Real: FftNum + Mul<Output = Self> + Default {
-    /// Calls with the planners of this thread. Twiddle factors outlive an operator: small problems would spend most of
-    /// their time on them.
-    fn with_planners<R>(work: impl FnOnce(&mut RealFftPlanner<Self>, &mut FftPlanner<Self>) -> R) -> R;
-
-    /// The nearest number of this precision.
-    fn of(value: f64) -> Self;
-
-    /// exp(i pi `half_turns`).
-    fn turn(half_turns: f64) -> Complex<Self> {
-        let (sin, cos) = (std::f64::consts::PI * half_turns).sin_cos();
-        Complex { re: Self::of(cos), im: Self::of(sin) }
-    }
-}
-
-type Planners<T> = RefCell<(RealFftPlanner<T>, FftPlanner<T>)>;
-
-thread_local! {
-    static DOUBLE: Planners<f64> = RefCell::new((RealFftPlanner::new(), FftPlanner::new()));
-    static SINGLE: Planners<f32> = RefCell::new((RealFftPlanner::new(), FftPlanner::new()));
-}
-
-impl Real for f64 {
-    fn with_planners<R>(work: impl FnOnce(&mut RealFftPlanner<Self>, &mut FftPlanner<Self>) -> R) -> R {
-        DOUBLE.with_borrow_mut(|(real, complex)| work(real, complex))
-    }
-
-    fn of(value: f64) -> Self {
-        value
-    }
-}
-
-impl Real for f32 {
-    fn with_planners<R>(work: impl FnOnce(&mut RealFftPlanner<Self>, &mut FftPlanner<Self>) -> R) -> R {
-        SINGLE.with_borrow_mut(|(real, complex)| work(real, complex))
-    }
-
-    fn of(value: f64) -> Self {
-        value as Self
-    }
-}
+use super::real::{Real, apart};
 
 /// Pairs of columns of a symbol that are transformed together: their rows then share cache lines.
 const PAIRS: usize = 8;

@@ -9,9 +9,10 @@ use std::ops::Range;
 use rustfft::num_complex::Complex;
 
 use super::columns::Columns;
-use super::lanes::{GROUP, Lane, Room, TILE, apart, share, share_rows};
+use super::lanes::{GROUP, Lane, Room, share, share_rows};
+use super::real::{Real, TILE, apart};
 use super::rows::Rows;
-use super::symbol::{Real, Symbol};
+use super::symbol::Symbol;
 
 /// The transforms of a convolution, ready to be applied.
 #[derive(Clone)]

@@ -1,7 +1,10 @@
-//! Numerical tools without physics: intervals, derivatives.
+//! Numerical tools without physics: intervals, derivatives, functions of one variable, quadrature, plane geometry.
 
 #[cfg(feature = "formula")]
 pub(crate) mod derivatives;
+pub mod geometry;
 pub mod interval;
+pub mod quadrature;
+pub mod scalar;
 
 pub use interval::Interval;

@@ -1,6 +1,6 @@
 //! Whether {g < depth} consists of parts that lie far from one another.
 
-use crate::geometry::Rect;
+use crate::numeric::geometry::Rect;
 
 /// Rectangles closer together than half the longer side of either are made one.
 pub(super) fn merged(mut pieces: Vec<Rect>) -> Vec<Rect> {

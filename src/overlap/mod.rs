@@ -10,10 +10,10 @@ mod units;
 
 use std::sync::OnceLock;
 
-use crate::error::{Unsolved, Verdict};
 use crate::gap::{AnyGap, Gap, Known, Reach, enclosure, lattice};
-use crate::geometry::Rect;
 use crate::grid::Grid;
+use crate::numeric::geometry::Rect;
+use crate::solution::{Unsolved, Verdict};
 pub(crate) use descent::least;
 pub(crate) use units::{Scaled, Units};
 

@@ -3,7 +3,7 @@
 
 use super::descent::{along, descend, magnitudes, spread};
 use crate::gap::Reach;
-use crate::geometry::Rect;
+use crate::numeric::geometry::Rect;
 
 /// A ray that stays inside for so many times the shortest one is taken to have no end.
 const LONGEST: f64 = 1e12;

@@ -2,7 +2,7 @@
 
 use super::Overlap;
 use crate::gap::AnyGap;
-use crate::geometry::Rect;
+use crate::numeric::geometry::Rect;
 
 /// Where the origin of a dimensionless problem lies, and its units in the user's.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,11 +1,12 @@
 //! From cells to a patch: the boundary between cells, its area, centroid and regions.
 
+pub(crate) mod peak;
 mod pieces;
 
 use crate::discrete::{Discrete, DiscreteSolution};
-use crate::geometry::{area, centroid};
 use crate::grid::Grid;
 use crate::matrix_free;
+use crate::numeric::geometry::{area, centroid};
 use crate::solution::Patch;
 
 /// The patch of a solved problem, with boundaries placed between cell centres.

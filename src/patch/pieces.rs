@@ -1,7 +1,7 @@
 //! The separate regions of a patch, with what each of them carries.
 
-use crate::geometry::{Rect, area, centroid};
 use crate::grid::Grid;
+use crate::numeric::geometry::{Rect, area, centroid};
 use crate::solution::Piece;
 
 /// A cell that is in no region.

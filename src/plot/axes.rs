@@ -4,7 +4,7 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 
 use super::{FONT, Fault};
-use crate::geometry::Rect;
+use crate::numeric::geometry::Rect;
 
 /// Points of a picture for one pixel on the screen: positions are whole numbers, and lines drawn on whole pixels are ragged.
 pub(super) const FINE: u32 = 3;

@@ -6,7 +6,7 @@ use plotters::prelude::*;
 use super::axes::{self, BOTTOM, EDGE, LABEL, LEFT, TOP, at, px};
 use super::{COLOURS, Error, FONT, Fault, Figure, Format, render};
 use crate::compare::{Comparison, Figures};
-use crate::settings::Method;
+use crate::problem::Method;
 
 /// The runs of a comparison: a bar on each point for the uncertainty of the reference, a ring around each point of the Pareto
 /// front, a grey band where errors are too small to be told from that uncertainty. Errors below the axis stand on it.

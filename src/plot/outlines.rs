@@ -5,7 +5,7 @@ use plotters::prelude::*;
 
 use super::axes::{self, BOTTOM, EDGE, LABEL, LEFT, RIGHT, TOP, Window, at, px};
 use super::{COLOURS, Error, FONT, Fault, Figure, Format, render};
-use crate::geometry::Rect;
+use crate::numeric::geometry::Rect;
 use crate::units::UnitLabels;
 
 /// Closed polylines with a name.

@@ -6,8 +6,8 @@ use plotters::prelude::*;
 use super::axes::{self, BOTTOM, EDGE, LABEL, LEFT, RIGHT, TOP, Window, at, px};
 use super::outlines::frame;
 use super::{Error, FONT, Fault, Figure, Format, render, shade};
-use crate::geometry::Rect;
 use crate::grid::{Grid, Pressure};
+use crate::numeric::geometry::Rect;
 use crate::solution::Solution;
 use crate::units::UnitLabels;
 

@@ -6,9 +6,9 @@ use plotters::prelude::*;
 use super::axes::{self, BOTTOM, EDGE, LABEL, LEFT, RIGHT, TOP, at, px};
 use super::pressure::coarsened;
 use super::{COLOURS, Error, FONT, Fault, Figure, Format, render};
-use crate::contact::Contact;
 use crate::gap::Gap;
 use crate::grid::Pressure;
+use crate::problem::Contact;
 use crate::solution::Solution;
 use crate::units::UnitLabels;
 

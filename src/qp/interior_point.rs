@@ -5,7 +5,7 @@ use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, S
 
 use super::reduced::Reduced;
 use crate::clock::Deadline;
-use crate::error::{Unsolved, Verdict};
+use crate::solution::{Unsolved, Verdict};
 
 /// What the interior point ends with.
 pub(super) struct Start {

@@ -9,9 +9,9 @@ mod interior_point;
 mod reduced;
 
 use crate::clock::Deadline;
+use crate::discrete::symmetry::Symmetry;
 use crate::discrete::{Discrete, DiscreteSolution};
-use crate::error::{Unsolved, Verdict};
-use crate::symmetry::Symmetry;
+use crate::solution::{Unsolved, Verdict};
 use reduced::Reduced;
 
 /// Most unknowns that a dense matrix is made for: 4000 take 130 MB for the matrix and about a minute.

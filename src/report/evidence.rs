@@ -4,14 +4,12 @@ use super::{Step, numbers};
 use crate::bracket::{self, BracketSettings, ForceBracket};
 use crate::clock::Stopwatch;
 use crate::compare::{self, Comparison};
-use crate::contact::{Contact, Load, Loading};
 use crate::curve::Curve;
-use crate::error::Unsolved;
 use crate::plan::{Plan, plan};
 use crate::plot::Section;
+use crate::problem::{Contact, Load, Loading, Method, Outputs, Settings};
 use crate::scene::Scene;
-use crate::settings::{Method, Outputs, Settings};
-use crate::solution::Solution;
+use crate::solution::{Solution, Unsolved};
 use crate::solve::solve;
 
 /// Cells along the longer side of the grid behind the pictures, unless the scene says.

@@ -43,11 +43,10 @@ use serde::ser::{Serialize, SerializeMap, SerializeSeq, Serializer};
 
 use super::{Step, centre_of_pressure, numbers, said_once};
 use crate::bracket::{DepthBracket, Evidence, ForceBracket, Side, Theorem};
-use crate::contact::Loading;
 use crate::curve::Curve;
 use crate::grid::Grid;
+use crate::problem::{Loading, Settings};
 use crate::scene::Scene;
-use crate::settings::Settings;
 use crate::solution::{Origin, Piece, Solution, TouchesEdge, Validity};
 
 /// A scene with its answers, ready to be written.

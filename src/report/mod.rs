@@ -24,8 +24,7 @@ pub use page::{Page, page};
 pub use table::table;
 pub use vti::{vti, vti_of};
 
-use crate::error::Unsolved;
-use crate::solution::Solution;
+use crate::solution::{Solution, Unsolved};
 
 /// One load state: solved, or what is wrong.
 pub type Step = Result<Solution, Unsolved>;

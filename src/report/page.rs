@@ -9,10 +9,9 @@ use super::table::{facts as state_facts, figure, peak};
 use super::{Step, numbers, said_once};
 use crate::bracket::Evidence as Proof;
 use crate::compare;
-use crate::contact::Load;
 use crate::plot::{self, Format, Outline, Refinement};
+use crate::problem::{Load, Method};
 use crate::scene::Scene;
-use crate::settings::Method;
 use crate::solution::Solution;
 use crate::units::UnitLabels;
 

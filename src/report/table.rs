@@ -2,7 +2,7 @@
 
 use super::{Step, centre_of_pressure, numbers, said_once};
 use crate::bracket::Evidence;
-use crate::contact::{Load, Loading};
+use crate::problem::{Load, Loading};
 use crate::scene::Scene;
 use crate::solution::{Singular, Solution};
 use crate::units::UnitLabels;

@@ -6,12 +6,10 @@ use serde::Deserialize;
 
 use super::decode::{decode, unknown};
 use super::document::{Json, key_in_path, quoted};
-use crate::contact::{Load, Loading};
 use crate::error::{InputError, finite};
 use crate::gap::{AnyGap, Gap};
 use crate::grid::Kernel;
-use crate::material::{Body, EffectiveModulus};
-use crate::settings::{BoundaryFamily, ErrorBar, Method, Outputs, Settings};
+use crate::problem::{Body, BoundaryFamily, EffectiveModulus, ErrorBar, Load, Loading, Method, Outputs, Settings};
 use crate::units::UnitLabels;
 
 /// States of loading in one scene: more than any curve needs. Each one is a solve, unless the gap is homogeneous.

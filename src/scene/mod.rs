@@ -35,13 +35,11 @@ pub use given::Given;
 #[cfg(feature = "cli")]
 pub use schema::schema;
 
-use crate::contact::{Contact, Load, Loading};
 use crate::error::InputError;
 use crate::files;
 use crate::files::named::Directory;
 use crate::gap::AnyGap;
-use crate::material::EffectiveModulus;
-use crate::settings::Settings;
+use crate::problem::{Contact, EffectiveModulus, Load, Loading, Settings};
 use crate::units::UnitLabels;
 use decode::decode;
 use document::ROOT;

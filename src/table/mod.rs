@@ -10,11 +10,10 @@ use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 
 use crate::clock::{Deadline, Interrupt};
-use crate::contact::Loading;
 use crate::error::InputError;
+use crate::problem::{Loading, Settings};
 use crate::report::Step;
 use crate::scene::{self, Given, Json, Parts, Scene, quoted};
-use crate::settings::Settings;
 use pointer::Pointer;
 use quantity::Quantity;
 

@@ -1,7 +1,7 @@
 //! What a formula that cannot be read was probably meant to be.
 
-/// Advice about the text from byte `at` on, where reading ended.
-pub(super) fn advice(text: &str, at: usize) -> Option<String> {
+/// Advice about the text from byte `at` on, where reading ended; `is_function` knows the names of functions.
+pub(super) fn advice(text: &str, at: usize, is_function: impl Fn(&str) -> bool) -> Option<String> {
     let (before, rest) = (text[..at].trim_end(), text[at..].trim_start());
     let next = rest.chars().next()?;
     let last = before.chars().next_back();
@@ -23,7 +23,7 @@ pub(super) fn advice(text: &str, at: usize) -> Option<String> {
         c if c.is_alphanumeric() || c == '(' => {
             let name = before.chars().rev().take_while(|c| c.is_ascii_alphanumeric()).count();
             let name = &before[before.len() - name..];
-            if super::parse::is_function(name) {
+            if is_function(name) {
                 return Some(format!("a function needs its parentheses: {name}(...)"));
             }
             last.filter(|l| l.is_alphanumeric() || *l == ')').map(|_| "a product is written with a star: 2*x".into())

@@ -15,9 +15,9 @@ use super::{
     Taylor, enclosure, growth, mean, radial, sum,
 };
 use crate::error::InputError;
-use crate::geometry::Rect;
 use crate::numeric::Interval;
 use crate::numeric::derivatives::{Dual, Jet};
+use crate::numeric::geometry::Rect;
 use structure::Tree;
 use tape::Tape;
 

@@ -116,7 +116,7 @@ pub(super) fn parse(text: &str) -> Result<Tape, InputError> {
         let expected = format!("expected {}", wanted.join(" or "));
         refuse(
             place(text, at),
-            &advice::advice(text, at).map_or(expected.clone(), |advice| format!("{expected}; {advice}")),
+            &advice::advice(text, at, is_function).map_or(expected.clone(), |advice| format!("{expected}; {advice}")),
         )
     })?;
     let mut tape = Tape::default();

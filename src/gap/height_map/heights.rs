@@ -57,7 +57,7 @@ pub struct Heights {
     origin: [f64; 2],
     values: Vec<f64>,
     /// How far each may be from the true one, where noise was taken out.
-    doubt: Option<Vec<f64>>,
+    uncertainty: Option<Vec<f64>>,
 }
 
 impl Heights {
@@ -82,7 +82,7 @@ impl Heights {
         let origin = [0, 1].map(|m| -0.5 * (shape[m] - 1) as f64 * spacing[m]);
         finite("spacing[0]", origin[0])?;
         finite("spacing[1]", origin[1])?;
-        Ok(Self { shape, spacing, origin, values, doubt: None })
+        Ok(Self { shape, spacing, origin, values, uncertainty: None })
     }
 
     /// Rows of numbers separated by blanks, commas or semicolons; `#` starts a comment; `nan`, `na`, `-` or nothing
@@ -225,7 +225,7 @@ impl Heights {
         if !factor.is_finite() || factor == 0.0 {
             return Err(InputError::new("scale", factor, "a finite number other than 0"));
         }
-        self.doubt.iter_mut().flatten().for_each(|doubt| *doubt *= factor.abs());
+        self.uncertainty.iter_mut().flatten().for_each(|uncertainty| *uncertainty *= factor.abs());
         for value in &mut self.values {
             *value *= factor;
             if value.is_infinite() {
@@ -243,12 +243,12 @@ impl Heights {
     pub fn smoothed(self, deviation: f64) -> Result<Self, InputError> {
         let deviation = positive("smooth", deviation)?;
         let found = crate::gap::spline::smoothed_grid(&self.values, self.shape, self.spacing, deviation);
-        Ok(Self { values: found.values, doubt: Some(found.doubt), ..self })
+        Ok(Self { values: found.values, uncertainty: Some(found.uncertainty), ..self })
     }
 
     /// How far each height may be from the true one, where noise was taken out.
-    pub(super) fn doubt(&self) -> Option<&[f64]> {
-        self.doubt.as_deref()
+    pub(super) fn uncertainty(&self) -> Option<&[f64]> {
+        self.uncertainty.as_deref()
     }
 
     /// Places times `factor`: spacing and first node in another unit.
@@ -268,7 +268,7 @@ impl Heights {
     pub fn top_row_first(mut self) -> Self {
         let nx = self.shape[0];
         let turned = |values: Vec<f64>| values.rchunks(nx).flatten().copied().collect();
-        (self.values, self.doubt) = (turned(self.values), self.doubt.map(turned));
+        (self.values, self.uncertainty) = (turned(self.values), self.uncertainty.map(turned));
         self
     }
 

@@ -15,9 +15,9 @@ pub(super) use text::decoded;
 use super::extremes::Extremes;
 use super::{DataEdge, Gap, Growth, Known, Material, Reach, Taylor};
 use crate::error::InputError;
-use crate::geometry::Rect;
 use crate::grid::Grid;
 use crate::numeric::Interval;
+use crate::numeric::geometry::Rect;
 
 /// Heights by rows with their number and steps along x and y, from a file that carries its unit.
 #[derive(Debug)]
@@ -75,7 +75,7 @@ pub struct HeightMap {
     /// Least and greatest gap of blocks of cells.
     extremes: Extremes,
     /// How far each gap may be from the true one, where noise was taken out.
-    doubt: Option<Vec<f64>>,
+    uncertainty: Option<Vec<f64>>,
 }
 
 impl HeightMap {
@@ -91,7 +91,7 @@ impl HeightMap {
         Self::build(
             heights,
             heights.values().iter().map(|z| sign * z).collect(),
-            heights.doubt().map(<[f64]>::to_vec),
+            heights.uncertainty().map(<[f64]>::to_vec),
             zero,
         )
     }
@@ -122,11 +122,16 @@ impl HeightMap {
             (Some(a), Some(b)) => Some(a.iter().zip(b).map(|(a, b)| a + b).collect()),
             (one, other) => one.or(other).map(<[f64]>::to_vec),
         };
-        let doubt = both(upper.doubt(), lower.doubt());
-        Self::build(upper, upper.values().iter().zip(lower.values()).map(|(u, l)| u - l).collect(), doubt, zero)
+        let uncertainty = both(upper.uncertainty(), lower.uncertainty());
+        Self::build(upper, upper.values().iter().zip(lower.values()).map(|(u, l)| u - l).collect(), uncertainty, zero)
     }
 
-    fn build(frame: &Heights, mut gaps: Vec<f64>, doubt: Option<Vec<f64>>, zero: Zero) -> Result<Self, InputError> {
+    fn build(
+        frame: &Heights,
+        mut gaps: Vec<f64>,
+        uncertainty: Option<Vec<f64>>,
+        zero: Zero,
+    ) -> Result<Self, InputError> {
         for gap in &mut gaps {
             if !gap.is_finite() {
                 *gap = f64::INFINITY;
@@ -134,7 +139,7 @@ impl HeightMap {
         }
         let shape = frame.shape();
         let nodes = Nodes { shape, spacing: frame.spacing(), origin: frame.origin() };
-        let mut map = Self { nodes, gaps, centre: [0.0; 2], floor: 0.0, extremes: Extremes::default(), doubt };
+        let mut map = Self { nodes, gaps, centre: [0.0; 2], floor: 0.0, extremes: Extremes::default(), uncertainty };
         let least = (0..shape[1] - 1)
             .flat_map(|j| (0..shape[0] - 1).map(move |i| [i, j]))
             .filter_map(|[i, j]| map.corners(i, j))
@@ -177,7 +182,7 @@ impl HeightMap {
 
     /// The nodes, the gaps there (infinite in holes), and how far each may be from the true one.
     pub(super) fn samples(&self) -> (Nodes, &[f64], Option<&[f64]>) {
-        (self.nodes, &self.gaps, self.doubt.as_deref())
+        (self.nodes, &self.gaps, self.uncertainty.as_deref())
     }
 
     /// Gaps at the corners of cell (i, j): lower left, lower right, upper left, upper right. `None` with a hole.
@@ -419,8 +424,12 @@ impl Gap for HeightMap {
         Some(self.nodes.cells())
     }
 
+    fn is_measured(&self) -> bool {
+        self.uncertainty.is_some()
+    }
+
     fn sampling_error(&self, rect: &Rect) -> f64 {
-        self.nodes.largest(self.doubt.as_deref(), rect)
+        self.nodes.largest(self.uncertainty.as_deref(), rect)
     }
 
     fn ray_kinks(&self, from: [f64; 2], direction: [f64; 2], kinks: &mut Vec<f64>) {

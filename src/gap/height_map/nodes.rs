@@ -1,8 +1,8 @@
 //! The nodes of a regular grid: which cells a point, an interval or a rectangle meets.
 
 use crate::gap::DataEdge;
-use crate::geometry::Rect;
 use crate::grid::Grid;
+use crate::numeric::geometry::Rect;
 
 /// Rounding that does not take a point off the map, in steps of the map.
 pub(in crate::gap) const ROUNDING: f64 = 1e-9;

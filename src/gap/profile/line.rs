@@ -15,7 +15,7 @@ const MOST_POINTS: usize = 200_000;
 pub struct Line {
     points: Vec<[f64; 2]>,
     /// How far each height may be from the true one, where noise was taken out.
-    doubt: Option<Vec<f64>>,
+    uncertainty: Option<Vec<f64>>,
 }
 
 impl Line {
@@ -38,7 +38,7 @@ impl Line {
             let given = format!("{} points", points.len());
             return Err(InputError::new("points", given, format!("at most {MOST_POINTS} points")));
         }
-        Ok(Self { points, doubt: None })
+        Ok(Self { points, uncertainty: None })
     }
 
     /// Text in two columns y, z, separated by blanks, tabs, commas or semicolons; more columns are passed over; `#`, `%`, `!` and `//`
@@ -89,7 +89,7 @@ impl Line {
     /// Whether noise was taken out.
     #[must_use]
     pub fn is_smoothed(&self) -> bool {
-        self.doubt.is_some()
+        self.uncertainty.is_some()
     }
 
     fn moved(
@@ -179,14 +179,14 @@ impl Line {
         let (knots, values): (Vec<f64>, Vec<f64>) = points.iter().map(|p| (p.0[0], p.0[1])).unzip();
         let found = spline::smoothed(&knots, &values, deviation);
         let points = knots.into_iter().zip(found.values).map(|(y, z)| [y, z]).collect();
-        Ok(Self { points, doubt: Some(found.doubt) })
+        Ok(Self { points, uncertainty: Some(found.uncertainty) })
     }
 
     /// The part that the other body can touch, y rising: where the line turns back (the underside of a rail's head, the back of a
     /// flange), only what lies between the turns next to the point that is nearest to the other body. `sign`: heights times it are gaps.
     pub(super) fn facing(&self, sign: f64) -> Result<Vec<([f64; 2], f64)>, InputError> {
         let points = &self.points;
-        let doubt = |k: usize| self.doubt.as_ref().map_or(0.0, |doubt| doubt[k]);
+        let uncertainty = |k: usize| self.uncertainty.as_ref().map_or(0.0, |uncertainty| uncertainty[k]);
         let nearest = (0..points.len()).min_by(|&a, &b| (sign * points[a][1]).total_cmp(&(sign * points[b][1])));
         let nearest = nearest.unwrap_or_default();
         let span = |rising: bool| {
@@ -215,7 +215,7 @@ impl Line {
                            \"surface\" says which side is touched";
             return Err(InputError::new("points", given, allowed));
         }
-        let mut found: Vec<([f64; 2], f64)> = (first..=last).map(|k| (points[k], doubt(k))).collect();
+        let mut found: Vec<([f64; 2], f64)> = (first..=last).map(|k| (points[k], uncertainty(k))).collect();
         if !rising {
             found.reverse();
         }

@@ -10,8 +10,8 @@ use super::height_map::{Surface, Zero};
 use super::spline::{Ends, PiecewiseCubic};
 use super::{DataEdge, Gap, Growth, Known, Reach, Taylor};
 use crate::error::{InputError, positive};
-use crate::geometry::Rect;
 use crate::numeric::Interval;
+use crate::numeric::geometry::Rect;
 
 /// The axis along which a profile is extruded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -55,8 +55,11 @@ pub struct Profile {
     lowest: f64,
     floor: f64,
     /// How far each measured height may be from the true one.
-    doubt: Vec<f64>,
+    uncertainty: Vec<f64>,
 }
+
+/// Coordinates beyond this have squares beyond the range of numbers.
+const LARGEST: f64 = 1e150;
 
 impl Profile {
     /// The gap of a measured line against a plane.
@@ -73,9 +76,15 @@ impl Profile {
         let sign = if surface == Surface::Upper { 1.0 } else { -1.0 };
         // What cannot be seen from the other body is not part of the gap.
         let points = line.facing(sign)?;
+        let largest = |m: usize| points.iter().fold(0.0_f64, |most, p| most.max(p.0[m].abs()));
+        let size = largest(1);
+        if !(largest(0).max(size) < LARGEST) {
+            let given = format!("coordinates beyond {LARGEST:e}");
+            return Err(InputError::new("points", given, "units in which lengths are closer to 1"));
+        }
         let knots: Vec<f64> = points.iter().map(|p| p.0[0]).collect();
         let values: Vec<f64> = points.iter().map(|p| sign * p.0[1]).collect();
-        let doubt = points.iter().map(|p| p.1).collect();
+        let uncertainty = points.iter().map(|p| p.1).collect();
         let heights = match interpolation {
             Interpolation::Linear => PiecewiseCubic::straight(knots, &values),
             Interpolation::Cubic => {
@@ -88,13 +97,9 @@ impl Profile {
             Zero::FirstTouch => (heights.raised(-value), bound - value),
             Zero::AsIs => (heights, bound),
         };
-        let size = values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-        if !(size < 1e150) {
-            return Err(InputError::new("points", "heights beyond 1e150", "units in which lengths are closer to 1"));
-        }
         let floor = floor - 4.0 * f64::EPSILON * size;
         let across = if along == Along::X { 1 } else { 0 };
-        Ok(Self { heights, across, radius: None, lowest, floor, doubt })
+        Ok(Self { heights, across, radius: None, lowest, floor, uncertainty })
     }
 
     /// The same body rolled: along the axis it is curved with this radius.
@@ -290,12 +295,16 @@ impl Gap for Profile {
         Some(heights.plus(&Growth::power(2.0, half, from)))
     }
 
+    fn is_measured(&self) -> bool {
+        true
+    }
+
     fn sampling_error(&self, rect: &Rect) -> f64 {
         let knots = self.heights.knots();
         let [a, b] = Self::side(rect, self.across);
         let first = knots.partition_point(|&q| q < a).saturating_sub(1);
         let end = (knots.partition_point(|&q| q <= b) + 1).min(knots.len());
-        let own = self.doubt[first.min(end)..end].iter().copied().fold(0.0, f64::max);
+        let own = self.uncertainty[first.min(end)..end].iter().copied().fold(0.0, f64::max);
         if !self.heights.is_smooth() {
             return own;
         }

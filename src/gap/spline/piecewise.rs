@@ -262,7 +262,8 @@ impl PiecewiseCubic {
                 let piece = &self.pieces[k];
                 let [low, _] = bernstein::range(&bernstein::part(piece, [u, v]));
                 let close = ROUNDING * bernstein::largest(piece);
-                if low >= best.1 - close || v - u < 1e-12 {
+                // NaN: beyond the range of numbers.
+                if !(low < best.1 - close) || v - u < 1e-12 {
                     bound = bound.min(low - close);
                 } else {
                     let middle = 0.5 * (u + v);

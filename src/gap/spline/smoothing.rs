@@ -20,7 +20,7 @@ pub(in crate::gap) struct Smoothed {
     pub values: Vec<f64>,
     /// How far each may be from the true one: twice the standard deviation of what is left of the noise, and what smoothing them
     /// once more changes.
-    pub doubt: Vec<f64>,
+    pub uncertainty: Vec<f64>,
 }
 
 /// The factors of R + a Q^T Q for one row of knots.
@@ -133,13 +133,13 @@ fn by_noise(values: &[f64], s: f64, smooth: impl Fn(f64, &mut [f64])) -> (f64, V
     (low.exp(), at(low.exp()))
 }
 
-/// Values and doubt from the smoothed values; `left`: what is left of the variance.
-fn with_doubt(values: Vec<f64>, s: f64, left: f64, again: impl Fn(&mut [f64])) -> Smoothed {
+/// Values and uncertainty from the smoothed values; `left`: what is left of the variance.
+fn with_uncertainty(values: Vec<f64>, s: f64, left: f64, again: impl Fn(&mut [f64])) -> Smoothed {
     let mut twice = values.clone();
     again(&mut twice);
     let spread = 2.0 * s * left.min(1.0).sqrt();
-    let doubt = values.iter().zip(&twice).map(|(z, f)| spread + (z - f).abs()).collect();
-    Smoothed { values, doubt }
+    let uncertainty = values.iter().zip(&twice).map(|(z, f)| spread + (z - f).abs()).collect();
+    Smoothed { values, uncertainty }
 }
 
 /// Smoothed values at rising knots; `s` > 0 is the standard deviation of the noise.
@@ -148,7 +148,7 @@ pub(in crate::gap) fn smoothed(knots: &[f64], values: &[f64], s: f64) -> Smoothe
     let steps: Vec<f64> = knots.windows(2).map(|w| (w[1] - w[0]) / mean).collect();
     let smooth = |parameter: f64, values: &mut [f64]| Smoother::new(&steps, parameter).smooth(values, 0, 1);
     let (parameter, values) = by_noise(values, s, smooth);
-    with_doubt(values, s, KERNEL / parameter.powf(0.25), |values| smooth(parameter, values))
+    with_uncertainty(values, s, KERNEL / parameter.powf(0.25), |values| smooth(parameter, values))
 }
 
 /// The same on a regular grid, x fastest, steps of `spacing`. Across holes (not finite) rows and columns are smoothed part by part.
@@ -178,7 +178,7 @@ pub(in crate::gap) fn smoothed_grid(values: &[f64], shape: [usize; 2], spacing: 
     let (parameter, values) = by_noise(values, s, smooth);
     let left = KERNEL / parameter.powf(0.25);
     // A step of the mean may be longer or shorter than those along the sides; their product is the same.
-    with_doubt(values, s, left * left, |values| smooth(parameter, values))
+    with_uncertainty(values, s, left * left, |values| smooth(parameter, values))
 }
 
 /// Runs of places that hold, as [first, beyond the last].
@@ -215,12 +215,12 @@ mod tests {
         let s = 0.05;
         let truth: Vec<f64> = knots.iter().map(|x| (2.0 * x).sin()).collect();
         let noisy: Vec<f64> = truth.iter().enumerate().map(|(k, z)| z + s * noise(k)).collect();
-        let Smoothed { values, doubt } = smoothed(&knots, &noisy, s);
+        let Smoothed { values, uncertainty } = smoothed(&knots, &noisy, s);
         let rms =
             |a: &[f64], b: &[f64]| (a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / a.len() as f64).sqrt();
         assert!((rms(&values, &noisy) - s).abs() < 1e-6 * s);
         assert!(rms(&values, &truth) < 0.35 * s, "{}", rms(&values, &truth));
-        let within = values.iter().zip(&truth).zip(&doubt).filter(|((a, b), d)| (*a - *b).abs() <= **d).count();
+        let within = values.iter().zip(&truth).zip(&uncertainty).filter(|((a, b), d)| (*a - *b).abs() <= **d).count();
         assert!(within > 340, "{within} of 400 within what they may be off by");
     }
 

@@ -8,9 +8,9 @@ use super::profile::{MARGIN, left_out};
 use super::spline::{Ends, bernstein};
 use super::{DataEdge, Gap, Growth, Known, Material, Reach, Taylor};
 use crate::error::InputError;
-use crate::geometry::Rect;
 use crate::grid::Grid;
 use crate::numeric::Interval;
+use crate::numeric::geometry::Rect;
 use surface::Splines;
 
 /// With more cells than this the extremes of blocks stand for them.
@@ -37,7 +37,7 @@ pub struct SplineMap {
     centre: [f64; 2],
     floor: f64,
     extremes: Extremes,
-    doubt: Option<Vec<f64>>,
+    uncertainty: Option<Vec<f64>>,
 }
 
 impl SplineMap {
@@ -58,8 +58,8 @@ impl SplineMap {
     }
 
     fn through(map: &HeightMap, zero: Zero) -> Self {
-        let (nodes, gaps, doubt) = map.samples();
-        let ends = if doubt.is_some() { Ends::Natural } else { Ends::NotAKnot };
+        let (nodes, gaps, uncertainty) = map.samples();
+        let ends = if uncertainty.is_some() { Ends::Natural } else { Ends::NotAKnot };
         let mut splines = Splines::through(nodes, gaps, ends);
         let (centre, least, bound) = splines.least();
         let floor = match zero {
@@ -71,7 +71,7 @@ impl SplineMap {
         };
         let cells = splines.nodes.shape.map(|n| n - 1);
         let extremes = Extremes::new(cells, |i, j| splines.net(i, j).map(|net| bernstein::range(net.as_flattened())));
-        Self { splines, centre, floor, extremes, doubt: doubt.map(<[f64]>::to_vec) }
+        Self { splines, centre, floor, extremes, uncertainty: uncertainty.map(<[f64]>::to_vec) }
     }
 
     /// Number of nodes along x and y.
@@ -252,8 +252,12 @@ impl Gap for SplineMap {
         Growth::ended(&self.extent(), from)
     }
 
+    fn is_measured(&self) -> bool {
+        true
+    }
+
     fn sampling_error(&self, rect: &Rect) -> f64 {
-        let own = self.frame().largest(self.doubt.as_deref(), rect);
+        let own = self.frame().largest(self.uncertainty.as_deref(), rect);
         let (Some(around), Some(inner)) = (self.frame().around(rect, MARGIN), self.frame().around(rect, 0)) else {
             return own;
         };

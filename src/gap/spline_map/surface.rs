@@ -3,8 +3,8 @@
 use crate::gap::height_map::{Nodes, ROUNDING as AT_EDGE};
 use crate::gap::spline::bernstein::{self, Net, ROUNDING};
 use crate::gap::spline::{Ends, runs, slopes};
-use crate::geometry::Rect;
 use crate::numeric::Interval;
+use crate::numeric::geometry::Rect;
 
 /// Parts of cells looked at for the least value.
 const BUDGET: usize = 1 << 18;
@@ -213,7 +213,7 @@ impl Splines {
             looked += looks.len();
             open = Vec::new();
             for (cell, [s, t], at, low, close) in looks {
-                if low >= best.1 - close || s[1] - s[0] < 1e-12 || looked > BUDGET.max(8 * nx * ny) {
+                if !(low < best.1 - close) || s[1] - s[0] < 1e-12 || looked > BUDGET.max(8 * nx * ny) {
                     bound = bound.min(low - close);
                     continue;
                 }

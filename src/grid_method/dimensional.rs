@@ -1,0 +1,210 @@
+//! A solved grid in the user's units.
+
+use super::refined::Refined;
+use super::single_grid::{self, GridState};
+use super::unresolved;
+use crate::bracket::ForceBracket;
+use crate::gap::{AnyGap, Law};
+use crate::grid::{Grid, Pressure};
+use crate::numeric::geometry::Rect;
+use crate::overlap::Scaled;
+use crate::patch;
+use crate::patch::peak::{self, Ends};
+use crate::problem::{Contact, Settings};
+use crate::solution::{Cost, Origin, Patch, PressureSummary, Singular, Solution, TouchesEdge, Unsolved, Validity};
+
+/// A state of the grid method, its stiffness found.
+pub(crate) fn dimensional(
+    contact: &Contact,
+    scaled: &Scaled,
+    refined: &Refined,
+    law: Option<Law>,
+    depth: f64,
+    tilt: [f64; 2],
+    settings: &Settings,
+) -> Result<Solution, Unsolved> {
+    let stiffness = match law {
+        // P ~ (d - g0)^(1 + 1/k).
+        Some(law) => {
+            let error = refined.error / refined.force;
+            ((1.0 + law.degree.inverse()) * refined.force / scaled.above_lowest(), Some(error))
+        }
+        None => stiffness_of(refined)?,
+    };
+    in_users_units(contact, scaled, refined, stiffness, depth, tilt, settings)
+}
+
+/// An estimate of a relative error that rests on a boundary between cells: one step from grid to grid may be small by luck.
+pub(crate) fn at_least(refined: &Refined, change: f64) -> f64 {
+    let of_cells = || unresolved::boundary(&refined.state.problem.grid, &refined.state.solution.pressure);
+    if refined.sequence.is_some() { change } else { change.max(of_cells()) }
+}
+
+/// dP/dd with an estimate of its relative error.
+pub(crate) fn stiffness_of(refined: &Refined) -> Result<(f64, Option<f64>), Unsolved> {
+    let [(stiffness, change)] = refined.estimated(|state| Ok([single_grid::stiffness(state)?]))?;
+    Ok((stiffness, change.map(|change| at_least(refined, change))))
+}
+
+/// The same, its stiffness and the relative error of that known.
+pub(crate) fn in_users_units(
+    contact: &Contact,
+    scaled: &Scaled,
+    refined: &Refined,
+    (stiffness, stiffness_error): (f64, Option<f64>),
+    depth: f64,
+    tilt: [f64; 2],
+    settings: &Settings,
+) -> Result<Solution, Unsolved> {
+    let Refined { state, force, error, .. } = refined;
+    let (length, height, e_star) = (scaled.units.length, scaled.units.height, contact.modulus().e_star());
+    let unit_force = e_star * height * length;
+    let grid = state.problem.grid;
+    let values = &state.solution.pressure;
+    let reference = scaled.units.inward(contact.gap().known().reference);
+    let (mut patch, peaks) = patch::with_peaks(&state.problem, &state.solution, reference);
+    let own_area = patch.area;
+    let sums = |state: &GridState, patch: &Patch| {
+        let [x, y] = centre_of_load(state, scaled);
+        let highest = state.solution.pressure.iter().copied().fold(0.0, f64::max);
+        [state.energy(), x, y, patch.area, patch.max_radius, highest]
+    };
+    let finest = sums(state, &patch);
+    let coarser = |state: &GridState| Ok(sums(state, &patch::of(&state.problem, &state.solution, reference)));
+    let [(energy, energy_error), (x, _), (y, _), (area, area_error), (max_radius, _), (_, peak_error)] =
+        refined.estimated_beside(Some(finest), coarser)?;
+    let area_error = area_error.map(|change| at_least(refined, change));
+    // U = P (d - g0)/(2 + 1/k), of the best force.
+    let (energy, energy_error) = match scaled.gap.known().law {
+        Some(law) => (force * scaled.above_lowest() / (2.0 + law.degree.inverse()), Some(error / force)),
+        None => (energy, energy_error),
+    };
+    // The gap itself: beside other contacts the scaled one is displaced by them.
+    let own_gap = contact.tilted_gap(tilt).scaled(scaled.units.origin, length, height);
+    let ends = Ends::of(&own_gap, &state.problem, values);
+    let singular = infinite(&own_gap, state, &ends, &mut patch, &peaks);
+    let unit_pressure = e_star * height / length;
+    let (more, wider) = (force / state.force() * unit_force, area / own_area * length * length);
+    for piece in &mut patch.pieces {
+        piece.area *= wider;
+        piece.force *= more;
+        piece.centroid = scaled.units.outward(piece.centroid);
+        piece.extent = piece.extent.map(|p| scaled.units.outward(p));
+        piece.max_pressure = piece.max_pressure.map(|p| p * unit_pressure);
+    }
+    let validity = patch.boundary.as_ref().and_then(|loops| {
+        let outward = |line: &Vec<[f64; 2]>| line.iter().map(|p| scaled.units.outward(*p)).collect();
+        let loops: Vec<Vec<[f64; 2]>> = loops.iter().map(outward).collect();
+        Validity::of(contact, &loops, area * length * length, force * unit_force)
+    });
+    (patch.area, patch.max_radius) = (area * length * length, max_radius * length);
+    patch.centroid = patch.centroid.map(|c| scaled.units.outward(c));
+    patch.boundary = if settings.outputs.patch {
+        patch
+            .boundary
+            .map(|loops| loops.into_iter().map(|l| l.into_iter().map(|p| scaled.units.outward(p)).collect()).collect())
+    } else {
+        None
+    };
+    let strongest = strongest(values);
+    let outward_grid = Grid {
+        origin: scaled.units.outward(grid.origin),
+        spacing: grid.spacing.map(|h| h * length),
+        shape: grid.shape,
+    };
+    let pressure = PressureSummary {
+        max: singular.is_none().then_some(values[strongest] * unit_pressure),
+        max_error: peak_error
+            .filter(|_| singular.is_none() && ends.data.is_none())
+            .map(|change| change.max(unresolved::peak(&grid, values, strongest))),
+        singular,
+        mean: (patch.area > 0.0).then(|| force * unit_force / patch.area),
+        at: Some(outward_grid.centre_of(strongest)),
+        field: settings
+            .outputs
+            .pressure
+            .then(|| Pressure { grid: outward_grid, values: values.iter().map(|p| p * unit_pressure).collect() }),
+        gap: settings
+            .outputs
+            .gap
+            .then(|| (outward_grid, single_grid::gap_left(state).into_iter().map(|g| g * height).collect())),
+    };
+    Ok(Solution {
+        method: state.method,
+        origin: if refined.grids > 1 { Origin::ManyGrids { grids: refined.grids } } else { Origin::OneGrid },
+        grid: Some(outward_grid),
+        depth,
+        tilt,
+        force: force * unit_force,
+        force_error: Some(error / force),
+        depth_error: Some(0.0),
+        map_error: None,
+        stiffness_error,
+        energy_error,
+        area_error,
+        bracket: refined.proved.map(|bounds| ForceBracket::of_energy(bounds.map(|force| force * unit_force))),
+        depth_bracket: None,
+        stiffness: stiffness * e_star * length,
+        stiffness_matrix: None,
+        // Of the best force, where the pressure acts: the force of one grid differs from it.
+        moment: Some([force * unit_force * y, -force * unit_force * x]),
+        energy: Some(energy * unit_force * height),
+        patch,
+        pressure,
+        residuals: Some(state.solution.residuals),
+        touches_edge: ends.data.map(|(edge, share)| TouchesEdge { edge, share: Some(share) }),
+        validity,
+        cost: Cost {
+            seconds: 0.0,
+            unknowns: state.solution.unknowns,
+            iterations: state.iterations,
+            operator_products: state.operator_products,
+            steps: 0,
+        },
+        left_out: state.left_out.clone(),
+        remarks: state.remarks.clone(),
+    })
+}
+
+/// Why the pressure is infinite in the patch, if it is known to be; such pieces have no largest pressure.
+fn infinite(gap: &AnyGap, state: &GridState, ends: &Ends, patch: &mut Patch, peaks: &[usize]) -> Option<Singular> {
+    let grid = &state.problem.grid;
+    let mut found: Option<Singular> = None;
+    for (k, (piece, &peak)) in patch.pieces.iter_mut().zip(peaks).enumerate() {
+        let [min, max] = piece.extent;
+        let around = Rect { min, max };
+        let at_end = ends.rising.iter().any(|&k| around.contains(grid.centre_of(k)));
+        let here = if at_end {
+            Some(Singular::Edge)
+        } else if k < MOST_LOOKED_AT {
+            peak::singular(gap, &state.problem, peak)
+        } else {
+            found
+        };
+        if here.is_some() {
+            piece.max_pressure = None;
+            found = found.or(here);
+        }
+    }
+    found
+}
+
+/// Pieces in which kinks are looked for; the others are taken to be as these.
+const MOST_LOOKED_AT: usize = 64;
+
+/// The cell of the largest pressure.
+pub(crate) fn strongest(pressure: &[f64]) -> usize {
+    (0..pressure.len()).max_by(|&a, &b| pressure[a].total_cmp(&pressure[b])).unwrap_or(0)
+}
+
+/// Where the resultant of the pressure acts, in the user's units.
+fn centre_of_load(state: &GridState, scaled: &Scaled) -> [f64; 2] {
+    let grid = &state.problem.grid;
+    let pressure = &state.solution.pressure;
+    let total: f64 = pressure.iter().sum();
+    let sums = pressure.iter().enumerate().fold([0.0; 2], |[sx, sy], (k, p)| {
+        let [x, y] = grid.centre_of(k);
+        [sx + p * x, sy + p * y]
+    });
+    scaled.units.outward(sums.map(|s| s / total))
+}

@@ -1,0 +1,160 @@
+//! A state of contact from the grid, in the user's units.
+
+pub(crate) mod dimensional;
+mod displaced;
+pub(crate) mod domain;
+mod expansion;
+pub(crate) mod extrapolation;
+pub(crate) mod refined;
+pub(crate) mod refinement;
+mod separate;
+pub(crate) mod sharp_edges;
+pub(crate) mod single_grid;
+mod unresolved;
+pub(crate) mod warm_start;
+
+use self::dimensional::dimensional;
+use self::refined::Refined;
+use self::sharp_edges::Edge;
+use self::single_grid::GridState;
+use crate::by_edges;
+use crate::consistency::{Claim, within};
+use crate::gap::AnyGap;
+use crate::numeric::geometry::Rect;
+use crate::overlap::{Overlap, Scaled};
+use crate::problem::{Contact, Method, Settings};
+use crate::solution::{Solution, Unsolved};
+
+/// The method on a grid that the settings ask for.
+pub(crate) fn method(settings: &Settings) -> Method {
+    if settings.method == Method::Qp { Method::Qp } else { Method::Fft }
+}
+
+/// The state at an overlap under this tilt; `with_matrix`: the stiffness against tilts too.
+///
+/// # Errors
+/// As the solvers: `Unbounded`, `IterationLimit`, `ToleranceNotReached`, `TooLarge`.
+pub(crate) fn solution(
+    contact: &Contact,
+    overlap: &Overlap,
+    tilt: [f64; 2],
+    settings: &Settings,
+    with_matrix: bool,
+) -> Result<Solution, Unsolved> {
+    let (gap, depth, method) = (&overlap.gap, overlap.depth, method(settings));
+    if let Some(rectangles) = separate::rectangles(overlap, settings) {
+        return separate::solution(contact, gap, depth, tilt, settings, &rectangles, with_matrix);
+    }
+    let (law, scaled) = (gap.known().law, overlap.scaled());
+    let refined = refinement::refined(&scaled, settings, method, law)?;
+    if let Some(bounds) = by_edges::force_bounds(overlap, settings) {
+        let unit = scaled.units.length * scaled.units.height;
+        let claim = Claim { force: refined.force * unit, error: refined.error * unit };
+        within(bounds, claim, "its flat part")?;
+    }
+    let mut solution = dimensional(contact, &scaled, &refined, law, depth, tilt, settings)?;
+    if with_matrix {
+        solution = with_stiffness_matrix(contact, &scaled, &refined, solution)?;
+    }
+    match refined.shortfall(settings) {
+        None => Ok(solution),
+        Some(short) => Err(short.with_best(solution)),
+    }
+}
+
+/// Whether the contact at this depth is solved on several grids, which [`crate::grid_method::warm_start::WarmStart`] does not do.
+pub(crate) fn on_several_grids(contact: &Contact, depth: f64, settings: &Settings) -> bool {
+    matches!(Overlap::of(contact.gap(), depth), Ok(Some(overlap)) if separate::rectangles(&overlap, settings).is_some())
+}
+
+fn with_stiffness_matrix(
+    contact: &Contact,
+    scaled: &Scaled,
+    refined: &Refined,
+    solution: Solution,
+) -> Result<Solution, Unsolved> {
+    let unit = contact.modulus().e_star() * scaled.units.length;
+    let entries = |state: &GridState| {
+        let matrix = single_grid::stiffness_matrix(state, |p| scaled.units.outward(p))?;
+        Ok(std::array::from_fn::<f64, 9, _>(|n| matrix[n / 3][n % 3] * unit))
+    };
+    let entries = refined.limits(entries)?;
+    Ok(Solution { stiffness_matrix: Some([0, 1, 2].map(|i| [0, 1, 2].map(|j| entries[3 * i + j]))), ..solution })
+}
+
+/// The state of contacts that lie far apart, each on grids of its own, with its stiffness matrix; `None` when one grid serves.
+///
+/// # Errors
+/// As [`solution`].
+pub(crate) fn separately(
+    contact: &Contact,
+    gap: &AnyGap,
+    depth: f64,
+    tilt: [f64; 2],
+    settings: &Settings,
+) -> Result<Option<Solution>, Unsolved> {
+    let Some(overlap) = Overlap::of(gap, depth)? else { return Ok(None) };
+    let rectangles = separate::rectangles(&overlap, settings);
+    let solved = |r: Vec<Rect>| separate::solution(contact, gap, depth, tilt, settings, &r, true);
+    rectangles.map(solved).transpose()
+}
+
+/// The state at a depth and tilt on one grid that stays where it is from one tilt to the next, with its stiffness
+/// matrix: force and moments are then the exact derivatives of one convex energy. `shared` is the box of that grid in the
+/// user's units; found when `None`, enlarged when the contact outgrows it.
+///
+/// # Errors
+/// As [`solution`].
+pub(crate) fn on_shared_grid(
+    contact: &Contact,
+    gap: &AnyGap,
+    depth: f64,
+    tilt: [f64; 2],
+    settings: &Settings,
+    cells: usize,
+    shared: &mut SharedGrid,
+) -> Result<Solution, Unsolved> {
+    let method = method(settings);
+    let Some(overlap) = Overlap::of(gap, depth)? else {
+        return Ok(Solution::apart(method, depth, tilt));
+    };
+    let scaled = overlap.scaled();
+    let window = match &shared.window {
+        Some(rect) => scaled.units.rect_inward(rect),
+        None => domain::locate(&scaled)?.scaled(ROOM),
+    };
+    // Cells end where the material does.
+    let mut window = window.intersection(&scaled.reach).unwrap_or(window);
+    let state = single_grid::at_resolution(&scaled, &mut window, cells, settings, method)?;
+    shared.window = Some(scaled.units.rect_outward(&window));
+    shared.sharp = sharp_edges::boundary_type(&scaled, &state) == Some(Edge::End);
+    let [spacing, lost] = sharp_edges::measure(&scaled, &state);
+    shared.measure = [spacing * scaled.units.length, lost * scaled.units.length * scaled.units.length];
+    let error = if shared.needs_error { single_grid::other_kernel(&scaled, &state)? - state.force() } else { 0.0 };
+    let refined = Refined::of(state, error.abs());
+    let solution = dimensional(contact, &scaled, &refined, None, depth, tilt, settings)?;
+    with_stiffness_matrix(contact, &scaled, &refined, solution)
+}
+
+/// The grid that all tilts share.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct SharedGrid {
+    /// Its box, once it is known.
+    pub window: Option<Rect>,
+    /// Whether the last contact on it ended at sharp edges.
+    pub sharp: bool,
+    /// The longer side of its cells, and the area of material that they leave out.
+    pub measure: [f64; 2],
+    /// Whether a grid has to tell its own error, by the other kernel.
+    pub needs_error: bool,
+}
+
+impl SharedGrid {
+    /// Not laid yet.
+    pub fn new() -> Self {
+        Self { window: None, sharp: false, measure: [0.0; 2], needs_error: true }
+    }
+}
+
+/// What the box of an untilted contact is enlarged by before the punch tilts.
+const ROOM: f64 = 1.3;

@@ -1,0 +1,135 @@
+//! What a sequence of grids has found: the finest, the best value of the force, and its error.
+
+use super::extrapolation::Estimate;
+use super::sharp_edges::{self, GridSequence};
+use super::single_grid::GridState;
+use crate::consistency::{self, Claim};
+use crate::gap::Degree;
+use crate::overlap::Scaled;
+use crate::problem::Settings;
+use crate::solution::{Unsolved, Verdict};
+
+/// A contact refined until the force is good enough.
+#[derive(Debug, Clone)]
+pub(crate) struct Refined {
+    /// The finest grid.
+    pub state: GridState,
+    /// The grid before it, where there is one: by how much a number of the finest still changes.
+    pub coarser: Option<Box<GridState>>,
+    /// Best value of the force; that of the finest grid itself when the number of cells was prescribed.
+    pub force: f64,
+    /// Estimate of its error, absolute.
+    pub error: f64,
+    /// Grids whose values make the force.
+    pub grids: usize,
+    /// What kept the method from finer grids.
+    pub stopped: Option<Unsolved>,
+    /// The grids that it took where the contact ends at sharp edges; `state` is the finest.
+    pub sequence: Option<GridSequence>,
+    /// Proved bounds of the force, from the pressure of `state`.
+    pub proved: Option<[f64; 2]>,
+    /// Sums of the pressures of the grids, coarse to fine.
+    pub sums: Vec<f64>,
+}
+
+/// |error|/|value| where that is a number.
+fn relative(error: f64, value: f64) -> Option<f64> {
+    Some((error / value).abs()).filter(|share| share.is_finite())
+}
+
+impl Refined {
+    /// One grid whose force is the best there is.
+    pub fn of(state: GridState, error: f64) -> Self {
+        let force = state.force();
+        Self {
+            force,
+            error,
+            grids: 1,
+            state,
+            coarser: None,
+            stopped: None,
+            sequence: None,
+            proved: None,
+            sums: vec![force],
+        }
+    }
+
+    /// Best values of what is found in a state: of the finest grid, or the limits of all where the contact ends at sharp edges.
+    ///
+    /// # Errors
+    /// Those of `values`.
+    pub fn limits<const N: usize>(
+        &self,
+        values: impl Fn(&GridState) -> Result<[f64; N], Unsolved>,
+    ) -> Result<[f64; N], Unsolved> {
+        match &self.sequence {
+            Some(sequence) => Ok(sequence.limits(values)?.map(|limit| limit.value)),
+            None => values(&self.state),
+        }
+    }
+
+    /// The same with an estimate of the relative error of each: what is left of the limits, or what has changed since the grid
+    /// before.
+    ///
+    /// # Errors
+    /// Those of `values`.
+    pub fn estimated<const N: usize>(
+        &self,
+        values: impl Fn(&GridState) -> Result<[f64; N], Unsolved>,
+    ) -> Result<[(f64, Option<f64>); N], Unsolved> {
+        let finest = if self.sequence.is_some() { None } else { Some(values(&self.state)?) };
+        self.estimated_beside(finest, values)
+    }
+
+    /// The same where those of the finest grid are known already.
+    ///
+    /// # Errors
+    /// Those of `values`.
+    pub fn estimated_beside<const N: usize>(
+        &self,
+        finest: Option<[f64; N]>,
+        values: impl Fn(&GridState) -> Result<[f64; N], Unsolved>,
+    ) -> Result<[(f64, Option<f64>); N], Unsolved> {
+        if let Some(sequence) = &self.sequence {
+            return Ok(sequence.limits(values)?.map(|Estimate { value, error }| (value, relative(error, value))));
+        }
+        let found = finest.map_or_else(|| values(&self.state), Ok)?;
+        // What the coarser grid cannot tell leaves the error unknown, no more.
+        let before = self.coarser.as_ref().and_then(|coarser| values(coarser).ok());
+        Ok(std::array::from_fn(|n| {
+            let error = before.as_ref().and_then(|before| relative(found[n] - before[n], found[n]));
+            (found[n], error)
+        }))
+    }
+
+    /// With the bounds: their distance is the error, and the force lies between them.
+    pub(super) fn within(self, [lower, upper]: [f64; 2]) -> Self {
+        let force = self.force.clamp(lower, upper);
+        Self { force, error: (upper - force).max(force - lower), proved: Some([lower, upper]), ..self }
+    }
+
+    /// # Errors
+    /// `Inconsistent`, when the force breaks a law that every contact obeys.
+    pub(super) fn is_consistent(&self, scaled: &Scaled, degree: Option<Degree>) -> Result<(), Unsolved> {
+        let claim = Claim { force: self.force, error: self.error };
+        consistency::limit_of(&self.sums, degree, claim)?;
+        consistency::above_ellipse(scaled, &self.state.problem, &self.state.solution.pressure, claim)?;
+        self.proved.map_or(Ok(()), |bounds| consistency::within(bounds, claim, "the energy"))
+    }
+
+    pub(super) fn is_within(&self, tolerance: f64) -> bool {
+        self.error <= tolerance * self.force
+    }
+
+    /// Why the error is larger than asked for; `None` when it is not, or when the number of cells was prescribed.
+    pub fn shortfall(&self, settings: &Settings) -> Option<Unsolved> {
+        let out_of_time = self.stopped.as_ref().filter(|e| e.verdict == Verdict::TimeLimit);
+        if self.is_within(settings.tolerance) || (settings.cells.is_some() && out_of_time.is_none()) {
+            return None;
+        }
+        let [nx, ny] = self.state.problem.grid.shape;
+        let why = || self.stopped.as_ref().map_or_else(|| sharp_edges::most(nx.max(ny)), |e| e.reason.clone());
+        let short = || Unsolved::short_of(settings.tolerance, self.error / self.force, &why());
+        Some(out_of_time.cloned().unwrap_or_else(short))
+    }
+}

@@ -1,0 +1,331 @@
+//! Contacts that lie far apart, each on a grid of its own.
+//!
+//! Pressure vanishes where the undeformed bodies do not overlap, so separate pieces of {f > 0} are separate contacts. They
+//! feel one another only through the displacement that the load of one leaves at the others, which is smooth there: each
+//! is solved in turn on the gap that the others have left (block Gauss-Seidel), until the force no longer changes. The
+//! factor from sweep to sweep is about the square of size over distance.
+
+use super::dimensional::dimensional;
+use super::displaced::{self, DisplacedGap};
+use super::refined::Refined;
+use super::refinement;
+use super::single_grid;
+use crate::consistency::nothing_left_out;
+use crate::gap::{AnyGap, Gap};
+use crate::grid::{Grid, Pressure};
+use crate::numeric::geometry::Rect;
+use crate::overlap::{Overlap, Scaled};
+use crate::problem::{Contact, Method, Settings};
+use crate::solution::{Origin, Patch, Piece, PressureSummary, Solution, TouchesEdge, Unsolved, Validity, Verdict};
+
+/// More contacts than that share one grid.
+const MOST: usize = 256;
+
+/// The box of all contacts is so many times as long as the largest one, or one grid serves them all.
+const FAR: f64 = 4.0;
+
+/// Sweeps over all contacts at one tolerance.
+const SWEEPS: usize = 20;
+
+/// Cells along the longer side of the field that all contacts share.
+const FIELD: usize = 1024;
+
+/// Rectangles around contacts that are to be solved apart; `None` when one grid serves.
+pub(crate) fn rectangles(overlap: &Overlap, settings: &Settings) -> Option<Vec<Rect>> {
+    if settings.cells.is_some() || settings.method == Method::Qp || settings.outputs.gap {
+        return None;
+    }
+    let apart = overlap.components();
+    let longest = |rect: &Rect| rect.size()[0].max(rect.size()[1]);
+    let largest = apart.iter().map(longest).fold(0.0, f64::max);
+    let fits = (2..=MOST).contains(&apart.len()) && longest(&overlap.reach) >= FAR * largest && largest > 0.0;
+    fits.then(|| apart.to_vec())
+}
+
+/// Point loads in the user's frame, divided by E*.
+type Loads = Vec<([f64; 2], f64)>;
+
+/// One of the contacts, solved on the gap that the others left.
+struct One {
+    beside: DisplacedGap,
+    /// `None` when the others have pushed the surface out of reach.
+    solved: Option<Refined>,
+    /// In the units of its own solve.
+    scaled: Option<Scaled>,
+    loads: Loads,
+}
+
+impl One {
+    fn solve(gap: &AnyGap, depth: f64, within: Rect, others: &Loads, settings: &Settings) -> Result<Self, Unsolved> {
+        let beside = DisplacedGap::new(gap.clone(), within, others);
+        let Some(overlap) = Overlap::of(&AnyGap::new(beside.clone()), depth)? else {
+            return Ok(Self { beside, solved: None, scaled: None, loads: Loads::new() });
+        };
+        let scaled = overlap.scaled();
+        let refined = refinement::refined(&scaled, settings, Method::Fft, None)?;
+        // The finest grid carries the force of all of them together.
+        let share = refined.force / refined.state.force();
+        let loads = loads(&scaled, &refined, |k| refined.state.solution.pressure[k] * share);
+        Ok(Self { beside, solved: Some(refined), scaled: Some(scaled), loads })
+    }
+}
+
+/// The loads of pressures in the user's units, gathered on the nodes of a polynomial over the box of their cells.
+fn loads(scaled: &Scaled, refined: &Refined, pressure: impl Fn(usize) -> f64) -> Loads {
+    let grid = &refined.state.problem.grid;
+    let unit = scaled.units.height * scaled.units.length * grid.cell_area();
+    let load = |k: usize| (scaled.units.outward(grid.centre_of(k)), pressure(k) * unit);
+    displaced::gathered((0..grid.len()).map(load).filter(|load| load.1 != 0.0).collect())
+}
+
+fn others(all: &[Loads], but: usize) -> Loads {
+    all.iter().enumerate().filter(|(k, _)| *k != but).flat_map(|(_, loads)| loads.iter().copied()).collect()
+}
+
+fn total(loads: &[Loads]) -> f64 {
+    loads.iter().flatten().map(|load| load.1).sum()
+}
+
+/// The state of all contacts at a depth and tilt (`gap` is the contact's gap under that tilt), in the user's units.
+///
+/// # Errors
+/// As for a single contact; where one of them falls short of the tolerance, with the state of all.
+pub(crate) fn solution(
+    contact: &Contact,
+    gap: &AnyGap,
+    depth: f64,
+    tilt: [f64; 2],
+    settings: &Settings,
+    rectangles: &[Rect],
+    with_matrix: bool,
+) -> Result<Solution, Unsolved> {
+    let mut current = vec![Loads::new(); rectangles.len()];
+    // Of many parts only those that matter in a rectangle.
+    let gaps: Vec<AnyGap> =
+        rectangles.iter().map(|within| gap.restricted(within).unwrap_or_else(|| gap.clone())).collect();
+    let mut ones: Vec<One> = Vec::new();
+    let mut missed = 0.0;
+    let mut out_of_time = None;
+    let (mut iterations, mut operator_products) = (0, 0);
+    // Roughly first: what the contacts do to one another needs few cells.
+    'sweeps: for tolerance in [settings.tolerance.max(0.02), settings.tolerance] {
+        let settings = Settings { tolerance, ..*settings };
+        for _ in 0..SWEEPS {
+            let before = total(&current);
+            let mut next = Vec::new();
+            for (k, &within) in rectangles.iter().enumerate() {
+                let solved = settings.deadline.check().map_err(Unsolved::from);
+                let solved = solved.and_then(|()| One::solve(&gaps[k], depth, within, &others(&current, k), &settings));
+                let one = match solved {
+                    // The sweep before serves.
+                    Err(e) if e.verdict == Verdict::TimeLimit && !ones.is_empty() => {
+                        out_of_time = Some(e);
+                        break 'sweeps;
+                    }
+                    solved => solved?,
+                };
+                current[k].clone_from(&one.loads);
+                if let Some(refined) = &one.solved {
+                    iterations += refined.state.iterations;
+                    operator_products += refined.state.operator_products;
+                }
+                next.push(one);
+            }
+            ones = next;
+            missed = (total(&current) - before).abs();
+            if missed <= 0.1 * tolerance * total(&current) {
+                break;
+            }
+        }
+    }
+    let mut states = Vec::new();
+    let quiet = Settings { outputs: crate::problem::Outputs { pressure: true, ..settings.outputs }, ..*settings };
+    for (k, one) in ones.iter().enumerate() {
+        let (Some(refined), Some(scaled)) = (&one.solved, &one.scaled) else { continue };
+        let mut state = dimensional(contact, scaled, refined, None, depth, tilt, &quiet)?;
+        // The others' last displacement against the one this contact was solved with.
+        let latest = DisplacedGap::new(gap.clone(), rectangles[k], &others(&current, k));
+        let moved = rectangles[k].corners().into_iter().chain([rectangles[k].centre()]);
+        let moved = moved.map(|p| (latest.displacement(p) - one.beside.displacement(p)).abs()).fold(0.0, f64::max);
+        if let Some(residuals) = &mut state.residuals {
+            residuals.penetration += moved / scaled.units.height;
+            residuals.complementarity += moved / scaled.units.height;
+        }
+        // Half of what this contact's load does in the displacement by the others; the rest is in its own overlap.
+        let shared: f64 = one.loads.iter().map(|(p, q)| q * one.beside.displacement(*p)).sum();
+        state.energy = state.energy.map(|u| u + 0.5 * shared * contact.modulus().e_star());
+        states.push(state);
+    }
+    if states.is_empty() {
+        return Ok(Solution::apart(Method::Fft, depth, tilt));
+    }
+    let extent = |one: &One| {
+        let (refined, scaled) = (one.solved.as_ref()?, one.scaled.as_ref()?);
+        Some(scaled.units.rect_outward(&refined.state.problem.grid.extent()))
+    };
+    let boxes: Vec<Rect> = ones.iter().filter_map(extent).collect();
+    nothing_left_out(gap, depth, &boxes, total(&current))?;
+    let short = || ones.iter().filter_map(|one| one.solved.as_ref()).find_map(|refined| refined.shortfall(settings));
+    let short = out_of_time.or_else(short);
+    let matrix = growth(contact, &ones, gap, rectangles, with_matrix)?;
+    let mut all = together(states, settings, missed * contact.modulus().e_star());
+    all.stiffness = matrix[0][0];
+    all.stiffness_matrix = with_matrix.then_some(matrix);
+    all.cost.iterations = iterations;
+    all.cost.operator_products = operator_products;
+    match short {
+        None => Ok(all),
+        Some(short) => Err(short.with_best(all)),
+    }
+}
+
+/// Stiffness against depth, and against tilts if asked for: flat punches on all patches at once, by the same sweeps.
+fn growth(
+    contact: &Contact,
+    ones: &[One],
+    gap: &AnyGap,
+    rectangles: &[Rect],
+    with_matrix: bool,
+) -> Result<[[f64; 3]; 3], Unsolved> {
+    let rates: [fn([f64; 2]) -> f64; 3] = [|_| 1.0, |[x, _]| x, |[_, y]| y];
+    let mut matrix = [[0.0; 3]; 3];
+    let columns = if with_matrix { 3 } else { 1 };
+    for (column, rate) in rates.iter().enumerate().take(columns) {
+        let mut current = vec![Loads::new(); ones.len()];
+        for _ in 0..SWEEPS {
+            let (before, mut size) = (current.clone(), 0.0);
+            for (k, one) in ones.iter().enumerate() {
+                let (Some(refined), Some(scaled)) = (&one.solved, &one.scaled) else { continue };
+                let raised = DisplacedGap::new(gap.clone(), rectangles[k], &others(&current, k));
+                let grid = &refined.state.problem.grid;
+                let wanted: Vec<f64> = (0..grid.len())
+                    .map(|i| scaled.units.outward(grid.centre_of(i)))
+                    .map(|p| (rate(p) - raised.displacement(p)) / scaled.units.height)
+                    .collect();
+                let growing = single_grid::growth(&refined.state, &wanted)?;
+                current[k] = loads(scaled, refined, |i| growing[i]);
+                size += current[k].iter().map(|load| load.1.abs()).sum::<f64>();
+            }
+            let change: f64 = current
+                .iter()
+                .zip(&before)
+                .map(|(a, b)| (a.iter().map(|l| l.1).sum::<f64>() - b.iter().map(|l| l.1).sum::<f64>()).abs())
+                .sum();
+            if change <= 1e-8 * size {
+                break;
+            }
+        }
+        let e_star = contact.modulus().e_star();
+        for (row, weight) in rates.iter().enumerate() {
+            matrix[row][column] = current.iter().flatten().map(|(p, q)| q * weight(*p)).sum::<f64>() * e_star;
+        }
+    }
+    let mean = |i: usize, j: usize| if with_matrix { 0.5 * (matrix[i][j] + matrix[j][i]) } else { matrix[i][j] };
+    Ok([0, 1, 2].map(|i| [0, 1, 2].map(|j| mean(i, j))))
+}
+
+/// One state from those of all contacts; `missed` is the force that the last sweep still changed.
+fn together(states: Vec<Solution>, settings: &Settings, missed: f64) -> Solution {
+    let force: f64 = states.iter().map(|s| s.force).sum();
+    let error: f64 = states.iter().map(|s| s.force_error.unwrap_or(0.0) * s.force).sum();
+    let singular = states.iter().find_map(|s| s.pressure.singular);
+    let strongest =
+        states.iter().max_by(|a, b| a.pressure.max.unwrap_or(0.0).total_cmp(&b.pressure.max.unwrap_or(0.0)));
+    let finite = |s: &&Solution| singular.is_none() && s.pressure.singular.is_none();
+    let (max, max_error) = strongest.filter(finite).map_or((None, None), |s| (s.pressure.max, s.pressure.max_error));
+    let at = states.iter().find(|s| s.pressure.singular.is_some()).or(strongest).and_then(|s| s.pressure.at);
+    let area: f64 = states.iter().map(|s| s.patch.area).sum();
+    let centroid =
+        |m: usize| states.iter().filter_map(|s| s.patch.centroid.map(|c| c[m] * s.patch.area)).sum::<f64>() / area;
+    let mut pieces: Vec<Piece> = states.iter().flat_map(|s| s.patch.pieces.iter().cloned()).collect();
+    pieces.sort_by(|a, b| b.force.total_cmp(&a.force));
+    // Errors add up as the numbers do; that of the stiffness, found for all at once, is at most the largest.
+    let added = |error: fn(&Solution) -> Option<f64>, value: fn(&Solution) -> Option<f64>| {
+        let all: Option<f64> = states.iter().map(|s| Some(error(s)? * value(s)?)).sum();
+        Some(all? / states.iter().map(value).sum::<Option<f64>>()?).filter(|share| share.is_finite())
+    };
+    let area_error = added(|s| s.area_error, |s| Some(s.patch.area));
+    let energy_error = added(|s| s.energy_error, |s| s.energy).map(|error| error + missed / force);
+    let stiffness_error =
+        states.iter().map(|s| s.stiffness_error).try_fold(0.0_f64, |all, error| Some(all.max(error?)));
+    let edges = states.iter().filter_map(|s| s.touches_edge.map(|edge| (s.force, edge)));
+    let strongest_edge = edges.clone().max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, edge)| edge);
+    let beside: f64 = edges.map(|(force, edge)| force * edge.share.unwrap_or(0.0)).sum();
+    let touches_edge = strongest_edge.map(|edge| TouchesEdge { share: Some(beside / force), ..edge });
+    let doubtful =
+        |of: fn(&Validity) -> f64| states.iter().filter_map(|s| s.validity.as_ref().map(of)).reduce(f64::max);
+    let validity = states[0].validity.map(|first| Validity {
+        slope: doubtful(|v| v.slope).unwrap_or(first.slope),
+        size_over_radius: None,
+        pressure_over_modulus: doubtful(|v| v.pressure_over_modulus).unwrap_or(first.pressure_over_modulus),
+    });
+    let finest = |s: &&Solution| s.grid.map_or(f64::INFINITY, |grid| grid.spacing[0].min(grid.spacing[1]));
+    let grid = states.iter().min_by(|a, b| finest(a).total_cmp(&finest(b))).and_then(|s| s.grid);
+    let patch = Patch {
+        area,
+        centroid: (area > 0.0).then(|| [centroid(0), centroid(1)]),
+        regions: states.iter().map(|s| s.patch.regions).sum(),
+        max_radius: states.iter().map(|s| s.patch.max_radius).fold(0.0, f64::max),
+        boundary: settings
+            .outputs
+            .patch
+            .then(|| states.iter().filter_map(|s| s.patch.boundary.clone()).flatten().collect()),
+        pieces,
+        semi_axes: None,
+        angle: None,
+    };
+    let fields: Vec<&Pressure> = states.iter().filter_map(|s| s.pressure.field.as_ref()).collect();
+    let field = settings.outputs.pressure.then(|| spread(&fields)).flatten();
+    let worst = |of: fn(&crate::Residuals) -> f64| {
+        states.iter().filter_map(|s| s.residuals.as_ref().map(of)).fold(0.0, f64::max)
+    };
+    let residuals = crate::Residuals {
+        complementarity: worst(|r| r.complementarity),
+        tension: worst(|r| r.tension),
+        penetration: worst(|r| r.penetration),
+    };
+    let count = states.len();
+    let sum = |of: fn(&Solution) -> Option<f64>| states.iter().map(of).sum::<Option<f64>>();
+    let mut all = states[0].clone();
+    all.origin = Origin::SeparateContacts { count };
+    all.force = force;
+    all.force_error = Some((error + missed) / force);
+    all.energy = sum(|s| s.energy);
+    all.moment = sum(|s| s.moment.map(|m| m[0])).zip(sum(|s| s.moment.map(|m| m[1]))).map(|(x, y)| [x, y]);
+    all.pressure =
+        PressureSummary { max, max_error, singular, mean: (area > 0.0).then(|| force / area), at, field, gap: None };
+    (all.stiffness_error, all.energy_error, all.area_error) = (stiffness_error, energy_error, area_error);
+    (all.touches_edge, all.validity, all.grid) = (touches_edge, validity, grid);
+    all.patch = patch;
+    all.residuals = Some(residuals);
+    all.cost.unknowns = states.iter().map(|s| s.cost.unknowns).max().unwrap_or(0);
+    all.left_out = vec!["the grid between the contacts: each has one of its own".to_owned()];
+    all.remarks = vec![format!("{count} contacts far apart, solved in turn on what the others leave of the gap")];
+    all
+}
+
+/// The pressures of several grids as means over the cells of one around all of them; no load is lost.
+fn spread(fields: &[&Pressure]) -> Option<Pressure> {
+    let all = fields.iter().map(|f| f.grid.extent()).reduce(|a, b| a.union(&b))?;
+    let finest = fields.iter().flat_map(|f| f.grid.spacing).fold(f64::INFINITY, f64::min);
+    let [w, h] = all.size();
+    let spacing = finest.max(w.max(h) / FIELD as f64);
+    let shape = [w, h].map(|side| ((side / spacing).ceil() as usize).max(1));
+    let grid = Grid::over(&all, shape);
+    let mut values = vec![0.0; grid.len()];
+    for field in fields {
+        for (k, &p) in field.values.iter().enumerate().filter(|(_, p)| **p != 0.0) {
+            let cell = field.grid.cell(k % field.grid.shape[0], k / field.grid.shape[0]);
+            let place = |x: f64, m: usize| ((x - grid.origin[m]) / grid.spacing[m]).clamp(0.0, grid.shape[m] as f64);
+            let [from, to] =
+                [[place(cell.min[0], 0), place(cell.min[1], 1)], [place(cell.max[0], 0), place(cell.max[1], 1)]];
+            for j in from[1] as usize..(to[1].ceil() as usize).min(grid.shape[1]) {
+                for i in from[0] as usize..(to[0].ceil() as usize).min(grid.shape[0]) {
+                    let overlap = |n: usize, m: usize| (to[m].min(n as f64 + 1.0) - from[m].max(n as f64)).max(0.0);
+                    values[j * grid.shape[0] + i] += p * overlap(i, 0) * overlap(j, 1);
+                }
+            }
+        }
+    }
+    Some(Pressure { grid, values })
+}

@@ -1,0 +1,158 @@
+//! A solved grid that goes on from one depth to the next on the same cells: what a search for a depth asks for.
+
+use super::dimensional::{at_least, in_users_units, stiffness_of, strongest};
+use super::domain;
+use super::expansion::outgrown;
+use super::refined::Refined;
+use super::refinement;
+use super::single_grid::{self, GridState};
+use super::unresolved;
+use crate::discrete::Discrete;
+use crate::grid::Grid;
+use crate::matrix_free;
+use crate::overlap::{Overlap, Scaled};
+use crate::patch;
+use crate::problem::{Contact, Method, Settings};
+use crate::solution::{Solution, Unsolved};
+
+/// Cells along the longer side of the grid that only has to show the way.
+const ROUGH_CELLS: usize = 32;
+
+/// A solved grid with what it takes to go on from it to another depth.
+pub(crate) struct WarmStart {
+    scaled: Scaled,
+    refined: Refined,
+    /// Pressure that grows with the depth on the cells in contact; `None` where the state is the limit of many grids.
+    growing: Option<Vec<f64>>,
+    /// Estimates of relative errors by the grids of the first state.
+    errors: Errors,
+}
+
+/// Relative errors that a state takes over from another on the same cells.
+#[derive(Debug, Clone, Copy, Default)]
+struct Errors {
+    stiffness: Option<f64>,
+    energy: Option<f64>,
+    area: Option<f64>,
+    peak: Option<f64>,
+}
+
+impl Errors {
+    /// By the grid before; `stiffness` is that of the finest.
+    fn of(refined: &Refined, stiffness: f64) -> Result<Self, Unsolved> {
+        if refined.sequence.is_some() || refined.coarser.is_none() {
+            return Ok(Self::default());
+        }
+        let numbers = |state: &GridState, stiffness: f64| {
+            let highest = state.solution.pressure.iter().copied().fold(0.0, f64::max);
+            let patch = patch::of(&state.problem, &state.solution, [0.0; 2]);
+            [stiffness, state.energy(), patch.area, highest]
+        };
+        let finest = numbers(&refined.state, stiffness);
+        let coarser = |state: &GridState| Ok(numbers(state, single_grid::stiffness(state)?));
+        let [(_, stiffness), (_, energy), (_, area), (_, peak)] = refined.estimated_beside(Some(finest), coarser)?;
+        let [stiffness, area] = [stiffness, area].map(|change| change.map(|change| at_least(refined, change)));
+        let (grid, values) = (&refined.state.problem.grid, &refined.state.solution.pressure);
+        let strongest = strongest(values);
+        Ok(Self { stiffness, energy, area, peak: peak.map(|p| p.max(unresolved::peak(grid, values, strongest))) })
+    }
+}
+
+impl WarmStart {
+    /// The state at a depth of the untilted contact; `None` when the bodies do not touch.
+    ///
+    /// # Errors
+    /// As [`crate::grid_method::solution`].
+    pub fn at_depth(contact: &Contact, depth: f64, settings: &Settings) -> Result<Option<Self>, Unsolved> {
+        let method = if settings.method == Method::Qp { Method::Qp } else { Method::Fft };
+        let Some(overlap) = Overlap::of(contact.gap(), depth)? else { return Ok(None) };
+        let scaled = overlap.scaled();
+        let refined = refinement::refined(&scaled, settings, method, None)?;
+        let held = Self::grown(scaled, refined)?;
+        let errors = held.stiffness().map_or(Ok(Errors::default()), |own| Errors::of(&held.refined, own))?;
+        Ok(Some(Self { errors, ..held }))
+    }
+
+    /// A state good to a few percent: one coarse grid.
+    pub fn coarse_solve(contact: &Contact, depth: f64, settings: &Settings) -> Result<Option<Self>, Unsolved> {
+        let Some(overlap) = Overlap::of(contact.gap(), depth)? else { return Ok(None) };
+        let scaled = overlap.scaled();
+        let window = domain::locate(&scaled)?;
+        let grid = Grid::over(&window, domain::shape(&window, ROUGH_CELLS));
+        let problem = Discrete::sample(&scaled.gap, scaled.depth, grid, settings.kernel);
+        let solution = domain::coarse(&problem)?;
+        let state = GridState::of(Method::Fft, problem, solution);
+        Ok(Some(Self::grown(scaled, Refined::of(state, f64::INFINITY))?))
+    }
+
+    /// The state at another depth on the same cells, from here; `None` when they do not hold its contact, or when it takes
+    /// the limit of many grids.
+    ///
+    /// # Errors
+    /// `IterationLimit`.
+    pub fn continued_to(&self, contact: &Contact, depth: f64, settings: &Settings) -> Result<Option<Self>, Unsolved> {
+        let Some(growing) = &self.growing else { return Ok(None) };
+        let Refined { state: before, force, error, .. } = &self.refined;
+        let Some(overlap) = Overlap::of(contact.gap(), depth)? else { return Ok(None) };
+        let units = self.scaled.units;
+        // A smaller reach takes no cell away.
+        let reach = units.rect_inward(&overlap.reach).union(&self.scaled.reach);
+        let certain = overlap.certain && self.scaled.certain;
+        let scaled = Scaled { depth: depth / units.height, reach, certain, ..self.scaled.clone() };
+        let deeper = scaled.depth - self.scaled.depth;
+        let problem =
+            Discrete { overlap: before.problem.overlap.iter().map(|f| f + deeper).collect(), ..before.problem.clone() };
+        // To first order in the change, exactly.
+        let start: Vec<f64> = before.solution.pressure.iter().zip(growing).map(|(p, m)| p + deeper * m).collect();
+        let Settings { threads, deadline, .. } = *settings;
+        let settings = matrix_free::Settings { threads, deadline, ..matrix_free::Settings::default() };
+        let solution = matrix_free::solve(&problem, Some(&start), &settings)?;
+        if outgrown(&scaled, &problem.grid.extent(), &problem.grid, &solution.pressure).is_some() {
+            return Ok(None);
+        }
+        let state = GridState {
+            iterations: solution.iterations,
+            operator_products: solution.operator_products,
+            problem,
+            solution,
+            ..before.clone()
+        };
+        let error = error / force * state.force();
+        Ok(Some(Self { errors: self.errors, ..Self::grown(scaled, Refined::of(state, error))? }))
+    }
+
+    fn grown(scaled: Scaled, refined: Refined) -> Result<Self, Unsolved> {
+        let grow = || single_grid::growth(&refined.state, &vec![1.0; refined.state.problem.grid.len()]);
+        let growing = if refined.sequence.is_none() { Some(grow()?) } else { None };
+        Ok(Self { scaled, refined, growing, errors: Errors::default() })
+    }
+
+    /// dP/dd of the cells in contact.
+    fn stiffness(&self) -> Option<f64> {
+        let area = self.refined.state.problem.grid.cell_area();
+        self.growing.as_ref().map(|growing| growing.iter().sum::<f64>() * area)
+    }
+
+    /// In the user's units.
+    ///
+    /// # Errors
+    /// Those of the stiffness, where it is the limit of many grids; `ToleranceNotReached` and `TimeLimit` with the state.
+    pub fn solution(&self, contact: &Contact, settings: &Settings) -> Result<Solution, Unsolved> {
+        let Errors { stiffness, energy, area, peak } = self.errors;
+        let stiffness = match self.stiffness() {
+            Some(own) => (own, stiffness),
+            None => stiffness_of(&self.refined)?,
+        };
+        let depth = self.scaled.depth * self.scaled.units.height;
+        let mut solution = in_users_units(contact, &self.scaled, &self.refined, stiffness, depth, [0.0; 2], settings)?;
+        solution.energy_error = solution.energy_error.or(energy);
+        solution.area_error = solution.area_error.or(area);
+        if solution.pressure.singular.is_none() && solution.touches_edge.is_none() {
+            solution.pressure.max_error = solution.pressure.max_error.or(peak);
+        }
+        match self.refined.shortfall(settings) {
+            None => Ok(solution),
+            Some(short) => Err(short.with_best(solution)),
+        }
+    }
+}

@@ -1,0 +1,124 @@
+//! A contact as the search for equilibrium sees it: states at depths and tilts, each from what the last one left.
+
+use super::equilibrium::Respond;
+use crate::grid_method::warm_start::WarmStart;
+use crate::grid_method::{self, SharedGrid};
+use crate::loading::{respond, without_grid};
+use crate::problem::{Contact, Method, Outputs, Settings};
+use crate::solution::{Cost, Solution, Unsolved, Verdict};
+
+/// A contact and settings, as the search for equilibrium sees them.
+pub(crate) struct Engine<'a> {
+    pub contact: &'a Contact,
+    pub settings: &'a Settings,
+    with_matrix: bool,
+    /// The grid that all tilts share, and the cells along its longer side.
+    pub shared: SharedGrid,
+    pub cells: usize,
+    /// The last full grid of an untilted contact.
+    warm_start: Option<WarmStart>,
+    /// Of all states so far.
+    spent: Cost,
+}
+
+impl<'a> Engine<'a> {
+    /// `with_matrix`: for a punch that is free to tilt.
+    pub fn new(contact: &'a Contact, settings: &'a Settings, with_matrix: bool) -> Self {
+        let coarsest = (2.0 / settings.tolerance.sqrt()).clamp(32.0, 512.0) as usize;
+        let cells = settings.cells.unwrap_or(coarsest);
+        Self {
+            contact,
+            settings,
+            with_matrix,
+            shared: SharedGrid::new(),
+            cells,
+            warm_start: None,
+            spent: Cost::default(),
+        }
+    }
+
+    /// The state by a method without a grid; `None` when it takes a grid.
+    fn without_grid(&self, depth: f64, tilt: [f64; 2], quick: bool) -> Option<Result<Solution, Unsolved>> {
+        let settings = self.settings;
+        match settings.method {
+            Method::Ritz | Method::Fabrikant | Method::ClosedForm | Method::EdgeFitted => {
+                Some(respond(self.contact, depth, tilt, settings, self.with_matrix))
+            }
+            Method::Auto if settings.cells.is_none() && !settings.outputs.gap => {
+                let rough =
+                    Settings { outputs: Outputs::default(), tolerance: ROUGH.max(settings.tolerance), ..*settings };
+                let settings = if quick { &rough } else { settings };
+                let gap = self.contact.tilted_gap(tilt);
+                let answer = without_grid(self.contact, &gap, depth, tilt, settings, self.with_matrix)?;
+                // A grid may do better.
+                (!answer.as_ref().is_err_and(|e| e.verdict == Verdict::ToleranceNotReached)).then_some(answer)
+            }
+            _ => None,
+        }
+    }
+
+    /// On a grid, without tilt: a coarse one when that is enough, the cells of the last full one when the contact stays on them.
+    fn untilted(&mut self, depth: f64, quick: bool) -> Result<Solution, Unsolved> {
+        let apart = || Ok(Solution::apart(self.settings.method, depth, [0.0; 2]));
+        let rough = Settings { outputs: Outputs::default(), ..*self.settings };
+        if grid_method::on_several_grids(self.contact, depth, self.settings) {
+            let rough = Settings { tolerance: ROUGH, ..rough };
+            return respond(self.contact, depth, [0.0; 2], if quick { &rough } else { self.settings }, false);
+        }
+        if quick {
+            let found = WarmStart::coarse_solve(self.contact, depth, &rough)?;
+            return found.map_or_else(apart, |warm_start| warm_start.solution(self.contact, &rough));
+        }
+        let moved = match &self.warm_start {
+            Some(warm_start) if self.settings.method != Method::Qp => {
+                warm_start.continued_to(self.contact, depth, self.settings)?
+            }
+            _ => None,
+        };
+        self.warm_start = match moved {
+            Some(moved) => Some(moved),
+            None => WarmStart::at_depth(self.contact, depth, self.settings)?,
+        };
+        self.warm_start.as_ref().map_or_else(apart, |warm_start| warm_start.solution(self.contact, self.settings))
+    }
+}
+
+/// Relative error of the force that the search for equilibrium begins with.
+const ROUGH: f64 = 0.02;
+
+impl Respond for Engine<'_> {
+    fn respond(&mut self, depth: f64, tilt: [f64; 2], quick: bool) -> Result<Solution, Unsolved> {
+        self.settings.deadline.check()?;
+        let mut state = match self.without_grid(depth, tilt, quick) {
+            Some(answered) => answered?,
+            None if !self.with_matrix => self.untilted(depth, quick)?,
+            None => {
+                // One grid for all tilts: what differs from one to the next would be noise to Newton's method.
+                let gap = self.contact.tilted_gap(tilt);
+                let shared = &mut self.shared;
+                match grid_method::separately(self.contact, &gap, depth, tilt, self.settings)? {
+                    Some(apart) => apart,
+                    None => {
+                        grid_method::on_shared_grid(self.contact, &gap, depth, tilt, self.settings, self.cells, shared)?
+                    }
+                }
+            }
+        };
+        self.spent.iterations += state.cost.iterations;
+        self.spent.operator_products += state.cost.operator_products;
+        self.spent.steps += 1;
+        state.cost = Cost { unknowns: state.cost.unknowns, ..self.spent };
+        Ok(state)
+    }
+}
+
+/// Relative miss of the load that is sought, and that which may be left to the last linear step. What a method without a grid
+/// answers is a law without noise; a field that is written shall be that of the depth beside it.
+pub(crate) fn close(settings: &Settings, method: Method) -> [f64; 2] {
+    match method {
+        Method::ClosedForm => [1e-12; 2],
+        Method::Ritz | Method::Fabrikant => [3e-3 * settings.tolerance; 2],
+        _ if settings.outputs.pressure || settings.outputs.gap => [1e-7, 0.3 * settings.tolerance],
+        _ => [0.3 * settings.tolerance; 2],
+    }
+}

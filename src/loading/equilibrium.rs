@@ -1,0 +1,299 @@
+//! The depth, and the tilt of a punch free to tilt, that balance a given load.
+//!
+//! P(d) is convex and increasing, and nearly a power of the overlap: Newton's method on log P against log of the
+//! overlap, with the exact stiffness, needs two or three steps from any distance. For a tilting punch the stored energy U is a
+//! convex function of (d, ax, ay) whose gradient is (P, int p x, int p y) and whose Hessian the stiffness of a flat punch on the
+//! contact: Newton's method on U less the work of the load.
+
+use nalgebra::{Matrix3, Vector3};
+
+use crate::gap::{AnyGap, Reach};
+use crate::overlap::{least, reach_of};
+use crate::problem::Method;
+use crate::solution::{Solution, Unsolved, Verdict};
+
+/// Steps of the quick search before the load is taken to have no depth.
+const MOST_STEPS: usize = 60;
+
+/// How well the quick search meets the force before the full solves begin.
+const QUICK: f64 = 0.03;
+
+/// Full solves after the quick search.
+const MOST_FULL_STEPS: usize = 8;
+
+/// Full solves that may go into a state closer than need be.
+const PATIENT_STEPS: usize = 3;
+
+/// Steps after which the balance of a tilting punch may be off by what a force may be.
+const PATIENCE: usize = 8;
+
+/// A state at a depth, quickly or to the full tolerance.
+pub(crate) trait Respond {
+    /// The state at this depth and tilt; `quick`: a few percent are enough.
+    fn respond(&mut self, depth: f64, tilt: [f64; 2], quick: bool) -> Result<Solution, Unsolved>;
+}
+
+/// A state that the search can go on from, with what it lacks: one whose error is larger than asked for serves as well.
+fn usable(answer: Result<Solution, Unsolved>) -> Result<(Solution, Option<Unsolved>), Unsolved> {
+    match answer {
+        Ok(state) => Ok((state, None)),
+        Err(Unsolved { verdict: Verdict::ToleranceNotReached, best: Some(state), reason, hint }) => {
+            let short = Unsolved { verdict: Verdict::ToleranceNotReached, reason, hint, best: None };
+            Ok((*state, Some(short)))
+        }
+        Err(e) => Err(e),
+    }
+}
+
+/// An overlap whose force is of this size: P = 2 E* a d on half the width a of {f > 0}.
+pub(crate) fn overlap_of_size(gap: &AnyGap, e_star: f64, force: f64) -> f64 {
+    let (_, least) = least(gap);
+    // Forces are of the size E* times length squared: begin with that length.
+    let mut overlap = (force.abs() / e_star).sqrt();
+    for _ in 0..24 {
+        match reach_of(gap, least + overlap) {
+            Reach::Within(reach) => {
+                let half = 0.25 * (reach.size()[0] + reach.size()[1]);
+                let next = (overlap * force.abs() / (2.0 * e_star * half)).sqrt();
+                if !(next > 0.0 && next.is_finite()) {
+                    break;
+                }
+                let close = (next / overlap).ln().abs() < 0.1;
+                overlap = next;
+                if close {
+                    break;
+                }
+            }
+            Reach::Nowhere => overlap *= 10.0,
+            Reach::Unbounded { .. } | Reach::Unknown => overlap *= 1e-3,
+        }
+    }
+    overlap
+}
+
+/// The state under a force without tilt. `lowest` is the least gap, `scale` an overlap to begin with, `close` the relative
+/// errors of the force that may be left to the last, linear step, by the method that ran: the one that is sought, and the one
+/// that will do once steps from grid to grid no longer bring the state closer.
+pub(crate) fn under_force(
+    engine: &mut dyn Respond,
+    force: f64,
+    lowest: f64,
+    scale: f64,
+    close: impl Fn(Method) -> [f64; 2],
+) -> Result<Solution, Unsolved> {
+    let mut overlap = scale;
+    // Overlaps with too little force and with too much, as far as they are known.
+    let (mut low, mut high) = (0.0, f64::INFINITY);
+    let mut quick = true;
+    let mut full_steps = 0;
+    // The state nearest to the load, and how far it misses it.
+    let mut nearest: Option<(f64, Solution)> = None;
+    for _ in 0..MOST_STEPS {
+        let (state, short) = match usable(engine.respond(lowest + overlap, [0.0; 2], quick)) {
+            Ok(found) => found,
+            // Deeper than the contact has an end: look above.
+            Err(e) if e.verdict == Verdict::Unbounded && quick => {
+                high = overlap;
+                overlap = if low > 0.0 { (low * high).sqrt() } else { 1e-3 * overlap };
+                if overlap < f64::MIN_POSITIVE || high / low < 1.0 + 1e-9 {
+                    return Err(e);
+                }
+                continue;
+            }
+            Err(e) if e.verdict == Verdict::TimeLimit => {
+                let known = e.best.as_deref().map(|state| (miss_of(state, force), state.clone()));
+                let best = [nearest, known].into_iter().flatten().min_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
+                let e = Unsolved { best: None, ..e };
+                return Err(match best {
+                    Some((miss, state)) if miss.is_finite() => e.with_best(off_by(miss, last_step(state, force))),
+                    _ => e,
+                });
+            }
+            Err(e) => return Err(e),
+        };
+        if state.force <= 0.0 || state.stiffness <= 0.0 {
+            low = overlap;
+            overlap = if high.is_finite() { (low * high).sqrt() } else { 1e3 * overlap };
+            if !(overlap > low && overlap < high) {
+                break;
+            }
+            continue;
+        }
+        let miss = miss_of(&state, force);
+        if !quick {
+            full_steps += 1;
+            let [sought, enough] = close(state.method);
+            let done = miss.abs() <= if full_steps >= PATIENT_STEPS { enough } else { sought };
+            if done || full_steps == MOST_FULL_STEPS {
+                let stepped = last_step(state, force);
+                let state = if done { stepped } else { off_by(miss, stepped) };
+                return match short {
+                    None => Ok(state),
+                    Some(short) => Err(short.with_best(state)),
+                };
+            }
+        }
+        if nearest.as_ref().is_none_or(|(least, _)| miss.abs() < least.abs()) {
+            nearest = Some((miss, state.clone()));
+        }
+        if miss > 0.0 {
+            low = low.max(overlap)
+        } else {
+            high = high.min(overlap)
+        }
+        // d log P/d log overlap, at least 1 since P is convex and starts at 0.
+        let exponent = (state.stiffness * overlap / state.force).max(1.0);
+        let next = overlap * (miss / exponent).clamp(-40.0, 40.0).exp();
+        let inside = next > low && next < high;
+        overlap = if inside || high.is_infinite() || low == 0.0 { next } else { (low * high).sqrt() };
+        if quick && miss.abs() < QUICK {
+            // From here on the two resolutions disagree about the bracket.
+            (quick, low, high) = (false, 0.0, f64::INFINITY);
+        }
+    }
+    let reason = format!(
+        "no depth found for the force {force:e} in {MOST_STEPS} steps; tried down to overlap {low:e}, up to {high:e}"
+    );
+    Err(Unsolved::new(Verdict::NoEquilibrium, reason))
+}
+
+/// ln of the load over the force of a state.
+fn miss_of(state: &Solution, force: f64) -> f64 {
+    (force / state.force).ln()
+}
+
+/// A state that a linear step led to from one which missed the load by this: the step leaves at most as much.
+fn off_by(miss: f64, mut state: Solution) -> Solution {
+    state.force_error = state.force_error.map(|error| error + miss.abs()).filter(|error| error.is_finite());
+    state
+}
+
+/// What is left of the force after a close state, by the stiffness.
+fn last_step(mut state: Solution, force: f64) -> Solution {
+    let more = force - state.force;
+    state.depth += more / state.stiffness;
+    // The step is linear: P ~ s^n leaves (n - 1)/(2n) of its square. Stiffness and area stay those of the depth before.
+    let share = (more / state.force).abs();
+    let add = |error: &mut Option<f64>, more: f64| *error = error.map(|error| error + more);
+    add(&mut state.force_error, share * share);
+    add(&mut state.energy_error, share * share);
+    add(&mut state.stiffness_error, share);
+    add(&mut state.area_error, 2.0 * share);
+    // Bounds are those of the depth before the step.
+    state.bracket = state.bracket.filter(|_| more == 0.0);
+    if let (Some(energy), true) = (state.energy.as_mut(), more != 0.0) {
+        *energy += state.force * (more / state.stiffness);
+    }
+    if let Some(moment) = state.moment.as_mut() {
+        *moment = moment.map(|m| m * (force / state.force));
+    }
+    if let Some(mean) = state.pressure.mean.as_mut() {
+        *mean *= force / state.force;
+    }
+    state.patch.pieces.iter_mut().for_each(|piece| piece.force *= force / state.force);
+    state.force = force;
+    state
+}
+
+/// A state under the load itself: what is left of it after a close state goes into one linear step of depth and tilts, unless a
+/// field is to be written, which is that of the depth beside it.
+fn balanced(mut state: Solution, change: Option<Vector3<f64>>, force: f64, moment: [f64; 2]) -> Solution {
+    let no_field = state.pressure.field.is_none() && state.pressure.gap.is_none();
+    if let (Some(change), Some([mx, my])) = (change.filter(|_| no_field), state.moment) {
+        if let Some(energy) = state.energy.as_mut() {
+            *energy += change.dot(&Vector3::new(state.force, -my, mx));
+        }
+        state.depth += change[0];
+        state.tilt = [state.tilt[0] + change[1], state.tilt[1] + change[2]];
+    }
+    if let Some(mean) = state.pressure.mean.as_mut() {
+        *mean *= force / state.force;
+    }
+    state.patch.pieces.iter_mut().for_each(|piece| piece.force *= force / state.force);
+    (state.force, state.moment) = (force, Some(moment));
+    state
+}
+
+/// The state of a punch free to tilt under a force and moments (Mx, My) about the origin. `start` is the state under the
+/// force alone, `size` a length of the contact.
+pub(crate) fn under_moment(
+    engine: &mut dyn Respond,
+    force: f64,
+    moment_wanted: [f64; 2],
+    start: Solution,
+    size: f64,
+    close: impl Fn(Method) -> f64,
+) -> Result<Solution, Unsolved> {
+    let nowhere = |steps: usize, state: &Solution| {
+        let through = [-moment_wanted[1] / force, moment_wanted[0] / force];
+        let reason = format!(
+            "no state balances the force {force:e} through ({:e}, {:e}) after {steps} steps, tilt ({:e}, {:e}): \
+             the line of action passes outside of what can touch",
+            through[0], through[1], state.tilt[0], state.tilt[1]
+        );
+        Unsolved::new(Verdict::NoEquilibrium, reason)
+    };
+    // (P, int p x, int p y) that are wanted, and the unit of each.
+    let target = Vector3::new(force, -moment_wanted[1], moment_wanted[0]);
+    let unit = Vector3::new(force, force * size, force * size);
+    let (mut state, mut short) = usable(engine.respond(start.depth, start.tilt, false))?;
+    let potential =
+        |s: &Solution| s.energy.unwrap_or(f64::NAN) - target.dot(&Vector3::new(s.depth, s.tilt[0], s.tilt[1]));
+    for step in 0..MOST_STEPS {
+        let (Some(moment), Some(stiffness)) = (state.moment, state.stiffness_matrix) else {
+            return Err(Unsolved::new(Verdict::NotApplicable, "the method gives no moments of the pressure here"));
+        };
+        let missing = target - Vector3::new(state.force, -moment[1], moment[0]);
+        let error = missing.component_div(&unit).amax();
+        // Grids that are laid anew at every step leave a noise that no step gets below.
+        let enough = if step < PATIENCE { 1.0 } else { 30.0 };
+        let matrix = Matrix3::from_fn(|i, j| stiffness[i][j]);
+        // In units of the contact: the three unknowns are of one size.
+        let scale = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0 / size, 1.0 / size));
+        let scaled = scale * matrix * scale;
+        let ridge = 1e-9 * scaled[(0, 0)].max(f64::MIN_POSITIVE);
+        let factor = (scaled + Matrix3::identity() * ridge).cholesky();
+        let change = factor.map(|factor| scale * factor.solve(&(scale * missing)));
+        if error <= enough * close(state.method) {
+            let state = balanced(state, change, force, moment_wanted);
+            return match short {
+                None => Ok(state),
+                Some(short) => Err(short.with_best(state)),
+            };
+        }
+        let Some(change) = change else { return Err(nowhere(step, &state)) };
+        // Convexity: the potential falls along the step; halve it until it does, within what the grid can tell.
+        let before = potential(&state);
+        let allowed = 1e-7 * state.energy.unwrap_or(0.0).abs();
+        let mut length = 1.0;
+        let (next, lacks) = loop {
+            let depth = state.depth + length * change[0];
+            let tilt = [state.tilt[0] + length * change[1], state.tilt[1] + length * change[2]];
+            match usable(engine.respond(depth, tilt, false)) {
+                Ok((trial, lacks)) if trial.force > 0.0 && potential(&trial) <= before + allowed => {
+                    break (trial, lacks);
+                }
+                Ok((trial, lacks)) if trial.force > 0.0 && length < 0.02 => break (trial, lacks),
+                Err(e) if e.verdict == Verdict::TimeLimit => {
+                    let best = off_by(error, balanced(state, None, force, moment_wanted));
+                    return Err(e.with_best(best));
+                }
+                // What the method cannot solve says nothing about the load.
+                Err(e) if length < 1e-4 && !matches!(e.verdict, Verdict::Unbounded | Verdict::NoEquilibrium) => {
+                    let reason = format!("at depth {depth:e}, tilt ({:e}, {:e}): {}", tilt[0], tilt[1], e.reason);
+                    return Err(Unsolved { reason, ..e });
+                }
+                _ if length < 1e-4 => return Err(nowhere(step, &state)),
+                _ => length *= 0.5,
+            }
+        };
+        // The residual may rise for a while; without end it means that there is nothing to converge to.
+        let steep = next.tilt[0].hypot(next.tilt[1]) * size > 1e4 * next.depth.abs().max(start.depth.abs());
+        if steep || !next.depth.is_finite() {
+            return Err(nowhere(step, &next));
+        }
+        (state, short) = (next, lacks);
+    }
+    let reason = format!("force and moments are not balanced after {MOST_STEPS} steps");
+    Err(Unsolved::new(Verdict::IterationLimit, reason))
+}

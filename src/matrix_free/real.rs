@@ -1,0 +1,60 @@
+//! The two precisions, their planners, and how their numbers lie in memory.
+
+use std::cell::RefCell;
+use std::ops::Mul;
+
+use realfft::RealFftPlanner;
+use rustfft::num_complex::Complex;
+use rustfft::{FftNum, FftPlanner};
+
+/// Side of the squares in which rows become columns: a side is a whole number of cache lines.
+pub(super) const TILE: usize = 8;
+
+/// Distance of sequences of `n` numbers that are worked on side by side: lengths that are powers of two would share their place
+/// in the cache, and each is to begin with a cache line.
+pub(super) fn apart(n: usize) -> usize {
+    (n.div_ceil(TILE) | 1) * TILE
+}
+
+/// A precision to compute in.
+pub(super) trait Real: FftNum + Mul<Output = Self> + Default {
+    /// Calls with the planners of this thread. Twiddle factors outlive an operator: small problems would spend most of
+    /// their time on them.
+    fn with_planners<R>(work: impl FnOnce(&mut RealFftPlanner<Self>, &mut FftPlanner<Self>) -> R) -> R;
+
+    /// The nearest number of this precision.
+    fn of(value: f64) -> Self;
+
+    /// exp(i pi `half_turns`).
+    fn turn(half_turns: f64) -> Complex<Self> {
+        let (sin, cos) = (std::f64::consts::PI * half_turns).sin_cos();
+        Complex { re: Self::of(cos), im: Self::of(sin) }
+    }
+}
+
+type Planners<T> = RefCell<(RealFftPlanner<T>, FftPlanner<T>)>;
+
+thread_local! {
+    static DOUBLE: Planners<f64> = RefCell::new((RealFftPlanner::new(), FftPlanner::new()));
+    static SINGLE: Planners<f32> = RefCell::new((RealFftPlanner::new(), FftPlanner::new()));
+}
+
+impl Real for f64 {
+    fn with_planners<R>(work: impl FnOnce(&mut RealFftPlanner<Self>, &mut FftPlanner<Self>) -> R) -> R {
+        DOUBLE.with_borrow_mut(|(real, complex)| work(real, complex))
+    }
+
+    fn of(value: f64) -> Self {
+        value
+    }
+}
+
+impl Real for f32 {
+    fn with_planners<R>(work: impl FnOnce(&mut RealFftPlanner<Self>, &mut FftPlanner<Self>) -> R) -> R {
+        SINGLE.with_borrow_mut(|(real, complex)| work(real, complex))
+    }
+
+    fn of(value: f64) -> Self {
+        value as Self
+    }
+}
