@@ -304,6 +304,9 @@ mod formulas {
     fn a_dished_punch_under_depth_and_force() {
         let state = fitted(1.0, dished(), Load::Depth(5e-4), &Settings::default());
         within(&state, DISHED, 1e-5);
+        // Turned about its axis it is itself.
+        let turned = dished().placed([0.0; 2], 2.6).unwrap();
+        assert_eq!(fitted(1.0, turned, Load::Depth(5e-4), &Settings::default()).force, state.force);
         // Cut off where the dish is deeper than the contact, it is the same punch.
         assert!(state.patch.max_radius > 1.0 - 1e-9 && state.patch.regions == 1);
         let loaded = fitted(1.0, dished(), Load::Force(DISHED), &Settings::default());

@@ -94,8 +94,10 @@ const LOOK: f64 = 0.4;
 /// load has no balance, and where the time ends before the first one is solved.
 #[must_use]
 pub(crate) fn tilted(outline: &Outline, given: Given, limits: &Limits) -> Option<Tilted> {
+    // Without symmetry, and mostly without a proof, which is what takes the time.
+    let unknowns = limits.unknowns + limits.unknowns / 2;
     let punch = |n: usize, most: f64| {
-        let fitted = outline.mesh_within(n, most).filter(|fitted| fitted.mesh.loaded <= limits.unknowns)?;
+        let fitted = outline.mesh_within(n, most).filter(|fitted| fitted.mesh.loaded <= unknowns)?;
         Punch::new(fitted, limits.deadline)
     };
     // A look at what is in contact, for the size of the cells.
@@ -117,7 +119,7 @@ pub(crate) fn tilted(outline: &Outline, given: Given, limits: &Limits) -> Option
     }
     let fits = |n: usize, size: f64| {
         let most = FINE * size / n as f64;
-        outline.mesh_within(n, most).is_some_and(|fitted| fitted.mesh.loaded <= limits.unknowns)
+        outline.mesh_within(n, most).is_some_and(|fitted| fitted.mesh.loaded <= unknowns)
     };
     while n > COARSEST && !fits(last(n), size) {
         n -= 1;
