@@ -48,6 +48,7 @@ mod subcell;
 mod surroundings;
 mod symmetry;
 mod tilted;
+mod tilted_mesh;
 
 pub(crate) use annular::{Annular, Law, RadialBounds, RadialJet, Span, annular};
 pub(crate) use cells::{resample, resample_rings};

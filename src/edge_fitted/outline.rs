@@ -8,7 +8,7 @@ use super::mesh::{Mesh, Point, dot};
 use super::polygon::{STRAIGHT, cleaned, convex_pieces, double_area, rectilinear_frame, symmetries};
 use super::rectilinear::{graded_both, split, tensor};
 use super::symmetry::{Isometry, Orbits};
-use crate::geometry::clip;
+use crate::numeric::geometry::clip;
 
 /// The exponent of the grading. Near a sharp edge p ~ s^(-1/2) and the energy of cells of size h(s) errs by the integral
 /// of h^3 s^(-3): n^-3 for nodes (i/n)^beta with beta > 3; 4 is the least whole number.
