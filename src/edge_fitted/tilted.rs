@@ -97,11 +97,12 @@ pub(crate) fn tilted(outline: &Outline, given: Given, limits: &Limits) -> Option
     // A look at what is in contact, for the size of the cells.
     let look = punch(COARSEST, LOOK).or_else(|| punch(COARSEST, f64::INFINITY))?;
     let first = look.pressed(given)?;
-    if let Some(part) = in_reach(outline, look.outer_plane(&first)?, given) {
-        let mut found = tilted(&part, given, limits)?;
+    if let Some(part) = in_reach(outline, look.outer_plane(&first)?, given)
+        && let Some(mut found) = tilted(&part, given, limits)
+        && !outline.beyond(&part, found.plane)
+    {
         (found.everywhere, found.proved) = (false, false);
-        let beyond = outline.beyond(&part, found.plane);
-        return (!beyond).then_some(found);
+        return Some(found);
     }
     let mut size = first.size;
     let enough = ENOUGH[0] + ENOUGH[1] * first.varies;
