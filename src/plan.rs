@@ -80,7 +80,7 @@ pub fn plan(contact: &Contact, settings: &Settings) -> Result<Plan, Unsolved> {
         Method::Auto => !closed && by_edges::chosen_by(settings),
         method => method == Method::EdgeFitted,
     };
-    let route = if upright && asked { Route::of(&overlap, settings) } else { None };
+    let route = if asked { Route::of(&overlap, settings, !upright) } else { None };
     if let Some(route) = &route {
         steps.push(format!("the gap is {}", route.found()));
     }

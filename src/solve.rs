@@ -4,6 +4,7 @@ use crate::acceptance::sampled::with_samples;
 use crate::acceptance::stated;
 use crate::acceptance::{accepted, within_memory};
 use crate::bracket::refined::with_bracket;
+use crate::by_edges;
 use crate::clock::Stopwatch;
 use crate::gap::{AnyGap, Gap, Law, Reach};
 use crate::loading::engine::{Engine, close};
@@ -86,9 +87,13 @@ fn at(contact: &Contact, load: Load, settings: &Settings, similar: &mut Option<S
         Load::Depth(depth) => at_depth(contact, depth, settings, similar),
         Load::Tilted { depth, tilt } => respond(contact, depth, tilt, settings, true),
         Load::Force(force) => at_force(contact, force, settings, similar),
-        Load::ForceMoment { force, moment } => at_force(contact, force, settings, &mut None)
-            .or_else(Unsolved::accept_best)
-            .and_then(|upright| tilting::under_moment(contact, upright, force, moment, settings)),
+        Load::ForceMoment { force, moment } => {
+            by_edges::balanced(contact, force, moment, settings).unwrap_or_else(|| {
+                at_force(contact, force, settings, &mut None)
+                    .or_else(Unsolved::accept_best)
+                    .and_then(|upright| tilting::under_moment(contact, upright, force, moment, settings))
+            })
+        }
     };
     let answer = match answer {
         Ok(solution) if settings.outputs.bracket => with_bracket(contact, load, solution, settings),

@@ -23,12 +23,13 @@ use crate::solution::{Solution, Unsolved};
 use crate::solve::solve;
 
 /// Topic and text of each file of cases.
-const FILES: [(&str, &str); 5] = [
+const FILES: [(&str, &str); 6] = [
     ("units", include_str!("../data/stability/units.json")),
     ("shapes", include_str!("../data/stability/shapes.json")),
     ("grids", include_str!("../data/stability/grids.json")),
     ("patches", include_str!("../data/stability/patches.json")),
     ("loads", include_str!("../data/stability/loads.json")),
+    ("edges", include_str!("../data/stability/edges.json")),
 ];
 
 /// Largest relative residual (complementarity, tension, penetration) of any solution from a grid.

@@ -98,12 +98,102 @@ fn flat_polygons_anywhere_in_any_units() {
 
 #[test]
 fn triangles_that_no_symmetry_helps() {
-    // A right triangle, and one that is not level: the latter is left to the grid.
+    // A right triangle, and one that is not level.
     let outline = Outline::polygon(&[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]).unwrap();
     let state = fitted(1.0, Flat::new(outline.clone()), Load::Depth(1.0), &Settings::default());
     within(&state, 0.866_42, 3e-5);
-    let tilted = contact(1.0, Flat::new(outline).tilted([0.1, 0.0]), Loading::depth(1.0));
-    assert_eq!(plan(&tilted, &Settings::default()).unwrap().method, Some(Method::Fft));
+    let tilted = fitted(1.0, Flat::new(outline).tilted([0.1, 0.0]), Load::Depth(1.0), &Settings::default());
+    // The overlap is 1 + 0.1 x: between the level punches of its least and its largest.
+    assert!(tilted.force > state.force && tilted.force < 1.1 * state.force);
+}
+
+#[test]
+fn a_square_that_touches_everywhere_carries_what_the_level_one_does() {
+    // The tilt about an axis of symmetry adds no force; the bounds are proved, however the square is turned.
+    let (e_star, depth, exact) = (3e9, 2e-6, 2.0 * 1.152_298);
+    for turn in [0.0, 0.6] {
+        let square = Flat::new(Outline::polygon(&[[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]).unwrap());
+        let tilt = [0.15 * depth, -0.1 * depth];
+        let load = Load::Tilted { depth, tilt };
+        let state = fitted(e_star, square.placed([0.0; 2], turn).unwrap(), load, &Settings::default());
+        within(&state, e_star * depth * exact, 1e-6);
+        assert_eq!(state.evidence().word(), "proved");
+        assert!((state.patch.area - 4.0).abs() < 1e-9 && state.patch.regions == 1 && state.tilt == tilt);
+        // The stiffness gives force and moments of a linear state.
+        let matrix = state.stiffness_matrix.unwrap();
+        let along = |k: usize| matrix[k][0] * depth + matrix[k][1] * tilt[0] + matrix[k][2] * tilt[1];
+        let [mx, my] = state.moment.unwrap();
+        assert!((along(0) / state.force - 1.0).abs() < 1e-3);
+        assert!((along(1) + my).abs() < 1e-3 * state.force && (along(2) - mx).abs() < 1e-3 * state.force);
+        // U = g . K g/2.
+        let work = 0.5 * (along(0) * depth - my * tilt[0] + mx * tilt[1]);
+        assert!((state.energy.unwrap() / work - 1.0).abs() < 2e-3);
+    }
+}
+
+#[test]
+fn lift_off_is_that_of_a_grid() {
+    let tee = [[-1.0, 1.0], [-1.0, 0.6], [-0.2, 0.6], [-0.2, -1.0], [0.2, -1.0], [0.2, 0.6], [1.0, 0.6], [1.0, 1.0]];
+    for (corners, tilt) in [(tee.to_vec(), [0.8, -0.5]), (L.to_vec(), [-0.3, 0.9]), (regular(5), [0.9, 0.9])] {
+        let load = Load::Tilted { depth: 0.5, tilt };
+        let punch = || Flat::new(Outline::polygon(&corners).unwrap());
+        let state = fitted(1.0, punch(), load, &Settings::default());
+        assert!(state.patch.area < 0.99 * Outline::polygon(&corners).unwrap().area());
+        let settings = Settings { method: Method::Fft, tolerance: 1e-2, ..Settings::default() };
+        let grid = solve(&contact(1.0, punch(), Loading::Single(load)), &settings).remove(0).unwrap();
+        let allowed = state.force_error.unwrap() + grid.force_error.unwrap();
+        assert!((state.force / grid.force - 1.0).abs() <= allowed, "{} {} {allowed:e}", state.force, grid.force);
+        let pieces: f64 = state.patch.pieces.iter().map(|piece| piece.force).sum();
+        assert!((pieces / state.force - 1.0).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn a_punch_free_to_tilt_finds_its_plane() {
+    let (e_star, force) = (5e10, 40.0);
+    let length = 2e-3;
+    let corners: Vec<[f64; 2]> = L.iter().map(|c| c.map(|v| v * length)).collect();
+    let punch = || Flat::new(Outline::polygon(&corners).unwrap()).placed([0.01, -0.02], 0.4).unwrap();
+    let turned = |p: [f64; 2]| {
+        let (sin, cos) = 0.4f64.sin_cos();
+        [0.01 + cos * p[0] - sin * p[1], -0.02 + sin * p[0] + cos * p[1]]
+    };
+    // Near its middle it touches everywhere, near an end it lifts off; there and back is one state.
+    for (place, everywhere) in [([-0.2, -0.25], true), ([0.7, -0.6], false), ([-0.8, 0.8], false)] {
+        let [x, y] = turned(place.map(|v: f64| v * length));
+        let load = Load::ForceMoment { force, moment: [force * y, -force * x] };
+        let free = fitted(e_star, punch(), load, &Settings::default());
+        assert_eq!(free.moment, Some([force * y, -force * x]));
+        let full = Outline::polygon(&corners).unwrap().area();
+        assert_eq!((free.patch.area / full - 1.0).abs() < 1e-6, everywhere, "{place:?} {}", free.patch.area / full);
+        let back = fitted(e_star, punch(), Load::Tilted { depth: free.depth, tilt: free.tilt }, &Settings::default());
+        assert!((back.force / force - 1.0).abs() <= back.force_error.unwrap() + 1e-3, "{place:?} {}", back.force);
+        let [mx, my] = back.moment.unwrap();
+        assert!((-my / back.force - x).hypot(mx / back.force - y) < 3e-3 * length, "{place:?}");
+    }
+}
+
+#[test]
+fn a_line_of_action_beside_the_material_has_no_balance() {
+    // In the box of an L, and outside of its hull.
+    let punch = Flat::new(Outline::polygon(&L).unwrap());
+    let load = Load::ForceMoment { force: 2.0, moment: [2.0 * 0.9, -2.0 * 0.9] };
+    let state = solve(&contact(1.0, punch, Loading::Single(load)), &Settings::default()).remove(0);
+    assert_eq!(state.unwrap_err().verdict, Verdict::NoEquilibrium);
+}
+
+#[test]
+fn a_corner_alone_is_pressed_alike_on_any_square() {
+    // Contact in one corner does not know how large the square is.
+    let state = |half: f64| {
+        let square = [[-half, -half], [half, -half], [half, half], [-half, half]];
+        let punch = Flat::new(Outline::polygon(&square).unwrap());
+        // f = 0.1 - (half - x) - (half - y).
+        let load = Load::Tilted { depth: 0.1 - 2.0 * half, tilt: [1.0, 1.0] };
+        fitted(1.0, punch, load, &Settings::default())
+    };
+    let (small, large) = (state(0.1), state(3.0));
+    assert!((small.force / large.force - 1.0).abs() <= small.force_error.unwrap() + large.force_error.unwrap());
 }
 
 #[test]
@@ -214,6 +304,9 @@ mod formulas {
     fn a_dished_punch_under_depth_and_force() {
         let state = fitted(1.0, dished(), Load::Depth(5e-4), &Settings::default());
         within(&state, DISHED, 1e-5);
+        // Turned about its axis it is itself.
+        let turned = dished().placed([0.0; 2], 2.6).unwrap();
+        assert_eq!(fitted(1.0, turned, Load::Depth(5e-4), &Settings::default()).force, state.force);
         // Cut off where the dish is deeper than the contact, it is the same punch.
         assert!(state.patch.max_radius > 1.0 - 1e-9 && state.patch.regions == 1);
         let loaded = fitted(1.0, dished(), Load::Force(DISHED), &Settings::default());
@@ -231,11 +324,15 @@ mod formulas {
     }
 
     #[test]
-    fn material_that_is_not_known_is_left_alone() {
-        // No number for r < 0.3: no proof rests on it.
-        let gap = Formula::within("0*sqrt(r-0.3)", Outline::disc(1.0).unwrap()).unwrap();
-        let contact = contact(1.0, gap, Loading::depth(1e-3));
-        assert_ne!(plan(&contact, &Settings::default()).unwrap().method, Some(Method::EdgeFitted));
+    fn a_ring_is_one_however_it_is_written() {
+        // No number for r < 0.5: no material there.
+        for text in ["0*sqrt(r-0.5)", "sqrt(x^2 + y^2 - 0.25)*0", "0*sqrt(hypot(x, y) - 0.5)"] {
+            let gap = Formula::within(text, Outline::disc(1.0).unwrap()).unwrap();
+            let state = fitted(1.0, gap, Load::Depth(1e-3), &Settings::default());
+            within(&state, 1e-3 * 2.0 * 0.981_017_896_923, 1e-9);
+            let area = std::f64::consts::PI * 0.75;
+            assert!((state.patch.area / area - 1.0).abs() < 1e-9 && state.evidence().word() == "proved", "{text}");
+        }
     }
 }
 

@@ -210,3 +210,37 @@ moments.append(case("force beyond the rim", scene({"kind": "flat", "outline": di
 moments.append(case("force 1e-30", scene(pyramid(3), {"force": 1e-30}), [run("auto", 1e-9), run("fft", 1e-9, 64)], 1e-30, "prescribed"))
 moments.append(case("force 1e30", scene(pyramid(3), {"force": 1e30}), [run("auto", 1e-9), run("fft", 1e-9, 64)], 1e30, "prescribed"))
 write("loads", moments)
+
+# Sharp edges: level, tilted, lifting off, turned, bands, rings.
+SQUARE = 2 * 1.152298  # P/(E* d) of the square of half side 1, graded cells, extrapolated to 1e-6
+half = {"polygon": [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]}
+tee = {"polygon": [[-1.0, 1.0], [-1.0, 0.6], [-0.2, 0.6], [-0.2, -1.0], [0.2, -1.0], [0.2, 0.6], [1.0, 0.6], [1.0, 1.0]]}
+FITTED = "graded cells, extrapolated"
+CORNER = 3.1740e-3  # one corner of a flat, overlap 0.1 less the distances from both sides
+
+
+def flat(outline, **more):
+    return {"kind": "flat", "outline": outline, **more}
+
+
+edges = []
+for turn in [0.0, 30.0, 45.0]:
+    edges.append(case(f"square, turned by {turn:g} degrees", scene(flat(half, rotate=turn), depth(1.0)), [run("auto", 1.1e-3), run("edge_fitted", 2e-4, None, 2e-4)], SQUARE, FITTED))
+    # Contact everywhere: the tilt adds no force.
+    edges.append(case(f"square, turned by {turn:g} degrees and tilted", scene(flat(half, rotate=turn), {"depth": 1.0, "tilt": [0.1, -0.15]}), [run("auto", 1.1e-3)], SQUARE, FITTED))
+# f = 0.1 less the distances from the sides of one corner, whatever the square.
+for size in [0.1, 1.0, 30.0]:
+    corner = {"polygon": [[-size, -size], [size, -size], [size, size], [-size, size]]}
+    edges.append(case(f"one corner of a square of half side {size:g}", scene(flat(corner), {"depth": 0.1 - 2 * size, "tilt": [1.0, 1.0]}), [run("auto", 2e-3)], CORNER, "cells fitted to the edges, to 5e-4"))
+edges.append(case("T lifting off", scene(flat(tee), {"depth": 0.5, "tilt": [0.8, -0.5]}), [run("auto", 0.0), run("fft", 2e-2, 128)]))
+edges.append(case("T pressed at the end of its stem", scene(flat(tee), {"force": 1.0, "through": [0.05, -0.8]}), [run("auto", 1e-9)], 1, "prescribed, and its moment"))
+edges.append(case("T pressed beside its stem", scene(flat(tee), {"force": 1.0, "through": [0.9, -0.8]}), [run("auto", 0.0)], verdict="no_equilibrium"))
+for n in [8, 30, 60]:
+    def arc(r):
+        return [[r * math.cos(5.0 * k / n), r * math.sin(5.0 * k / n)] for k in range(n + 1)]
+    bow = {"polygon": arc(1.0) + arc(0.85)[::-1]}
+    edges.append(case(f"C-ring of {n} sides", scene(flat(bow), depth(1.0)), [run("auto", 0.0), run("fft", 3e-2, 192)]))
+for inner, k in [(0.1, 0.999864355578), (0.5, 0.981017896923), (0.9, 0.821029779368)]:
+    gap = {"kind": "formula", "expression": f"0*sqrt(r - {inner})", "region": {"disc": 1.0}}
+    edges.append(case(f"flat ring as a formula, inner radius {inner}", scene(gap, depth(1.0)), [run("auto", 1.1e-3)], 2 * k, "Nystroem's method"))
+write("edges", edges)

@@ -9,12 +9,12 @@ use crate::solution::Patch;
 
 /// A polygon, and the outline that the cells are fitted to: in units of half its longer side, about the middle of its box.
 pub(crate) struct Flat {
-    outline: Outline,
-    corners: Vec<[f64; 2]>,
+    pub(super) outline: Outline,
+    pub(super) corners: Vec<[f64; 2]>,
     /// From the outline's axes to the user's: its origin, the cosine and sine of its turn, its unit of length.
-    origin: [f64; 2],
-    turn: [f64; 2],
-    length: f64,
+    pub(super) origin: [f64; 2],
+    pub(super) turn: [f64; 2],
+    pub(super) length: f64,
     /// The gap on it.
     pub value: f64,
 }
@@ -23,7 +23,7 @@ pub(crate) struct Flat {
 pub(super) const MOST_CORNERS: usize = 256;
 
 /// Relative rounding of the area of a polygon.
-const ROUNDING: f64 = 1e-12;
+pub(super) const ROUNDING: f64 = 1e-12;
 
 /// K in the user's units and what comes with it.
 pub(super) struct Punch {
@@ -40,6 +40,11 @@ impl Flat {
         if face.slope != [0.0; 2] {
             return None;
         }
+        Self::outlined(face)
+    }
+
+    /// The same whatever its slope.
+    pub(super) fn outlined(face: &Face) -> Option<Self> {
         let (sin, cos) = face.turn.sin_cos();
         Self::polygon(face.outline.corners(), face.at, [cos, sin], face.value)
     }
@@ -64,7 +69,7 @@ impl Flat {
         Some(flat)
     }
 
-    fn outward(&self, p: [f64; 2]) -> [f64; 2] {
+    pub(super) fn outward(&self, p: [f64; 2]) -> [f64; 2] {
         let [x, y] = turned(self.turn, p);
         [self.origin[0] + self.length * x, self.origin[1] + self.length * y]
     }
@@ -120,11 +125,13 @@ impl Flat {
             unknowns: punch.unknowns,
             how,
             left_out: "the surface grid: cells follow the edges of the material",
+            proved: true,
+            tilting: None,
         }
     }
 
     /// The centre of the pressure in cells, from the middle of the outline: nothing cancels far from the user's origin.
-    fn centre_of(&self, cells: &[([[f64; 2]; 4], f64)]) -> [f64; 2] {
+    pub(super) fn centre_of(&self, cells: &[([[f64; 2]; 4], f64)]) -> [f64; 2] {
         let (mut total, mut sum) = (0.0, [0.0; 2]);
         for (corners, p) in cells {
             let own = corners.map(|c| [c[0] - self.origin[0], c[1] - self.origin[1]]);
@@ -140,6 +147,6 @@ fn turned([cos, sin]: [f64; 2], [x, y]: [f64; 2]) -> [f64; 2] {
     [cos * x - sin * y, sin * x + cos * y]
 }
 
-fn middle(corners: &[[f64; 2]; 4]) -> [f64; 2] {
+pub(super) fn middle(corners: &[[f64; 2]; 4]) -> [f64; 2] {
     [0, 1].map(|m| 0.25 * corners.iter().map(|c| c[m]).sum::<f64>())
 }

@@ -3,12 +3,14 @@
 //! | known of the gap | what is solved | force |
 //! |---|---|---|
 //! | a level face in a polygon, nothing outside | the flat punch | E* K d, the bracket of K |
+//! | a tilted face in a polygon | the cells that stay in contact | the bracket of its own, where it touches everywhere |
 //! | the highest of several planes, one of them level | the flat punch under that one | E* K d to E* K d (1 + s/2): see [`layer`] |
 //! | an axis, bounds along the radius | rings | the bracket of the force |
 
 mod flat;
 mod layer;
 mod rings;
+mod tilted;
 
 use crate::bracket::ForceBracket;
 use crate::edge_fitted::Limits;
@@ -25,6 +27,7 @@ use crate::solution::{
 /// What the cells are fitted to.
 pub(crate) enum Route {
     Flat(flat::Flat),
+    Tilted(tilted::Tilting),
     Layer(layer::Layer),
     Rings(rings::Section),
 }
@@ -54,14 +57,30 @@ struct Found {
     how: String,
     /// What that made unnecessary, in words.
     left_out: &'static str,
+    /// Whether the bounds are proved; estimates else.
+    proved: bool,
+    /// Moments (Mx, My) about the user's origin and the stiffness against depth and tilts, where the pressure is not symmetric.
+    tilting: Option<Moments>,
+}
+
+/// What a tilted punch has beside the others.
+struct Moments {
+    moment: [f64; 2],
+    matrix: [[f64; 3]; 3],
 }
 
 impl Route {
     /// The way in which this overlap is solved, where there is one that can meet the tolerance.
-    pub fn of(overlap: &Overlap, settings: &Settings) -> Option<Self> {
+    pub fn of(overlap: &Overlap, settings: &Settings, with_matrix: bool) -> Option<Self> {
         let known = overlap.known();
         if let Some(face) = &known.face {
+            if with_matrix || face.slope != [0.0; 2] {
+                return tilted::Tilting::of(face).map(Self::Tilted);
+            }
             return flat::Flat::of(face).map(Self::Flat);
+        }
+        if with_matrix {
+            return None;
         }
         if let Some(layer) = layer::Layer::of(overlap, settings.tolerance) {
             return Some(Self::Layer(layer));
@@ -73,6 +92,7 @@ impl Route {
     pub fn found(&self) -> String {
         match self {
             Self::Flat(flat) => flat.found(),
+            Self::Tilted(tilting) => tilting.found(),
             Self::Layer(layer) => layer.found(),
             Self::Rings(section) => section.found(),
         }
@@ -82,6 +102,7 @@ impl Route {
         let limits = Limits { tolerance: settings.tolerance, deadline: settings.deadline, ..Limits::default() };
         match self {
             Self::Flat(flat) => flat.solve(contact, depth, settings, &limits),
+            Self::Tilted(tilting) => tilting.at(contact, depth, settings, &limits),
             Self::Layer(layer) => layer.solve(contact, depth, settings, &limits),
             Self::Rings(section) => section.solve(contact, settings, &limits),
         }
@@ -113,35 +134,75 @@ pub(crate) fn chosen_by(settings: &Settings) -> bool {
     settings.cells.is_none() && !settings.outputs.gap && settings.kernel == Kernel::Galerkin
 }
 
-/// The state at the overlap of the contact's own, untilted gap. `None` where nothing is known that cells can be fitted to.
+/// The state at the overlap of the contact's gap under this tilt; `with_matrix`: its stiffness against tilts too. `None` where nothing is
+/// known that cells can be fitted to.
 ///
 /// # Errors
 /// `ToleranceNotReached` with the state.
 pub(crate) fn solution(
     contact: &Contact,
     overlap: &Overlap,
+    tilt: [f64; 2],
     settings: &Settings,
+    with_matrix: bool,
 ) -> Option<Result<Solution, Unsolved>> {
     let depth = overlap.depth;
-    let found = Route::of(overlap, settings)?.solve(contact, depth, settings)?;
-    let state = in_users_units(contact, &overlap.gap, found, depth, settings);
+    let found = Route::of(overlap, settings, with_matrix)?.solve(contact, depth, settings)?;
+    Some(judged(in_users_units(contact, &overlap.gap, found, (depth, tilt), settings), settings))
+}
+
+/// The state under a force and moments (Mx, My) about the origin; `None` where the gap is no face in a polygon.
+///
+/// # Errors
+/// `NoEquilibrium` where the line of action passes outside of all material; `ToleranceNotReached` with the state.
+pub(crate) fn balanced(
+    contact: &Contact,
+    force: f64,
+    moment: [f64; 2],
+    settings: &Settings,
+) -> Option<Result<Solution, Unsolved>> {
+    let asked_for = settings.cells.is_none() && !settings.outputs.gap;
+    let chosen = match settings.method {
+        Method::Auto => asked_for && chosen_by(settings),
+        method => method == Method::EdgeFitted,
+    };
+    let face = contact.gap().known().face.as_ref().filter(|_| chosen && force > 0.0)?;
+    if let Err(outside) = tilted::balances(face, force, moment) {
+        return Some(Err(outside));
+    }
+    let tilting = tilted::Tilting::of(face)?;
+    let limits = Limits { tolerance: settings.tolerance, deadline: settings.deadline, ..Limits::default() };
+    let (found, depth, tilt) = tilting.under(contact, force, moment, settings, &limits)?;
+    let gap = contact.tilted_gap(tilt);
+    let mut state = in_users_units(contact, &gap, found, (depth, tilt), settings);
+    (state.force, state.moment) = (force, Some(moment));
+    Some(judged(state, settings))
+}
+
+/// The state where its error is within the tolerance.
+fn judged(state: Solution, settings: &Settings) -> Result<Solution, Unsolved> {
     let error = state.force_error.unwrap_or(f64::INFINITY);
-    Some(if error <= settings.tolerance {
-        Ok(state)
-    } else {
-        let why = "more cells than can be solved densely, or more time than is left";
-        Err(Unsolved::short_of(settings.tolerance, error, why).with_best(state))
-    })
+    if error <= settings.tolerance {
+        return Ok(state);
+    }
+    let why = "more cells than can be solved densely, or more time than is left";
+    Err(Unsolved::short_of(settings.tolerance, error, why).with_best(state))
 }
 
 /// The verdict where this method is prescribed and does not apply.
 pub(crate) fn not_applicable() -> Unsolved {
     let reason =
-        "the gap is not known to be a level polygon, planes with a level one among them, or of revolution, upright";
+        "the gap is not known to be a flat polygon, planes with a level one among them, or of revolution, upright";
     Unsolved::new(Verdict::NotApplicable, reason)
 }
 
-fn in_users_units(contact: &Contact, gap: &AnyGap, found: Found, depth: f64, settings: &Settings) -> Solution {
+fn in_users_units(
+    contact: &Contact,
+    gap: &AnyGap,
+    found: Found,
+    (depth, tilt): (f64, [f64; 2]),
+    settings: &Settings,
+) -> Solution {
     let outputs = settings.outputs;
     let [low, high] = found.force;
     let force = 0.5 * (low + high);
@@ -174,7 +235,7 @@ fn in_users_units(contact: &Contact, gap: &AnyGap, found: Found, depth: f64, set
         origin: Origin::EdgeFitted,
         grid: found.field.as_ref().map(|field| field.grid),
         depth,
-        tilt: [0.0; 2],
+        tilt,
         force,
         force_error: Some((high - low) / (high + low)),
         depth_error: Some(0.0),
@@ -184,11 +245,11 @@ fn in_users_units(contact: &Contact, gap: &AnyGap, found: Found, depth: f64, set
         energy_error: Some((found.energy[1] - found.energy[0]) / (found.energy[1] + found.energy[0]))
             .filter(|error| *error >= 0.0),
         area_error: found.area_error,
-        bracket: Some(ForceBracket::of_energy(found.force)),
+        bracket: found.proved.then(|| ForceBracket::of_energy(found.force)),
         depth_bracket: None,
         stiffness: found.stiffness,
-        stiffness_matrix: None,
-        moment: Some([force * y, -force * x]),
+        stiffness_matrix: found.tilting.as_ref().map(|tilting| tilting.matrix),
+        moment: Some(found.tilting.map_or([force * y, -force * x], |tilting| tilting.moment)),
         energy: Some(0.5 * (found.energy[0] + found.energy[1])),
         pressure: PressureSummary {
             max: found.max,
@@ -205,7 +266,11 @@ fn in_users_units(contact: &Contact, gap: &AnyGap, found: Found, depth: f64, set
         validity,
         cost: Cost { unknowns: found.unknowns, ..Cost::default() },
         left_out,
-        remarks: vec![found.how, format!("the force is proved to lie between {low:e} and {high:e}")],
+        remarks: if found.proved {
+            vec![found.how, format!("the force is proved to lie between {low:e} and {high:e}")]
+        } else {
+            vec![found.how]
+        },
     }
 }
 

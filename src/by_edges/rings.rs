@@ -260,6 +260,8 @@ impl Section {
             unknowns,
             how: format!("the gap is {}", self.found()),
             left_out: "the surface grid: rings along one radius are enough",
+            proved: true,
+            tilting: None,
         })
     }
 

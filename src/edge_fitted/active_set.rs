@@ -3,8 +3,11 @@
 //! As Kalker's NORM and Hartnett: drop negative pressures, add penetrating cells, solve again. Here the energy
 //! <p, S p>/2 - <f, p> of the clipped pressure is watched: a round that does not lower it adds the worst cell only.
 
+use nalgebra::{Matrix3, Vector3};
+
 use super::cholesky::Cholesky;
 use super::compliance::Compliance;
+use crate::clock::Deadline;
 
 /// Rounds before the best pressure so far is returned.
 const ROUNDS: usize = 100;
@@ -76,3 +79,52 @@ pub(crate) fn solve(s: &Compliance, rhs: &[f64]) -> Vec<f64> {
     }
     best.map_or_else(|| vec![0.0; s.n], |b| b.1)
 }
+
+/// The pressure p >= 0 with given integrals of p, p x and p y (`weights`: of 1, x, y over each cell), and the plane g that it balances
+/// at: S p >= g . weights, equal where p > 0. On a set of cells the pressure is the combination of those of three unit planes that has the
+/// integrals; negative ones are dropped, penetrating cells added, all at once while that lowers their number, one by one else (Judice &
+/// Pires 1994). `None` where no pressure balances, as far as it was looked, and once the time is used up.
+pub(crate) fn balance(
+    s: &Compliance,
+    weights: &[Vec<f64>; 3],
+    wanted: Vector3<f64>,
+    deadline: Deadline,
+) -> Option<(Vec<f64>, Vector3<f64>)> {
+    let n = s.n;
+    let mut contact = vec![true; n];
+    // The least number of wrong cells so far, and rounds that may pass without a lower one.
+    let (mut fewest, mut patience) = (n + 1, PATIENCE);
+    for _ in 0..ROUNDS {
+        if deadline.has_passed() {
+            return None;
+        }
+        let own = factor(s, &contact)?;
+        let each = [0, 1, 2].map(|k| solve_on(&own, &contact, &weights[k]));
+        let matrix = Matrix3::from_fn(|i, j| each[j].iter().zip(&weights[i]).map(|(m, w)| m * w).sum::<f64>());
+        let g = matrix.try_inverse()? * wanted;
+        let p: Vec<f64> = (0..n).map(|i| g[0] * each[0][i] + g[1] * each[1][i] + g[2] * each[2][i]).collect();
+        let u = s.product(&p);
+        let f = |i: usize| g[0] * weights[0][i] + g[1] * weights[1][i] + g[2] * weights[2][i];
+        let size =
+            |i: usize| (g[0] * weights[0][i]).abs() + (g[1] * weights[1][i]).abs() + (g[2] * weights[2][i]).abs();
+        let negative = |i: usize| contact[i] && p[i] < 0.0;
+        let penetrating = |i: usize| !contact[i] && u[i] - f(i) < -1e-12 * size(i);
+        let wrong: Vec<usize> = (0..n).filter(|&i| negative(i) || penetrating(i)).collect();
+        if wrong.is_empty() {
+            return Some((p, g));
+        }
+        if wrong.len() < fewest {
+            (fewest, patience) = (wrong.len(), PATIENCE);
+        } else {
+            patience = patience.saturating_sub(1);
+        }
+        let all = patience > 0;
+        for &i in wrong.iter().rev().take(if all { n } else { 1 }) {
+            contact[i] = !contact[i];
+        }
+    }
+    None
+}
+
+/// Rounds in which the number of wrong cells need not fall.
+const PATIENCE: usize = 6;

@@ -4,7 +4,7 @@ use super::active_set::{factor, solve_on};
 use super::compliance::Compliance;
 use super::line_potential::Lines;
 use super::mesh::{Bilinear, Mesh};
-use super::residual_norm::{decay_lengths, norms};
+use super::residual_norm::{Target, decay_lengths, norms};
 use super::symmetry::{Isometry, Orbits};
 use crate::clock::Deadline;
 
@@ -49,7 +49,9 @@ impl Discretisation {
         let low = 2.0 * self.energy_below(&p);
         let pressure = self.orbits.expand(&p, self.mesh.loaded);
         let decay = decay_lengths(&self.mesh);
-        let [norm] = norms(&self.mesh, &self.lines, &self.orbits, &decay, [&pressure], self.deadline)?;
+        let everywhere = vec![true; self.mesh.loaded];
+        let target = [Target::level(&pressure)];
+        let [norm] = norms(&self.mesh, &self.lines, &self.orbits, &decay, &everywhere, target, self.deadline)?;
         let bounds = [low, (low + norm.bound()) * (1.0 + 1e-11)];
         let finite = bounds.iter().all(|k| k.is_finite()) && low > 0.0;
         finite.then_some(Stiffness { bounds, pressure })

@@ -1,14 +1,15 @@
-//! The factor chi: 1 on the loaded cells, falling to 0 over half of the cells around, bilinear in quarters of cells.
+//! The factor chi: 1 on the cells in contact, falling to 0 over half of the cells around, bilinear in quarters of cells.
 
 use std::collections::HashSet;
 
 use super::mesh::{Bilinear, Mesh};
 use super::subcell::Subcell;
 
-/// Where chi is 1: nodes and sides of the loaded cells, besides those cells themselves.
-pub(crate) struct Fade {
+/// Where chi is 1: nodes and sides of the cells in contact, besides those cells themselves.
+pub(crate) struct Fade<'a> {
+    contact: &'a [bool],
     node: Vec<bool>,
-    /// Sides of loaded cells, by their nodes in rising order.
+    /// Sides of cells in contact, by their nodes in rising order.
     side: HashSet<[usize; 2]>,
 }
 
@@ -18,21 +19,21 @@ pub(crate) struct Panel {
     pub chi: [f64; 4],
 }
 
-impl Fade {
-    pub fn new(mesh: &Mesh) -> Self {
+impl<'a> Fade<'a> {
+    pub fn new(mesh: &Mesh, contact: &'a [bool]) -> Self {
         let mut node = vec![false; mesh.nodes.len()];
         let mut side = HashSet::new();
-        for nodes in &mesh.cells[..mesh.loaded] {
+        for (nodes, _) in mesh.cells.iter().zip(contact).filter(|(_, on)| **on) {
             for k in 0..4 {
                 let (a, b) = (nodes[k], nodes[(k + 1) % 4]);
                 node[a] = true;
                 side.insert([a.min(b), a.max(b)]);
             }
         }
-        Self { node, side }
+        Self { contact, node, side }
     }
 
-    /// chi at the corners, the middles of the sides and the centre of a cell of the strip.
+    /// chi at the corners, the middles of the sides and the centre of a cell without contact.
     fn beyond(&self, mesh: &Mesh, cell: usize) -> [f64; 9] {
         let nodes = mesh.cells[cell];
         let one = |b: bool| if b { 1.0 } else { 0.0 };
@@ -47,7 +48,7 @@ impl Fade {
     /// The parts of a cell where chi is positive, over each of which it is bilinear.
     pub fn panels<const K: usize>(&self, mesh: &Mesh, cell: usize, strengths: [&[f64]; K]) -> Vec<Panel> {
         let whole = whole(mesh, cell, strengths);
-        if cell < mesh.loaded {
+        if self.contact.get(cell) == Some(&true) {
             return vec![Panel { subcell: whole, chi: [1.0; 4] }];
         }
         let chi = self.beyond(mesh, cell);

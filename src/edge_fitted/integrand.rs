@@ -2,7 +2,7 @@
 
 use super::bilinear::{CORNERS, bilinear, gradient_range, weighted_gradient};
 use super::gauss::{LOGARITHMIC_SLACK, Rule};
-use super::mesh::{Bilinear, dot, norm};
+use super::mesh::{Bilinear, Point, dot, norm};
 
 /// The two sums of (2), and the same sums of what interpolation leaves out.
 #[derive(Debug, Clone, Copy, Default)]
@@ -38,6 +38,9 @@ impl Sums {
 /// The interpolants on one subcell, ready to be squared.
 pub(crate) struct Integrand<'a> {
     pub map: &'a Bilinear,
+    /// f at the corners, and its slope.
+    pub overlap: [f64; 4],
+    pub slope: Point,
     pub decay: [f64; 4],
     pub rules: [&'static Rule; 2],
     pub count: [usize; 2],
@@ -50,7 +53,7 @@ pub(crate) struct Integrand<'a> {
 }
 
 impl Integrand<'_> {
-    /// The sums of (2) for chi (1 - u), chi bilinear with these values at the corners.
+    /// The sums of (2) for chi (f - u), chi bilinear with these values at the corners.
     pub fn sums(&self, chi: &[f64; 4]) -> Sums {
         let Self { map, decay, count: [m, n], nodal, jumps, left_out: [slope_rest, value_rest], .. } = *self;
         let inverse = decay.map(|l| 1.0 / l);
@@ -75,8 +78,8 @@ impl Integrand<'_> {
                 let at = |row: &[f64; 5]| basis.iter().zip(row).map(|(b, v)| b * v).sum::<f64>();
                 let logs = [rs.logarithm[r], rt.logarithm[q]];
                 let slope = [0, 1].map(|c| at(&line[1 + c]) - jumps[0][c] * logs[0] - jumps[1][c] * logs[1]);
-                let rest = 1.0 - at(&line[0]);
-                let drest = slope.map(|c| -c);
+                let rest = bilinear(&self.overlap, s, t) - at(&line[0]);
+                let drest = [0, 1].map(|c| self.slope[c] - slope[c]);
                 let c = bilinear(chi, s, t);
                 let w = c * rest;
                 let dw = [c * drest[0] + rest * fade[0], c * drest[1] + rest * fade[1]];

@@ -159,4 +159,16 @@ impl Bilinear {
     pub fn area(&self) -> f64 {
         4.0 * cross(self.along[0], self.along[1])
     }
+
+    /// The integrals of 1, x and y: products of a bilinear and a linear function, by the 2 x 2 Gauss rule.
+    pub fn moments(&self) -> [f64; 3] {
+        let node = 1.0 / 3.0_f64.sqrt();
+        let mut sums = [self.area(), 0.0, 0.0];
+        for (s, t) in [(-node, -node), (node, -node), (node, node), (-node, node)] {
+            let ([x, y], j) = (self.at(s, t), self.jacobian(s, t));
+            sums[1] += j * x;
+            sums[2] += j * y;
+        }
+        sums
+    }
 }

@@ -41,16 +41,20 @@ mod outline;
 mod pair_integral;
 mod polygon;
 mod rectilinear;
+mod region;
 mod residual_norm;
 mod simd;
 mod subcell;
 mod surroundings;
 mod symmetry;
+mod tilted;
+mod tilted_mesh;
 
 pub(crate) use annular::{Annular, Law, RadialBounds, RadialJet, Span, annular};
 pub(crate) use cells::{resample, resample_rings};
 pub(crate) use flat::{FlatStiffness, flat_stiffness};
 pub(crate) use outline::Outline;
+pub(crate) use tilted::{Given, Tilted, tilted};
 
 use crate::clock::Deadline;
 

@@ -1,11 +1,14 @@
 //! Where the material ends, and the meshes that fit it.
 
+use nalgebra::Matrix3;
+
 use super::Limits;
 use super::kites;
 use super::mesh::{Mesh, Point, dot};
 use super::polygon::{STRAIGHT, cleaned, convex_pieces, double_area, rectilinear_frame, symmetries};
-use super::rectilinear::{graded_both, tensor};
+use super::rectilinear::{graded_both, split, tensor};
 use super::symmetry::{Isometry, Orbits};
+use crate::numeric::geometry::clip;
 
 /// The exponent of the grading. Near a sharp edge p ~ s^(-1/2) and the energy of cells of size h(s) errs by the integral
 /// of h^3 s^(-3): n^-3 for nodes (i/n)^beta with beta > 3; 4 is the least whole number.
@@ -45,6 +48,12 @@ impl Fitted {
         let [x, y] = [q[0] + self.origin[0], q[1] + self.origin[1]];
         [c * x - s * y, s * x + c * y]
     }
+
+    /// (1, x, y) of the outline's axes as combinations of those of the mesh's.
+    pub(crate) fn basis(&self) -> Matrix3<f64> {
+        let ([c, s], [x, y]) = (self.frame, self.to_outline([0.0; 2]));
+        Matrix3::new(1.0, 0.0, 0.0, x, c, -s, y, s, c)
+    }
 }
 
 impl Outline {
@@ -72,6 +81,42 @@ impl Outline {
         self.mesh(COARSEST).is_some_and(half)
     }
 
+    /// Its corners, counter-clockwise.
+    pub(crate) fn corners(&self) -> &[Point] {
+        &self.corners
+    }
+
+    /// The longer side of its box.
+    pub(crate) fn extent(&self) -> f64 {
+        let range = |k: usize| {
+            let (low, high) =
+                self.corners.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), p| (a.min(p[k]), b.max(p[k])));
+            high - low
+        };
+        range(0).max(range(1))
+    }
+
+    /// The part where f = plane . (1, x, y) is positive; `None` where that is all of it, nothing, or in several pieces.
+    pub(crate) fn part(&self, plane: [f64; 3]) -> Option<Self> {
+        let [c, a, b] = plane;
+        let f: Vec<f64> = self.corners.iter().map(|[x, y]| c + a * x + b * y).collect();
+        let changes = (0..f.len()).filter(|&k| (f[k] > 0.0) != (f[(k + 1) % f.len()] > 0.0)).count();
+        if changes != 2 {
+            return None;
+        }
+        Self::polygon(&clip(&self.corners, -a, -b, -c))
+    }
+
+    /// Whether f = plane . (1, x, y) is positive somewhere outside of a part that a line cut off.
+    pub(crate) fn beyond(&self, part: &Self, plane: [f64; 3]) -> bool {
+        let [c, a, b] = plane;
+        let outside = |p: &Point| !part.corners.contains(p) && !contains(&part.corners, *p);
+        let positive = |p: &Point| c + a * p[0] + b * p[1] > 0.0;
+        // The corners of the cut are the only ones of the part that are none of the outline.
+        let cut = part.corners.iter().filter(|p| !self.corners.contains(p));
+        self.corners.iter().filter(|p| outside(p)).chain(cut).any(positive)
+    }
+
     /// What the rounding of the mesh's corners does to the stiffness at most, relative.
     pub(crate) fn displaced(&self) -> f64 {
         self.displaced
@@ -80,17 +125,23 @@ impl Outline {
     /// A mesh with `n` cells between an edge and the middle of the part that it bounds.
     #[must_use]
     pub fn mesh(&self, n: usize) -> Option<Fitted> {
+        self.mesh_within(n, f64::INFINITY)
+    }
+
+    /// The same with cells no longer than about `most`.
+    #[must_use]
+    pub fn mesh_within(&self, n: usize, most: f64) -> Option<Fitted> {
         match self.frame {
-            Some(frame) => Some(self.tensor(frame, n)),
+            Some(frame) => Some(self.tensor(frame, n, most)),
             None => {
-                let mesh = kites::mesh(&self.pieces, n, EXPONENT)?;
+                let mesh = kites::mesh(&self.corners, &self.pieces, n, EXPONENT, most)?;
                 Some(Fitted { mesh, frame: [1.0, 0.0], origin: [0.0; 2], group: symmetries(&self.corners) })
             }
         }
     }
 
     /// Lines graded on both sides to every line that holds a side.
-    fn tensor(&self, frame: Point, n: usize) -> Fitted {
+    fn tensor(&self, frame: Point, n: usize, most: f64) -> Fitted {
         let turned: Vec<Point> =
             self.corners.iter().map(|p| [dot(frame, *p), frame[0] * p[1] - frame[1] * p[0]]).collect();
         let mut lines = [0, 1].map(|k| {
@@ -128,7 +179,7 @@ impl Outline {
             for pair in v.windows(2) {
                 all.extend(graded_both(pair[0], pair[1], n, EXPONENT).into_iter().skip(1));
             }
-            all
+            split(&all, most)
         };
         let (x, y) = (nodes(&lines[0]), nodes(&lines[1]));
         let inside = |i: usize, j: usize| {

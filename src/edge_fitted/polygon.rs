@@ -11,6 +11,19 @@ pub(crate) fn double_area(p: &[Point]) -> f64 {
     (0..p.len()).map(|i| cross(p[i], p[(i + 1) % p.len()])).sum()
 }
 
+/// A closed line without the points that lie on the line of their neighbours.
+pub(crate) fn straightened(mut p: Vec<Point>) -> Vec<Point> {
+    let n = p.len();
+    let bent = |i: usize| {
+        let (u, v) = (minus(p[i], p[(i + n - 1) % n]), minus(p[(i + 1) % n], p[i]));
+        cross(u, v).abs() > 1e-9 * norm(u) * norm(v) || dot(u, v) < 0.0
+    };
+    let keep: Vec<bool> = (0..n).map(bent).collect();
+    let mut kept = keep.into_iter();
+    p.retain(|_| kept.next().unwrap_or(true));
+    p
+}
+
 /// Counter-clockwise, without corners that lie on the line of their neighbours or coincide.
 pub(crate) fn cleaned(corners: &[Point]) -> Vec<Point> {
     let mut p = corners.to_vec();
@@ -132,7 +145,7 @@ pub(crate) fn convex_pieces(p: &[Point]) -> Option<Vec<Vec<Point>>> {
         (0..n).filter(|&j| j != i && (j + 1) % n != i && (i + 1) % n != j && diagonal(p, i, j)).max_by(|&a, &b| {
             let score = |j: usize| {
                 let v = minus(p[j], p[i]);
-                let open = (cross(before, v) / (norm(before) * norm(v))).min(cross(v, after) / (norm(v) * norm(after)));
+                let open = (cross(before, v) / (norm(before) * norm(v))).min(cross(after, v) / (norm(v) * norm(after)));
                 // Convex at the corner on both sides, then the shorter one.
                 (if open >= -1e-12 { 1.0 } else { open }) / norm(v).powf(if open >= -1e-12 { 1.0 } else { 0.0 })
             };

@@ -23,6 +23,17 @@ pub(crate) fn graded_both(a: f64, b: f64, n: usize, beta: f64) -> Vec<f64> {
     left.into_iter().rev().chain(right.into_iter().skip(1)).collect()
 }
 
+/// The same nodes with more between those that are further apart than `most`.
+pub(crate) fn split(nodes: &[f64], most: f64) -> Vec<f64> {
+    let mut all = vec![nodes[0]];
+    for pair in nodes.windows(2) {
+        let parts = ((pair[1] - pair[0]) / most).ceil().max(1.0) as usize;
+        all.extend((1..parts).map(|k| pair[0] + (pair[1] - pair[0]) * k as f64 / parts as f64));
+        all.push(pair[1]);
+    }
+    all
+}
+
 /// The cells of the grid of lines `x`, `y` that `inside` keeps (by the indices of the column and row), with a strip all
 /// around as thick as the cells at the edge.
 pub(crate) fn tensor(x: &[f64], y: &[f64], inside: &dyn Fn(usize, usize) -> bool) -> Mesh {

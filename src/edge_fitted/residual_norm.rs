@@ -1,4 +1,4 @@
-//! An upper bound of a(w, w) for w = 1 - S p on the loaded cells, continued and faded beyond them.
+//! An upper bound of a(w, w) for w = f - S p on the cells in contact, continued and faded beyond them.
 //!
 //! With Phi = w(x) exp(-z/l(x)), l > 0 Lipschitz, in the half-space's Dirichlet principle (E* = 1):
 //!
@@ -17,7 +17,7 @@ use super::gauss::{NODES, Touch, legendre, rule};
 use super::integrand::{Integrand, Sums};
 use super::interpolation::{CHOICES, Errors, NodeLogarithms, errors};
 use super::line_potential::{BATCH, Field, Lines, Points, Scratch};
-use super::mesh::{Bilinear, Mesh, cross, dot, minus, norm};
+use super::mesh::{Bilinear, Mesh, Point, cross, dot, minus, norm};
 use super::subcell::{Fan, Subcell};
 use super::surroundings::{Surroundings, add_block};
 use super::symmetry::Orbits;
@@ -28,20 +28,38 @@ const SHARE: f64 = 0.1;
 /// Halvings of a cell's side at most.
 const DEPTH: u32 = 40;
 
-/// The sums of (2) for the `pressures` of the loaded cells, w = 1 - S p there, over one cell of each orbit; `None` once
-/// the time is used up.
+/// A pressure, and the displacement value + slope . x that it is meant to make.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Target<'a> {
+    /// Of the loaded cells; zero without contact.
+    pub pressure: &'a [f64],
+    pub value: f64,
+    pub slope: Point,
+}
+
+impl<'a> Target<'a> {
+    /// A level punch at depth 1.
+    pub fn level(pressure: &'a [f64]) -> Self {
+        Self { pressure, value: 1.0, slope: [0.0; 2] }
+    }
+}
+
+/// The sums of (2) for pressures on the cells in `contact`, w = f - S p there, over one cell of each orbit; `None` once the
+/// time is used up.
 pub(crate) fn norms<const K: usize>(
     mesh: &Mesh,
     lines: &Lines,
     orbits: &Orbits,
     decay: &[f64],
-    pressures: [&[f64]; K],
+    contact: &[bool],
+    targets: [Target; K],
     deadline: Deadline,
 ) -> Option<[Sums; K]> {
     let mut norms: [Sums; K] = std::array::from_fn(|_| Sums::default());
+    let pressures = targets.map(|target| target.pressure);
     let strengths: Vec<Vec<f64>> = pressures.iter().map(|p| Lines::strengths(mesh, p)).collect();
     let strengths: [&[f64]; K] = std::array::from_fn(|k| strengths[k].as_slice());
-    let fade = Fade::new(mesh);
+    let fade = Fade::new(mesh, contact);
     let arounds: Vec<Around> = (0..mesh.loaded).map(|i| Around::new(&Bilinear::new(mesh.corners(i)))).collect();
     let mut work = Work { scratch: Scratch::default(), points: Points::EMPTY, pending: Vec::new() };
     for (index, &cell) in orbits.representatives.iter().enumerate() {
@@ -52,7 +70,8 @@ pub(crate) fn norms<const K: usize>(
         if deadline.has_passed() {
             return None;
         }
-        let context = Context { lines, decay: mesh.cells[cell].map(|n| decay[n]), extent: mesh.extent(), strengths };
+        let context =
+            Context { lines, decay: mesh.cells[cell].map(|n| decay[n]), extent: mesh.extent(), strengths, targets };
         let surroundings = Surroundings::new(mesh, lines, &arounds, cell, (pressures, strengths), &mut work.scratch);
         let mut own: [Sums; K] = std::array::from_fn(|_| Sums::default());
         for panel in panels {
@@ -80,6 +99,7 @@ struct Context<'a, const K: usize> {
     decay: [f64; 4],
     extent: f64,
     strengths: [&'a [f64]; K],
+    targets: [Target<'a>; K],
 }
 
 /// An accepted subcell that waits for its fields.
@@ -271,8 +291,18 @@ impl<const K: usize> Context<'_, K> {
             }
         }
         let decay = restrict(&self.decay, &subcell.range);
-        let shape =
-            Integrand { map, decay, rules, count: pending.count, nodal: &nodal, jumps, left_out: pending.errors[k] };
+        let Target { value, slope, .. } = self.targets[k];
+        let shape = Integrand {
+            overlap: map.corners().map(|p| value + dot(slope, p)),
+            slope,
+            map,
+            decay,
+            rules,
+            count: pending.count,
+            nodal: &nodal,
+            jumps,
+            left_out: pending.errors[k],
+        };
         own.add(1.0, &shape.sums(chi));
     }
 }

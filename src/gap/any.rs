@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use nalgebra::{Rotation2, Vector2};
+
 use super::transform::{Transform, quarter_exact};
 use super::{Gap, Growth, Known, Material, Reach, Ridges, Taylor, enclosure, mean, range};
 use crate::error::{InputError, finite};
@@ -68,6 +70,12 @@ impl AnyGap {
         finite("at[0]", at[0])?;
         finite("at[1]", at[1])?;
         let turn = quarter_exact(finite("rotate", rotation)?);
+        // A gap of revolution that is drawn about its axis is moved, and no turn stands between it and the axes.
+        if let Some(axis) = self.known().axis.filter(|axis| axis.at == self.known().reference) {
+            let [x, y] = (turn * Vector2::from(axis.at)).into();
+            let at = [at[0] + (x - axis.at[0]), at[1] + (y - axis.at[1])];
+            return Ok(self.through(&Transform::place(at, Rotation2::identity())));
+        }
         Ok(self.through(&Transform::place(at, turn)))
     }
 

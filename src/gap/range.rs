@@ -190,7 +190,7 @@ mod tests {
                 }
             }
         }
-        assert_eq!(named, 27);
+        assert_eq!(named, 36);
     }
 
     #[test]

@@ -29,7 +29,6 @@ pub(crate) fn respond(
         Method::Ritz | Method::Fabrikant => {
             return approximate::solution(contact, &gap, depth, tilt, settings, with_matrix);
         }
-        Method::EdgeFitted if tilt != [0.0; 2] => return Err(by_edges::not_applicable()),
         Method::Auto if asked_for => Method::Fft,
         Method::Auto => Method::ClosedForm,
         prescribed => prescribed,
@@ -39,7 +38,8 @@ pub(crate) fn respond(
     match settings.method {
         Method::ClosedForm => select::solution(contact, &overlap, tilt, settings),
         Method::EdgeFitted => {
-            by_edges::solution(contact, &overlap, settings).unwrap_or_else(|| Err(by_edges::not_applicable()))
+            let fitted = by_edges::solution(contact, &overlap, tilt, settings, with_matrix);
+            fitted.unwrap_or_else(|| Err(by_edges::not_applicable()))
         }
         Method::Auto if !asked_for => match without_grid_at(contact, &overlap, tilt, settings, with_matrix) {
             None => grid(),
@@ -50,7 +50,7 @@ pub(crate) fn respond(
     }
 }
 
-/// The state without a grid: by a formula, else, untilted, by cells fitted to edges; `None` where it takes a grid.
+/// The state without a grid: by a formula, else by cells fitted to edges; `None` where it takes a grid.
 pub(crate) fn without_grid(
     contact: &Contact,
     gap: &AnyGap,
@@ -78,8 +78,8 @@ fn without_grid_at(
         Err(e) if e.verdict == Verdict::NoClosedForm => {}
         answered => return Some(answered),
     }
-    let untilted = tilt == [0.0; 2] && !with_matrix && by_edges::chosen_by(settings);
-    if untilted { by_edges::solution(contact, overlap, settings) } else { None }
+    let chosen = by_edges::chosen_by(settings);
+    if chosen { by_edges::solution(contact, overlap, tilt, settings, with_matrix || tilt != [0.0; 2]) } else { None }
 }
 
 /// The state of the grid, where it is as good as asked for and within the bounds of the one that falls short.

@@ -1,5 +1,6 @@
-//! Where a formula of the distance from an axis has kinks: an abs, min, max, sign or floor changes sides. The radii are sampled: integrals
-//! begin anew at them, and one that is missed costs steps, not digits.
+//! Where a formula of the distance from an axis has kinks: an abs, min, max, sign or floor changes sides, a root or a logarithm begins to have
+//! a value. The radii are sampled: integrals begin anew at them, and one that is missed costs steps, not digits; what lies between two of
+//! them is enclosed by who proves by it.
 
 use super::tape::{Number, One, Op, Tape, Two};
 
@@ -26,6 +27,10 @@ impl Number for Sided {
         match f {
             One::Abs | One::Sign => Self::mark(value, self.sides, 1 + u64::from(self.value < 0.0)),
             One::Floor | One::Ceil => Self::mark(value, self.sides, value.to_bits()),
+            // Where a value ends, and not where it was none before.
+            One::Sqrt | One::Ln | One::Log10 | One::Log2 | One::Asin | One::Acos if !self.value.is_nan() => {
+                Self::mark(value, self.sides, 1 + u64::from(value.is_nan()))
+            }
             _ => Self { value, ..self },
         }
     }
@@ -53,8 +58,11 @@ const MOST: usize = 64;
 
 /// Radii of kinks about `axis`, rising.
 pub(super) fn radii(tape: &Tape, [x, y]: [f64; 2]) -> Vec<f64> {
-    let compares =
-        |op: &Op| matches!(op, Op::One(One::Abs | One::Sign | One::Floor | One::Ceil) | Op::Two(Two::Min | Two::Max));
+    let compares = |op: &Op| match op {
+        Op::One(One::Abs | One::Sign | One::Floor | One::Ceil) | Op::Two(Two::Min | Two::Max) => true,
+        Op::One(f) => matches!(f, One::Sqrt | One::Ln | One::Log10 | One::Log2 | One::Asin | One::Acos),
+        _ => false,
+    };
     if !tape.ops().iter().any(compares) {
         return Vec::new();
     }
@@ -98,6 +106,7 @@ mod tests {
             ("abs(r - 3) + abs(r - 0.25)", vec![0.25, 3.0]),
             ("min(r^2, 4) * 2", vec![2.0]),
             ("r^2", vec![]),
+            ("0*sqrt(r - 0.3) + sqrt(7 - r)", vec![0.3, 7.0]),
         ];
         for (expression, radii) in cases {
             let mut kinks = Vec::new();

@@ -1,0 +1,192 @@
+//! A flat face in a polygon that is tilted, or free to tilt: contact everywhere, or on a part of it.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::flat::Flat;
+use super::{Found, Moments, field_grid};
+use crate::edge_fitted::{Given, Limits, Tilted, resample, tilted};
+use crate::gap::Face;
+use crate::geometry::Rect;
+use crate::problem::{Contact, Settings};
+use crate::solution::{Patch, Piece, Unsolved, Verdict};
+
+/// A polygon with the plane of its face: the gap at x is value + slope . (x - at).
+pub(crate) struct Tilting {
+    flat: Flat,
+    slope: [f64; 2],
+    at: [f64; 2],
+}
+
+impl Tilting {
+    /// `None` where the face is no polygon, or cells cannot be fitted to it.
+    pub fn of(face: &Face) -> Option<Self> {
+        Some(Self { flat: Flat::outlined(face)?, slope: face.slope, at: face.at })
+    }
+
+    pub fn found(&self) -> String {
+        format!("a flat polygon of {} corners with sharp edges, tilted or free to tilt", self.flat.corners.len())
+    }
+
+    /// (1, x, y) of the user's frame as combinations of those of the outline's.
+    fn basis(&self) -> Matrix3<f64> {
+        let Flat { origin: [x, y], turn: [cos, sin], length: l, .. } = self.flat;
+        Matrix3::new(1.0, 0.0, 0.0, x, l * cos, -l * sin, y, l * sin, l * cos)
+    }
+
+    /// The state at a depth, the tilt being in the slope of the face.
+    pub(super) fn at(&self, contact: &Contact, depth: f64, settings: &Settings, limits: &Limits) -> Option<Found> {
+        let Flat { origin, turn: [cos, sin], length, value, .. } = self.flat;
+        let [a, b] = self.slope;
+        let centre = depth - value + a * (self.at[0] - origin[0]) + b * (self.at[1] - origin[1]);
+        let plane = [centre, -length * (cos * a + sin * b), -length * (cos * b - sin * a)];
+        let unit = plane.iter().fold(0.0, |m: f64, c| m.max(c.abs()));
+        let state = tilted(&self.flat.outline, Given::Plane(plane.map(|c| c / unit)), limits)?;
+        Some(self.state(contact, state, unit, settings))
+    }
+
+    /// The state under a force and moments about the user's origin, with its depth and tilts.
+    pub(super) fn under(
+        &self,
+        contact: &Contact,
+        force: f64,
+        moment: [f64; 2],
+        settings: &Settings,
+        limits: &Limits,
+    ) -> Option<(Found, f64, [f64; 2])> {
+        let Flat { origin, turn: [cos, sin], length, value, .. } = self.flat;
+        let [x, y] = [-moment[1] / force - origin[0], moment[0] / force - origin[1]];
+        let load = [1.0, (cos * x + sin * y) / length, (cos * y - sin * x) / length];
+        let state = tilted(&self.flat.outline, Given::Load(load), limits)?;
+        // Forces are E* length depth. The middle of the bounds is taken for the force of the plane, and all is linear.
+        let unit = force / (contact.modulus().e_star() * length) / (0.5 * (state.force[0] + state.force[1]));
+        let [centre, u, v] = state.plane.map(|c| c * unit);
+        let lean = [(cos * u - sin * v) / length, (sin * u + cos * v) / length];
+        let tilt = [0, 1].map(|m| lean[m] + self.slope[m]);
+        let back = |m: usize| lean[m] * origin[m] + self.slope[m] * self.at[m];
+        let depth = centre + value - back(0) - back(1);
+        Some((self.state(contact, state, unit, settings), depth, tilt))
+    }
+
+    /// In the user's units; `unit`: that of the overlap.
+    fn state(&self, contact: &Contact, state: Tilted, unit: f64, settings: &Settings) -> Found {
+        let (flat, length, e_star) = (&self.flat, self.flat.length, contact.modulus().e_star());
+        let of_force = e_star * length * unit;
+        let basis = self.basis();
+        // Of the middle of the bounds, through where the computed pressure acts.
+        let middle = 0.5 * (state.force[0] + state.force[1]) / state.load[0];
+        let load = basis * Vector3::from(state.load) * (middle * of_force);
+        let matrix = basis * Matrix3::from_fn(|i, j| state.matrix[i][j]) * basis.transpose() * (e_star * length);
+        let reference = contact.gap().known().reference;
+        let outward = |line: &Vec<[f64; 2]>| line.iter().map(|p| flat.outward(*p)).collect::<Vec<_>>();
+        let pieces = state.regions.iter().map(|region| {
+            let boundary = region.boundary.iter().flat_map(outward);
+            let extent = Rect::holding(boundary).unwrap_or(Rect::around(flat.origin, [0.0; 2]));
+            Piece {
+                area: region.area * length * length,
+                force: region.force * of_force,
+                centroid: flat.outward(region.centroid),
+                extent: [extent.min, extent.max],
+                max_pressure: None,
+            }
+        });
+        let pieces: Vec<Piece> = pieces.collect();
+        let area: f64 = pieces.iter().map(|piece| piece.area).sum();
+        let doubt: f64 = state.regions.iter().map(|region| 0.5 * region.doubt * length * length).sum();
+        let of_pressure = e_star * unit / length;
+        let cells: Vec<_> = state.cells.iter().map(|(c, p)| (c.map(|q| flat.outward(q)), p * of_pressure)).collect();
+        let boundary: Vec<Vec<[f64; 2]>> =
+            state.regions.iter().flat_map(|region| &region.boundary).map(outward).collect();
+        let distance = |p: &[f64; 2]| (p[0] - reference[0]).hypot(p[1] - reference[1]);
+        let max_radius = boundary.iter().flatten().map(distance).fold(0.0, f64::max);
+        let rect = Rect::holding(boundary.iter().flatten().copied()).unwrap_or(Rect::around(flat.origin, [length; 2]));
+        let strongest =
+            cells.iter().max_by(|a, b| a.1.total_cmp(&b.1)).map_or(flat.origin, |(c, _)| super::flat::middle(c));
+        let touch =
+            if state.everywhere { "it touches everywhere" } else { "it touches on a part, and lifts off elsewhere" };
+        Found {
+            force: state.force.map(|p| p * of_force),
+            energy: state.energy.map(|u| u * of_force * unit),
+            stiffness: matrix[(0, 0)],
+            stiffness_error: Some(state.stiffness_error),
+            area_error: Some(doubt / area + super::flat::ROUNDING),
+            patch: Patch {
+                area,
+                centroid: Some([0, 1].map(|m| pieces.iter().map(|p| p.area * p.centroid[m]).sum::<f64>() / area)),
+                regions: pieces.len(),
+                max_radius,
+                boundary: Some(boundary),
+                pieces,
+                semi_axes: None,
+                angle: None,
+            },
+            centre: flat.centre_of(&cells),
+            max: None,
+            at: strongest,
+            field: settings.outputs.pressure.then(|| resample(&cells, field_grid(&rect))),
+            unknowns: state.unknowns,
+            how: format!("the gap is {}: {touch}", self.found()),
+            left_out: "the surface grid: cells follow the edges of the material",
+            proved: state.proved,
+            tilting: Some(Moments {
+                moment: [load[2], -load[1]],
+                matrix: [0, 1, 2].map(|i| [0, 1, 2].map(|j| matrix[(i, j)])),
+            }),
+        }
+    }
+}
+
+/// # Errors
+/// `NoEquilibrium` where the line of action meets the surface outside of the convex hull of a polygon: no pressure acts there.
+pub(super) fn balances(face: &Face, force: f64, moment: [f64; 2]) -> Result<(), Unsolved> {
+    let [x, y] = [-moment[1] / force, moment[0] / force];
+    let (sin, cos) = face.turn.sin_cos();
+    let [u, v] = [x - face.at[0], y - face.at[1]];
+    let corners = face.outline.corners();
+    if corners.is_empty() || contains(&hull(corners), [cos * u + sin * v, cos * v - sin * u]) {
+        return Ok(());
+    }
+    let reason =
+        format!("the line of action meets the surface at ({x:e}, {y:e}), outside of the convex hull of all material");
+    Err(Unsolved::new(Verdict::NoEquilibrium, reason))
+}
+
+/// The convex hull of points, counter-clockwise (Andrew 1979).
+fn hull(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let mut sorted = points.to_vec();
+    sorted.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
+    let half = |points: &mut dyn Iterator<Item = [f64; 2]>| {
+        let mut chain: Vec<[f64; 2]> = Vec::new();
+        for p in points {
+            while chain.len() > 1 && left_of(chain[chain.len() - 2], chain[chain.len() - 1], p) <= 0.0 {
+                chain.pop();
+            }
+            chain.push(p);
+        }
+        chain.pop();
+        chain
+    };
+    let mut all = half(&mut sorted.iter().copied());
+    all.extend(half(&mut sorted.iter().rev().copied()));
+    all
+}
+
+fn left_of(a: [f64; 2], b: [f64; 2], p: [f64; 2]) -> f64 {
+    (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0])
+}
+
+/// Whether a point lies inside of a convex polygon.
+fn contains(polygon: &[[f64; 2]], p: [f64; 2]) -> bool {
+    (0..polygon.len()).all(|k| left_of(polygon[k], polygon[(k + 1) % polygon.len()], p) > 0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_hull_leaves_out_what_is_inside() {
+        let star = [[0.0, 0.0], [2.0, 0.0], [1.0, 0.5], [2.0, 2.0], [1.0, 1.0], [0.0, 2.0]];
+        assert_eq!(hull(&star), [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]]);
+        assert!(contains(&hull(&star), [1.9, 1.0]) && !contains(&hull(&star), [2.1, 1.0]));
+    }
+}

@@ -1,0 +1,195 @@
+//! Flat punches under a tilt, and under a force off their centre: as far as they touch everywhere with a proof, else by the cells that
+//! stay in contact.
+//!
+//! The overlap is f = g . (1, x, y). On a set A of cells the displacement f takes the pressure p with S p = f on A, linear in g: with m_j
+//! for (1, x, y)_j the stiffness K_ij = <(1, x, y)_i, m_j> is that of the punch in contact on A, and the form
+//!
+//! ```text
+//! Q(g) = g . K g = max over p on A of 2 <f, p> - <p, S p>,     Q_low <= Q <= Q_low + a(w, w),     w = f - S p on A,
+//! ```
+//!
+//! is bounded from both sides as the energy is (`residual_norm`), whatever the sign of p. With e the unit overlap and any t > 0 the force
+//! of A is 4 P_A = Q(t e + g/t) - Q(t e - g/t).
+//!
+//! **From below.** P >= P_A for every A: m_0 of A displaces by at most 1 everywhere, so that P >= <S m_0, p> = <m_0, S p> >= <m_0, f>
+//! (Barber 1974; Shield 1967).
+//!
+//! **From above.** Where the computed p_h is positive on all of the material, m_h <= tau p_h with a known tau. With u = S p, the least
+//! energy gamma above U_low, a'' = a(1 - S m_h, 1 - S m_h) and X = <u - f, p_h>, U - U_low = |p - p_h|^2/2 + X and
+//!
+//! ```text
+//! P = <u, m_h> + <p_h, 1 - S m_h> + <p - p_h, 1 - S m_h> <= P_h + max over X in [0, gamma] of tau X + sqrt(2 (gamma - X) a''),
+//! ```
+//!
+//! since <p_h, 1 - S m_h> = 0 and <f, m_h> = P_h on Galerkin cells: sqrt(2 gamma a'') where tau is at most sqrt(a''/(2 gamma)), else
+//! tau gamma + a''/(2 tau).
+//!
+//! Where the punch lifts off, nothing is proved: U_low rises to U as n^-3 and tells its own error from two meshes; the force of A is
+//! stationary in A (Barber 1974), so that it errs by no more, and is held against its own change.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::Limits;
+use super::mesh::Point;
+use super::outline::{COARSEST, Outline};
+use super::region::Region;
+use super::tilted_mesh::Punch;
+
+/// What is given of a tilting punch, in the outline's axes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Given {
+    /// f = g . (1, x, y).
+    Plane([f64; 3]),
+    /// The integrals of p, p x and p y.
+    Load([f64; 3]),
+}
+
+/// A tilted punch in contact, E* = 1, in the outline's axes.
+#[derive(Debug, Clone)]
+pub(crate) struct Tilted {
+    /// f = plane . (1, x, y).
+    pub plane: [f64; 3],
+    /// The integrals of p, p x and p y of the computed pressure.
+    pub load: [f64; 3],
+    /// Their derivatives by the plane.
+    pub matrix: [[f64; 3]; 3],
+    /// Relative error of its first entry.
+    pub stiffness_error: f64,
+    /// Bounds of the force at the plane; within its error where it is not proved.
+    pub force: [f64; 2],
+    /// Whether these are proved: contact everywhere.
+    pub proved: bool,
+    /// Bounds of the stored energy.
+    pub energy: [f64; 2],
+    /// Corners and pressure of all cells.
+    pub cells: Vec<([Point; 4], f64)>,
+    /// The separate regions of contact.
+    pub regions: Vec<Region>,
+    /// Whether it touches everywhere.
+    pub everywhere: bool,
+    /// Unknowns of the last mesh.
+    pub unknowns: usize,
+}
+
+/// Constant pressures on cells of size h leave of a pressure that varies by the share v of itself over a length l an energy of the order
+/// of v^2 (h/l)^3: cells are at most this times l v^(-2/3)/n, which leaves as much as the edges do.
+const FINE: f64 = 0.9;
+
+/// n that is mostly enough for an error of 1e-3: of a level punch, and more by the share that f varies by.
+const ENOUGH: [f64; 2] = [5.6, 1.6];
+
+/// The mesh before the first one, where it lifts off, over that.
+const BEFORE: f64 = 0.67;
+
+/// Cells of the first look, over the size of the outline.
+const LOOK: f64 = 0.4;
+
+/// Meshes of rising n until the error of the force is within the tolerance. `None` where the outline has no mesh that can be solved on, the
+/// load has no balance, and where the time ends before the first one is solved.
+#[must_use]
+pub(crate) fn tilted(outline: &Outline, given: Given, limits: &Limits) -> Option<Tilted> {
+    // Without symmetry, and mostly without a proof, which is what takes the time.
+    let unknowns = limits.unknowns + limits.unknowns / 2;
+    let punch = |n: usize, most: f64| {
+        let fitted = outline.mesh_within(n, most).filter(|fitted| fitted.mesh.loaded <= unknowns)?;
+        Punch::new(fitted, limits.deadline)
+    };
+    // A look at what is in contact, for the size of the cells.
+    let look = punch(COARSEST, LOOK).or_else(|| punch(COARSEST, f64::INFINITY))?;
+    let first = look.pressed(given)?;
+    if let Some(part) = in_reach(outline, look.outer_plane(&first)?, given)
+        && let Some(mut found) = tilted(&part, given, limits)
+        && !outline.beyond(&part, found.plane)
+    {
+        (found.everywhere, found.proved) = (false, false);
+        return Some(found);
+    }
+    let mut size = first.size;
+    let enough = ENOUGH[0] + ENOUGH[1] * first.varies;
+    let mut n = (enough * (1e-3 / limits.tolerance).cbrt()).round().clamp(COARSEST as f64, 64.0) as usize;
+    // An estimate takes two meshes.
+    let last = |n: usize| if first.lifts() { (n as f64 / BEFORE) as usize } else { n };
+    if first.lifts() {
+        n = ((BEFORE * n as f64).round() as usize).max(COARSEST);
+    }
+    let fits = |n: usize, size: f64| {
+        let most = FINE * size / n as f64;
+        outline.mesh_within(n, most).is_some_and(|fitted| fitted.mesh.loaded <= unknowns)
+    };
+    while n > COARSEST && !fits(last(n), size) {
+        n -= 1;
+    }
+    let mut best: Option<(usize, Tilted)> = None;
+    let mut before = limits.deadline.remaining();
+    loop {
+        let found = punch(n, FINE * size / n as f64).and_then(|punch| {
+            let pressed = punch.pressed(given)?;
+            size = pressed.size;
+            punch.bounded(&pressed, outline.displaced())
+        });
+        // Too many cells: one that is not as fine as it should be is better than none.
+        let found = found.or_else(|| {
+            if best.is_some() { None } else { punch(n, f64::INFINITY)?.answer(given, outline.displaced()) }
+        });
+        let Some(mut found) = found else { return best.map(|(_, best)| best) };
+        if !found.everywhere {
+            found.estimate(n, best.as_ref().map(|(n, best)| (*n, best)));
+        }
+        let width = (found.force[1] - found.force[0]) / (found.force[0] + found.force[1]);
+        let wanted = if width < 1.0 { n as f64 * (width / limits.tolerance).cbrt() } else { n as f64 / BEFORE };
+        let mut next = (wanted.ceil() as usize).max(n + 1).min(2 * n);
+        while next > n && !fits(next, size) {
+            next -= 1;
+        }
+        let growth = (next * next) as f64 / (n * n) as f64;
+        let left = limits.deadline.remaining();
+        let too_many = next <= n;
+        best = Some((n, found));
+        if width <= limits.tolerance || too_many || (before - left) * growth > left {
+            return best.map(|(_, best)| best);
+        }
+        (n, before) = (next, left);
+    }
+}
+
+/// What of an outline can touch where that is but a small part of it: nothing does where f <= 0; where f is not given, with room for what
+/// the look at it leaves open.
+fn in_reach(outline: &Outline, plane: [f64; 3], given: Given) -> Option<Outline> {
+    let room = match given {
+        Given::Plane(_) => 0.0,
+        Given::Load(_) => ROOM,
+    };
+    let [c, a, b] = plane;
+    let most = outline.corners().iter().map(|[x, y]| c + a * x + b * y).fold(0.0, f64::max);
+    outline.part([c + room * most, a, b]).filter(|part| part.extent() <= SMALL * outline.extent())
+}
+
+/// Of the largest f.
+const ROOM: f64 = 0.3;
+
+/// Size of a part over that of the outline below which it is worth a mesh of its own.
+const SMALL: f64 = 0.7;
+
+impl Tilted {
+    /// Where it lifts off: what energy and force still change by, after what they changed by since the mesh before.
+    fn estimate(&mut self, n: usize, before: Option<(usize, &Self)>) {
+        let Some((coarser, before)) = before else {
+            self.force[0] = 0.0;
+            self.force[1] = 2.0 * self.load[0];
+            return;
+        };
+        let ratio = n as f64 / coarser as f64;
+        // Under a load what changes is the plane.
+        let moved = Vector3::from(self.plane) - Vector3::from(before.plane);
+        let moved = (Matrix3::from_fn(|i, j| self.matrix[i][j]) * moved)[0].abs();
+        let changed = (self.load[0] - before.load[0]).abs().max(moved) / self.load[0];
+        // At one plane: U is homogeneous of degree 2 in it.
+        let turned =
+            |state: &Self| state.energy[0] / (0..3).map(|k| state.plane[k] * self.load[k]).sum::<f64>().powi(2);
+        let stored = (turned(self) / turned(before) - 1.0).abs() / (ratio.powi(3) - 1.0);
+        let error = stored.max(changed / (ratio.powi(2) - 1.0));
+        self.force = [self.load[0] * (1.0 - error), self.load[0] * (1.0 + error)];
+        self.energy[1] = self.energy[0] * (1.0 + 2.0 * stored);
+        self.stiffness_error = error;
+    }
+}

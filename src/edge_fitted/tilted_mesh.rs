@@ -1,0 +1,189 @@
+//! One mesh of a tilted punch: its pressure, and what that proves (`tilted` has the formulas).
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::active_set::{balance, factor, solve, solve_on};
+use super::compliance::Compliance;
+use super::integrand::Sums;
+use super::line_potential::Lines;
+use super::mesh::{Bilinear, Mesh};
+use super::outline::Fitted;
+use super::region::regions;
+use super::residual_norm::{Target, decay_lengths, norms};
+use super::symmetry::Orbits;
+use super::tilted::{Given, Tilted};
+use crate::clock::Deadline;
+
+/// The pressure on a mesh.
+pub(super) struct Pressed {
+    pressure: Vec<f64>,
+    /// f = plane . (1, x, y) in the mesh's axes.
+    plane: Vector3<f64>,
+    contact: Vec<bool>,
+    /// Share of the largest f that f varies by.
+    pub varies: f64,
+    /// Half the extent of the contact, longer where f varies less.
+    pub size: f64,
+}
+
+impl Pressed {
+    pub fn lifts(&self) -> bool {
+        self.contact.iter().any(|c| !c)
+    }
+}
+
+/// A mesh with its compliance, every cell an unknown.
+pub(super) struct Punch {
+    fitted: Fitted,
+    orbits: Orbits,
+    lines: Lines,
+    compliance: Compliance,
+    /// Integrals of 1, x and y over the cells, in the mesh's axes.
+    weights: [Vec<f64>; 3],
+    deadline: Deadline,
+}
+
+impl Punch {
+    /// `None` once the time is used up.
+    pub fn new(fitted: Fitted, deadline: Deadline) -> Option<Self> {
+        let mesh = &fitted.mesh;
+        let lines = Lines::new(mesh);
+        let orbits = Orbits::new(mesh, &[]);
+        let compliance = Compliance::new(mesh, &lines, &orbits, deadline)?;
+        let moments: Vec<[f64; 3]> = (0..mesh.loaded).map(|i| Bilinear::new(mesh.corners(i)).moments()).collect();
+        let weights = [0, 1, 2].map(|k| moments.iter().map(|m| m[k]).collect());
+        Some(Self { fitted, orbits, lines, compliance, weights, deadline })
+    }
+
+    fn mesh(&self) -> &Mesh {
+        &self.fitted.mesh
+    }
+
+    /// The integral of g . (1, x, y) over every cell.
+    fn integrals(&self, g: &Vector3<f64>) -> Vec<f64> {
+        let [one, x, y] = &self.weights;
+        (0..one.len()).map(|i| g[0] * one[i] + g[1] * x[i] + g[2] * y[i]).collect()
+    }
+
+    /// The integrals of p, p x and p y.
+    fn load(&self, p: &[f64]) -> Vector3<f64> {
+        Vector3::from_fn(|k, _| p.iter().zip(&self.weights[k]).map(|(p, w)| p * w).sum())
+    }
+
+    /// The pressure that is >= 0 and its plane.
+    pub fn pressed(&self, given: Given) -> Option<Pressed> {
+        let map = self.fitted.basis();
+        let (pressure, plane) = match given {
+            Given::Plane(plane) => {
+                let g = map.transpose() * Vector3::from(plane);
+                (solve(&self.compliance, &self.integrals(&g)), g)
+            }
+            Given::Load(load) => {
+                let wanted = map.try_inverse()? * Vector3::from(load);
+                balance(&self.compliance, &self.weights, wanted, self.deadline)?
+            }
+        };
+        let contact: Vec<bool> = pressure.iter().map(|p| *p > 0.0).collect();
+        let corners = || (0..contact.len()).filter(|&i| contact[i]).flat_map(|i| self.mesh().corners(i));
+        let extent = |k: usize| {
+            let (low, high) =
+                corners().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), p| (a.min(p[k]), b.max(p[k])));
+            high - low
+        };
+        let (low, high) = corners()
+            .map(|[x, y]| plane[0] + plane[1] * x + plane[2] * y)
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), f| (a.min(f), b.max(f)));
+        let varies = ((high - low) / high).clamp(1e-3, 1.0);
+        let size = 0.5 * extent(0).max(extent(1)) * varies.powf(-2.0 / 3.0);
+        (high > 0.0 && size > 0.0).then_some(Pressed { pressure, plane, contact, varies, size })
+    }
+
+    /// The plane in the outline's axes.
+    pub fn outer_plane(&self, pressed: &Pressed) -> Option<[f64; 3]> {
+        Some((self.fitted.basis().transpose().try_inverse()? * pressed.plane).into())
+    }
+
+    /// Both.
+    pub fn answer(&self, given: Given, displaced: f64) -> Option<Tilted> {
+        self.bounded(&self.pressed(given)?, displaced)
+    }
+
+    /// What the pressure proves, and what it leaves open; `displaced`: see `Outline::displaced`.
+    pub fn bounded(&self, pressed: &Pressed, displaced: f64) -> Option<Tilted> {
+        let map = self.fitted.basis();
+        let Pressed { pressure: p, plane: g, contact, .. } = pressed;
+        let everywhere = contact.iter().all(|c| *c);
+        let own = factor(&self.compliance, contact)?;
+        let each = [0, 1, 2].map(|k| solve_on(&own, contact, &self.weights[k]));
+        let matrix = Matrix3::from_fn(|i, j| each[j].iter().zip(&self.weights[i]).map(|(m, w)| m * w).sum::<f64>());
+        let unit = &each[0];
+        // t that makes both parts of one size.
+        let energy = g.dot(&(matrix * g));
+        let t2 = (energy / matrix[(0, 0)]).sqrt();
+        if !(t2 > 0.0 && t2.is_finite()) {
+            return None;
+        }
+        let t = t2.sqrt();
+        let load = self.load(p);
+        // What the place of the edges leaves open, of the sizes of both parts.
+        let off = displaced * (energy / t2 + matrix[(0, 0)] * g.norm_squared());
+        let low = self.form_below(p, g) - off;
+        let (mut force, mut energy, mut stiffness_error) = ([load[0]; 2], [low, low], 0.0);
+        if everywhere {
+            let mixed = |sign: f64| -> (Vec<f64>, Vector3<f64>) {
+                let pressure = unit.iter().zip(p).map(|(m, p)| t * m + sign * p / t).collect();
+                (pressure, Vector3::new(t, 0.0, 0.0) + g * (sign / t))
+            };
+            let ((plus, over), (minus, under)) = (mixed(1.0), mixed(-1.0));
+            let target = |pressure, g: &Vector3<f64>| Target { pressure, value: g[0], slope: [g[1], g[2]] };
+            let targets = [target(unit, &Vector3::x()), target(p, g), target(&minus, &under)];
+            let decay = decay_lengths(self.mesh());
+            let sums = norms(self.mesh(), &self.lines, &self.orbits, &decay, contact, targets, self.deadline)?;
+            let [of_unit, of_p, of_minus] = sums.map(|s: Sums| s.bound());
+            let (above, below) = (self.form_below(&plus, &over), self.form_below(&minus, &under));
+            let rounding = 1e-12 * (load[0] + above) + off + self.compliance.uncertainty(p, unit);
+            // Q of the difference from above: its rounding and the uncertainty of its products counted the other way.
+            let below = below + 2.0 * self.compliance.uncertainty(&minus, &minus) + rounding + of_minus;
+            // By at most the rests of products gamma and a'' are larger.
+            let gamma = 0.5 * of_p + self.compliance.uncertainty(p, p) + off;
+            let rest = of_unit + 2.0 * self.compliance.uncertainty(unit, unit) + off;
+            let tau = unit.iter().zip(p).map(|(m, p)| m / p).fold(0.0, f64::max);
+            let balance = (rest / (2.0 * gamma)).sqrt();
+            let more = if tau <= balance { (2.0 * gamma * rest).sqrt() } else { tau * gamma + rest / (2.0 * tau) };
+            force = [0.25 * (above - below) - rounding, load[0] + more + 2.0 * rounding];
+            energy[1] = low + 2.0 * gamma;
+            stiffness_error = 0.5 * rest / matrix[(0, 0)];
+        }
+        let finite = force.iter().chain(&energy).all(|x| x.is_finite()) && force[1] >= force[0] && energy[0] > 0.0;
+        if !(finite && load[0] > 0.0) {
+            return None;
+        }
+        // In the outline's axes.
+        let plane = self.outer_plane(pressed)?;
+        let outer = map * matrix * map.transpose();
+        let cells = (0..self.mesh().loaded).map(|i| (self.mesh().corners(i).map(|q| self.fitted.to_outline(q)), p[i]));
+        let mut regions = regions(self.mesh(), contact, p);
+        regions.iter_mut().for_each(|region| region.map(|q| self.fitted.to_outline(q)));
+        Some(Tilted {
+            plane,
+            load: (map * load).into(),
+            matrix: [0, 1, 2].map(|i| [0, 1, 2].map(|j| outer[(i, j)])),
+            stiffness_error,
+            force,
+            proved: everywhere,
+            energy: energy.map(|q| 0.5 * q),
+            cells: cells.collect(),
+            regions,
+            everywhere,
+            unknowns: self.compliance.n,
+        })
+    }
+
+    /// 2 <f, p> - <p, S p>, from below.
+    fn form_below(&self, p: &[f64], g: &Vector3<f64>) -> f64 {
+        let work: f64 = p.iter().zip(self.integrals(g)).map(|(p, f)| p * f).sum();
+        let size: f64 = p.iter().zip(self.integrals(g)).map(|(p, f)| (p * f).abs()).sum();
+        let product: f64 = p.iter().zip(self.compliance.product(p)).map(|(p, u)| p * u).sum();
+        2.0 * work - product - self.compliance.uncertainty(p, p) - 4e-12 * size
+    }
+}
