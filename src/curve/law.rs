@@ -127,8 +127,11 @@ impl Law {
         let ([a, _, m], [b, _, n]) = (self.knots[k], self.knots[k + 1]);
         let h = (b / a).ln();
         let by_values = SLOPE_OF_NOISE * (doubt(&states[k]) + doubt(&states[k + 1])) / h;
-        // A slope is never farther from the one of its state than that is doubted.
-        let of_slopes = by_values.min(2.0 * (m * self.doubts[k]).max(n * self.doubts[k + 1]));
+        // A slope is never farther from the one of its state than that is doubted; at the ends it is that one.
+        let doubted = [m * self.doubts[k], n * self.doubts[k + 1]];
+        let ends = [k == 0, k + 2 == self.knots.len()];
+        let of = |end: usize| if ends[end] { doubted[end] } else { by_values.min(2.0 * doubted[end]) };
+        let of_slopes = of(0).max(of(1));
         let slope = (SLOPE_OF_REST * left / h + of_slopes) / m.min(n);
         [own + left, own + left + slope]
     }
