@@ -232,7 +232,7 @@ for turn in [0.0, 30.0, 45.0]:
 for size in [0.1, 1.0, 30.0]:
     corner = {"polygon": [[-size, -size], [size, -size], [size, size], [-size, size]]}
     edges.append(case(f"one corner of a square of half side {size:g}", scene(flat(corner), {"depth": 0.1 - 2 * size, "tilt": [1.0, 1.0]}), [run("auto", 2e-3)], CORNER, "cells fitted to the edges, to 5e-4"))
-edges.append(case("T lifting off", scene(flat(tee), {"depth": 0.5, "tilt": [0.8, -0.5]}), [run("auto", 0.0), run("fft", 2e-2, 128)]))
+edges.append(case("T lifting off", scene(flat(tee), {"depth": 0.5, "tilt": [0.8, -0.5]}), [run("auto", 0.0), run("fft", 2e-2, 256)]))
 edges.append(case("T pressed at the end of its stem", scene(flat(tee), {"force": 1.0, "through": [0.05, -0.8]}), [run("auto", 1e-9)], 1, "prescribed, and its moment"))
 edges.append(case("T pressed beside its stem", scene(flat(tee), {"force": 1.0, "through": [0.9, -0.8]}), [run("auto", 0.0)], verdict="no_equilibrium"))
 for n in [8, 30, 60]:
