@@ -99,10 +99,12 @@ impl Law {
             if wide.is_empty() {
                 let own: Vec<[f64; 2]> =
                     (0..found.len()).map(|k| law.errors_in(k, &states, &found[k], &doubt)).collect();
-                // An interval is no better known than those beside it.
+                // Of the force no part of the curve is taken to be better known than the rest; a slope is as near as the slopes beside it.
+                let forces = own.iter().map(|e| e[0]).fold(0.0, f64::max)
+                    + (0..found.len()).map(|k| law.left_in(k, &found[k])).fold(0.0, f64::max);
                 let beside = |k: usize| &own[k.saturating_sub(1)..(k + 2).min(own.len())];
-                let largest = |k: usize, n: usize| beside(k).iter().map(|e| e[n]).fold(0.0, f64::max);
-                let errors = (0..own.len()).map(|k| [largest(k, 0), largest(k, 1)]).collect();
+                let slopes = |k: usize| beside(k).iter().map(|e| e[1]).fold(0.0, f64::max);
+                let errors = (0..own.len()).map(|k| [forces, forces + slopes(k)]).collect();
                 return Ok((Self { errors, ..law }, states));
             }
             let middles: Vec<f64> = wide.iter().map(|&k| (law.knots[k][0] * law.knots[k + 1][0]).sqrt()).collect();
@@ -120,10 +122,16 @@ impl Law {
         }
     }
 
-    /// Estimates of the largest relative errors of force and slope between the states k and k + 1.
+    /// What the states leave open in the middle of an interval.
+    fn left_in(&self, k: usize, found: &Miss) -> f64 {
+        (LEFT * found.missed).max(self.unseen(k)).max(self.unsure(k))
+    }
+
+    /// Estimates of the relative errors between the states k and k + 1: of the force, by those of the states; of the slope, by what lies
+    /// between them.
     fn errors_in(&self, k: usize, states: &[Sample], found: &Miss, doubt: &impl Fn(&Sample) -> f64) -> [f64; 2] {
         let own = [k, k + 1].iter().filter_map(|&k| states[k].force_error).fold(0.0, f64::max);
-        let left = (LEFT * found.missed).max(self.unseen(k)).max(self.unsure(k));
+        let left = self.left_in(k, found);
         let ([a, _, m], [b, _, n]) = (self.knots[k], self.knots[k + 1]);
         let h = (b / a).ln();
         let by_values = SLOPE_OF_NOISE * (doubt(&states[k]) + doubt(&states[k + 1])) / h;
@@ -133,7 +141,7 @@ impl Law {
         let of = |end: usize| if ends[end] { doubted[end] } else { by_values.min(2.0 * doubted[end]) };
         let of_slopes = of(0).max(of(1));
         let slope = (SLOPE_OF_REST * left / h + of_slopes) / m.min(n);
-        [own + left, own + left + slope]
+        [own, slope]
     }
 
     /// Estimate of the error in the middle of an interval, from its neighbours: with h its width and c a state beside it,
