@@ -108,6 +108,12 @@ impl Refined {
         Self { force, error: (upper - force).max(force - lower), proved: Some([lower, upper]), ..self }
     }
 
+    /// The nearest force within bounds that others have proved; what it was off by is part of the error.
+    pub(super) fn moved_within(self, [lower, upper]: [f64; 2]) -> Self {
+        let force = self.force.max(lower).min(upper);
+        Self { force, error: self.error.max((force - self.force).abs()), ..self }
+    }
+
     /// # Errors
     /// `Inconsistent`, when the force breaks a law that every contact obeys.
     pub(super) fn is_consistent(&self, scaled: &Scaled, degree: Option<Degree>) -> Result<(), Unsolved> {
