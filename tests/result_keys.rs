@@ -451,7 +451,7 @@ fn units_are_labels_and_change_no_number() {
     assert_eq!(csv.split(',').count(), head(&report::csv(&steps)).split(',').count());
     assert!(head(&report::pieces_csv(read.units.as_ref(), &steps)).ends_with("max_pressure [MPa]"));
     let curve = contact_patch::Curve::up_to(&read.contact, &read.settings, 1e-3, 1e-3).unwrap();
-    assert!(head(&curve.c_header_in(read.units.as_ref(), "ball")).contains("Force (N) over depth (mm)"));
+    assert!(curve.c_header_in(read.units.as_ref(), "ball").contains("mm (length), N (force), N/mm (stiffness)"));
     assert!(head(&curve.adams_in(read.units.as_ref(), 10, 1)).contains("force (N) over depth (mm)"));
     let picture =
         contact_patch::plot::curve_in(read.units.as_ref().unwrap(), "ball", &curve, contact_patch::plot::Format::Svg);

@@ -52,7 +52,7 @@ pub(crate) fn solution(
         // An estimate that bounds show to be a little too small moves to them; one that is far off is none.
         let claim = Claim { force: refined.force * unit, error: 2.0 * refined.error * unit };
         within(bounds, claim, "its flat part")?;
-        refined = refined.moved_within(bounds.map(|force| force / unit));
+        refined = refined.moved_within(bounds.map(|force| force / unit), settings.cells.is_some());
     }
     let mut solution = dimensional(contact, &scaled, &refined, law, depth, tilt, settings)?;
     if with_matrix {

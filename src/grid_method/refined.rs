@@ -108,10 +108,12 @@ impl Refined {
         Self { force, error: (upper - force).max(force - lower), proved: Some([lower, upper]), ..self }
     }
 
-    /// The nearest force within bounds that others have proved; what it was off by is part of the error.
-    pub(super) fn moved_within(self, [lower, upper]: [f64; 2]) -> Self {
+    /// The nearest force within bounds that others have proved; what it was off by is part of the error. Who prescribes the grid wants the
+    /// force of that grid.
+    pub(super) fn moved_within(self, [lower, upper]: [f64; 2], prescribed: bool) -> Self {
         let force = self.force.max(lower).min(upper);
-        Self { force, error: self.error.max((force - self.force).abs()), ..self }
+        let error = self.error.max((force - self.force).abs());
+        Self { force: if prescribed { self.force } else { force }, error, ..self }
     }
 
     /// # Errors
