@@ -2,7 +2,7 @@
 //! family, solves each within a limit of CPU seconds, and tabulates answers, times, and errors where the force is known by itself.
 //!
 //! ```sh
-//! cargo run --release --example practitioners -- [scenes: 200] [seed: 1] [CPU seconds a scene: 10] [only this family]
+//! cargo run --release --example practitioners -- [scenes: 60] [seed: 1] [CPU seconds a scene: 10] [only this family]
 //! ```
 //!
 //! After the table follow the scenes without an answer and the slowest ones, one a line as `contact-patch batch` reads them.
@@ -34,7 +34,7 @@ struct Outcome {
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut given = std::env::args().skip(1);
     let mut number = |default: f64| given.next().map_or(Ok(default), |text| text.parse());
-    let (count, seed, limit) = (number(200.0)? as u64, number(1.0)? as u64, number(10.0)?);
+    let (count, seed, limit) = (number(60.0)? as u64, number(1.0)? as u64, number(10.0)?);
     let only = given.next();
     let mut outcomes = Vec::new();
     for k in 0..count {
