@@ -1,7 +1,8 @@
 //! Scenes drawn by lot and changed, through the library: no panic, no hang, no answer with a part missing or not finite.
 //!
 //! `cargo test --release --test fuzz` runs 4000 of fixed seeds. Longer by hand, on all cores:
-//! `FUZZ_SCENES=1000000 FUZZ_SEED=7 cargo test --release --test fuzz -- --ignored --nocapture`.
+//! `FUZZ_SCENES=1000000 FUZZ_SEED=7 FUZZ_MILLISECONDS=5 cargo test --release --test fuzz -- --ignored --nocapture`,
+//! with the CPU time that a state may take.
 #![cfg(all(feature = "scene", feature = "qp", feature = "formula"))]
 
 #[path = "../random/mod.rs"]
@@ -19,7 +20,7 @@ use contact_patch::{Origin, Scene, Settings, Verdict, report, solve};
 use random::Random;
 use serde_json::Value;
 
-/// CPU seconds that a state may take.
+/// CPU seconds that a state may take in the runs of fixed seeds.
 const SECONDS: f64 = 0.05;
 
 /// CPU seconds over all states of a scene, reading and writing, beyond which it hangs. A state ends at its limit, or with the step
@@ -47,7 +48,7 @@ fn drawn(seed: u64, number: u64) -> Vec<u8> {
 }
 
 /// What a scene leads to, in a word; an error is a fault of the library.
-fn outcome(text: &[u8], maps: &Path) -> Result<String, String> {
+fn outcome(text: &[u8], maps: &Path, seconds: f64) -> Result<String, String> {
     let mut scene = match Scene::from_json_within(text, maps) {
         Ok(scene) => scene,
         Err(e) if e.path.is_empty() || e.given.is_empty() || e.allowed.is_empty() => {
@@ -56,7 +57,7 @@ fn outcome(text: &[u8], maps: &Path) -> Result<String, String> {
         Err(_) => return Ok("refused".to_owned()),
     };
     let cells = scene.settings.cells.map(|cells| cells.min(64));
-    scene.settings = Settings { seconds: SECONDS, cells, ..scene.settings };
+    scene.settings = Settings { seconds, cells, ..scene.settings };
     let settings = scene.settings;
     let steps = solve(&scene.contact, &settings);
     if steps.len() != scene.contact.loading().loads().len() {
@@ -107,7 +108,7 @@ fn outcome(text: &[u8], maps: &Path) -> Result<String, String> {
     Ok(verdict.to_owned())
 }
 
-fn run(count: u64, seed: u64, threads: usize) -> Tally {
+fn run(count: u64, seed: u64, threads: usize, limit: f64) -> Tally {
     let maps = tempfile::tempdir().unwrap();
     for (name, bytes) in scenes::MAPS {
         std::fs::write(maps.path().join(name), bytes).unwrap();
@@ -132,7 +133,7 @@ fn run(count: u64, seed: u64, threads: usize) -> Tally {
                     };
                     *mine.lock().unwrap() = Some((Instant::now(), number));
                     let started = cpu_seconds();
-                    let found = catch_unwind(AssertUnwindSafe(|| outcome(&text, maps.path())));
+                    let found = catch_unwind(AssertUnwindSafe(|| outcome(&text, maps.path(), limit)));
                     let seconds = cpu_seconds() - started;
                     let shown = || String::from_utf8_lossy(&text).into_owned();
                     let mut tally = tally.lock().unwrap();
@@ -197,7 +198,7 @@ fn told(tally: &Tally) {
 
 #[test]
 fn changed_scenes_are_answered_or_refused() {
-    let tally = run(4000, 20_260_801, 2);
+    let tally = run(4000, 20_260_801, 2, SECONDS);
     told(&tally);
     assert!(tally.faults.is_empty(), "{} faults: {:?}", tally.faults.len(), tally.faults.first());
     // Far from all are refused or out of time.
@@ -211,7 +212,8 @@ fn as_many_changed_scenes_as_asked_for() {
     let number = |name: &str, unless: u64| std::env::var(name).ok().and_then(|n| n.parse().ok()).unwrap_or(unless);
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let threads = number("FUZZ_THREADS", threads as u64) as usize;
-    let tally = run(number("FUZZ_SCENES", 100_000), number("FUZZ_SEED", 1), threads);
+    let limit = number("FUZZ_MILLISECONDS", 50) as f64 / 1e3;
+    let tally = run(number("FUZZ_SCENES", 100_000), number("FUZZ_SEED", 1), threads, limit);
     told(&tally);
     assert!(tally.faults.is_empty(), "{} faults: {:?}", tally.faults.len(), tally.faults.first());
 }
