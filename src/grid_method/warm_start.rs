@@ -67,6 +67,7 @@ impl WarmStart {
         let method = if settings.method == Method::Qp { Method::Qp } else { Method::Fft };
         let Some(overlap) = Overlap::of(contact.gap(), depth)? else { return Ok(None) };
         let scaled = overlap.scaled();
+        let settings = &super::within_samples(&overlap, settings);
         let refined = refinement::refined(&scaled, settings, method, None)?;
         let held = Self::grown(scaled, refined)?;
         let errors = held.stiffness().map_or(Ok(Errors::default()), |own| Errors::of(&held.refined, own))?;
