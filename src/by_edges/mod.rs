@@ -199,8 +199,7 @@ fn judged(state: Solution, settings: &Settings) -> Result<Solution, Unsolved> {
 
 /// The verdict where this method is prescribed and does not apply.
 pub(crate) fn not_applicable() -> Unsolved {
-    let reason =
-        "the gap is not known to be a flat polygon, planes with a level one among them, or of revolution, upright";
+    let reason = "the gap is not known to be a flat polygon, planes with a level one among them, of revolution, upright, or an oval ring";
     Unsolved::new(Verdict::NotApplicable, reason)
 }
 

@@ -92,22 +92,26 @@ pub(crate) fn oval(f: &dyn Fn(Point) -> f64, strip: &dyn Fn(f64) -> Option<[f64;
     let slenderness = (0..=8)
         .map(|k| strip(FRAC_PI_2 * f64::from(k) / 8.0).map(|[a, b]| (a + b) / (0.7 * (b - a))))
         .try_fold(0.0, |m: f64, s| s.map(|s| m.max(s)))?;
-    let mut rows = (0.25 * PI * (0.5 * slenderness / SAGITTA).sqrt()).ceil().clamp(9.0, 120.0) as usize;
+    // What is straight instead of curved errs by the square.
+    let sagitta = SAGITTA * (limits.tolerance / 1e-3).max(1.0).sqrt();
+    let mut rows = (0.25 * PI * (0.5 * slenderness / sagitta).sqrt()).ceil().clamp(9.0, 120.0) as usize;
     let mut half = 3;
     let mut ends = Ends(vec![FIRST; rows + 1]);
     let mut best: Option<Oval> = None;
     for _ in 0..ROUNDS {
         let problem = Problem { f, strip, limits };
         let solved = |ends: &mut Ends, rows: usize, half: usize| problem.settled(ends, rows, half);
-        let coarse = solved(&mut ends, rows, half)?;
         let finer = half + 2;
         if rows * 2 * finer > limits.unknowns {
             return best;
         }
-        let fine = solved(&mut ends, rows, finer)?;
+        // Fewer rows first: the ends come to rest on them.
         let fewer = (2 * rows).div_ceil(3);
         let mut own = ends.resampled(fewer);
-        let shorter = solved(&mut own, fewer, half)?;
+        let Some(shorter) = solved(&mut own, fewer, half) else { return best };
+        ends = own.resampled(rows);
+        let Some(coarse) = solved(&mut ends, rows, half) else { return best };
+        let Some(fine) = solved(&mut ends, rows, finer) else { return best };
         let change = |of: fn(&State) -> f64| {
             let across = (of(&fine) / of(&coarse) - 1.0).abs();
             let along = (of(&coarse) / of(&shorter) - 1.0).abs();
