@@ -45,6 +45,11 @@ impl Axes {
         (angle.abs() > NONE).then(|| Self { angle, sin: angle.sin(), cos: angle.cos() })
     }
 
+    /// In words.
+    pub fn found(&self) -> String {
+        format!("solved along axes turned by {:.3} degrees, along which the gap was drawn", self.angle.to_degrees())
+    }
+
     /// The contact in these axes.
     pub fn inward(&self, contact: &Contact) -> Contact {
         let load = |load: &Load| match *load {
