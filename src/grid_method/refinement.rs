@@ -93,7 +93,10 @@ pub(crate) fn as_far_as(
         let reason = "the bodies overlap, but no cell does as a whole: the grid is too coarse to see the contact";
         Unsolved::new(Verdict::ToleranceNotReached, reason)
     })?;
-    best.is_consistent(scaled, degree)?;
+    best.is_consistent(scaled, degree).map_err(|broken| match best.shortfall(settings) {
+        Some(short) => short.without_numbers(&broken),
+        None => broken,
+    })?;
     Ok(best)
 }
 
