@@ -59,7 +59,7 @@ impl fmt::Display for Plan {
 /// `Unbounded` when the overlap has no end.
 pub fn plan(contact: &Contact, settings: &Settings) -> Result<Plan, Unsolved> {
     let mut steps = Vec::new();
-    let axes = Axes::of(contact, settings);
+    let axes = Axes::of(contact, settings).filter(|_| !settings.outputs.pressure);
     steps.extend(axes.map(|axes| axes.found()));
     let turned = axes.map(|axes| axes.inward(contact));
     let contact = turned.as_ref().unwrap_or(contact);

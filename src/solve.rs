@@ -34,8 +34,14 @@ pub fn solve(contact: &Contact, settings: &Settings) -> Vec<Result<Solution, Uns
         return loads.iter().map(|&load| within_memory(at(contact, load, settings, &mut similar), &mut held)).collect();
     };
     let (turned, own) = (axes.inward(contact), Axes::settings_inward(settings));
+    let mut along = None;
     let states = turned.loading().loads().iter().zip(loads).map(|(&inward, &load)| {
-        let answer = axes.outward(at(&turned, inward, &own, &mut similar), load, settings);
+        // A field is that of a grid along the user's axes, where that is good enough.
+        let upright = settings.outputs.pressure.then(|| at(contact, load, settings, &mut similar));
+        let answer = match upright {
+            Some(answer) if !answer.as_ref().is_err_and(|e| Axes::may_help(e.verdict)) => answer,
+            _ => axes.outward(at(&turned, inward, &own, &mut along), load, settings),
+        };
         within_memory(answer, &mut held)
     });
     states.collect()

@@ -12,7 +12,7 @@ use crate::grid::{Grid, Pressure};
 use crate::grid_method::domain::shape;
 use crate::numeric::geometry::Rect;
 use crate::problem::{Contact, Load, Loading, Method, Outputs, Settings};
-use crate::solution::{Patch, Solution, Unsolved};
+use crate::solution::{Patch, Solution, Unsolved, Verdict};
 
 /// Axes turned from the user's by an angle, about the user's origin.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -48,6 +48,11 @@ impl Axes {
     /// In words.
     pub fn found(&self) -> String {
         format!("solved along axes turned by {:.3} degrees, along which the gap was drawn", self.angle.to_degrees())
+    }
+
+    /// Whether a contact that was not solved along the user's axes may be along these.
+    pub fn may_help(verdict: Verdict) -> bool {
+        matches!(verdict, Verdict::ToleranceNotReached | Verdict::TimeLimit | Verdict::TooLarge)
     }
 
     /// The contact in these axes.
