@@ -249,9 +249,9 @@ impl State<'_> {
 /// The error that bounds are worked out again for: less than any that is claimed costs.
 const CLOSER: f64 = 1e-6;
 
-/// Bounds of the force that the energy of a pressure field proves, where the gap is homogeneous.
+/// Bounds of the force that the energy of a pressure field proves.
 fn energy_bounds(gap: &AnyGap, scene: &Scene, depth: f64, field: &Pressure) -> Option<[f64; 2]> {
-    let degree = gap.known().law?.degree;
+    let degree = gap.known().law.map(|law| law.degree);
     let scaled = Overlap::of(gap, depth).ok()??.scaled();
     let (units, e_star) = (scaled.units, scene.contact.modulus().e_star());
     let grid = Grid {

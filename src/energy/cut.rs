@@ -180,6 +180,18 @@ impl<'a> Cell<'a> {
         total
     }
 
+    /// Bounds of r all over a quarter, in longer sides.
+    pub fn range(&self, quarter: usize) -> [f64; 2] {
+        let pieces = self.pieces(quarter);
+        let turned = Turned::new(self, quarter, pieces.get(0));
+        let corners = turned.corners();
+        let ranges = [0, 1, 2, 3].map(|square| turned.range(square, pieces.get(square), &corners));
+        // A bound that is not a number is none.
+        let low = ranges.iter().fold(f64::INFINITY, |m, r| if r[0] >= m { m } else { r[0] });
+        let high = ranges.iter().fold(f64::NEG_INFINITY, |m, r| if r[1] <= m { m } else { r[1] });
+        [low, high]
+    }
+
     /// What the rule may miss of the integrals over a sub-square ([`MISSED`]).
     fn missed(&self, piece: &Piece) -> f64 {
         let mut c = self.expansion.polynomial;
@@ -296,8 +308,19 @@ impl<'a> Turned<'a> {
         r
     }
 
-    /// The sign of r in a sub-square: from its values on the lattice, and how far it may be from bilinear functions through them.
     fn sign(&self, square: usize, piece: &Piece, corners: &[Lane; CORNERS]) -> Sign {
+        let [low, high] = self.range(square, piece, corners);
+        if high <= 0.0 {
+            Sign::Negative
+        } else if low >= 0.0 {
+            Sign::Positive
+        } else {
+            Sign::Mixed
+        }
+    }
+
+    /// Bounds of r in a sub-square: from its values on the lattice, and how far it may be from bilinear functions through them.
+    fn range(&self, square: usize, piece: &Piece, corners: &[Lane; CORNERS]) -> [f64; 2] {
         let (rule, cell, h) = (self.rule(), self.cell, self.rule().h);
         let mut range = [f64::INFINITY, f64::NEG_INFINITY];
         let more = self.beyond_first(piece);
@@ -318,13 +341,7 @@ impl<'a> Turned<'a> {
             + singular
             + piece.taylor.most[0]
             + cell.most;
-        if range[1] + off <= 0.0 {
-            Sign::Negative
-        } else if range[0] - off >= 0.0 {
-            Sign::Positive
-        } else {
-            Sign::Mixed
-        }
+        [range[0] - off, range[1] + off]
     }
 
     /// f of a sub-square less that of the first, turned; `None` where they are the same.

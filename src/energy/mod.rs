@@ -34,6 +34,7 @@
 //! What bounds take from elsewhere: enclosures of the gap, its slopes and its means ([`crate::gap::Gap::bounds`],
 //! [`crate::gap::Gap::slopes`], [`crate::gap::Gap::mean_bounds`]), and the influence coefficients to eleven digits.
 
+mod any_gap;
 mod basis;
 mod bracket;
 mod cut;
@@ -54,5 +55,6 @@ mod whole;
 
 pub use bracket::{EnergyBracket, Padded, Trial, energy_bracket};
 pub(crate) use force::force_bounds;
+pub use force::force_bracket;
 pub use of_gap::GapOverlap;
 pub use overlap::{Interval, Jet, OverlapBounds};

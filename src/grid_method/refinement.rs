@@ -379,7 +379,7 @@ impl Refinement<'_> {
         // Displacements of the quadratic programme come from a dense matrix.
         let displacement = (self.method == Method::Fft).then_some(solution.displacement.as_slice());
         let trial = Trial { grid: &problem.grid, pressure: &solution.pressure, displacement };
-        force_bounds(self.scaled, degree, &trial, self.settings.tolerance)
+        force_bounds(self.scaled, Some(degree), &trial, self.settings.tolerance)
     }
 
     /// How far off the other kernel makes the force on the same grid. Values at centres err by up to 1.6 times that
