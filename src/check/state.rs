@@ -204,7 +204,8 @@ impl State<'_> {
             // With the other numbers, by the same cells.
             Verification::default()
         } else if claimed.is_of_energy() {
-            claimed.by_energy(gap, scene, self.depth, self.field.as_ref())
+            let own = claimed.above.as_ref().and_then(|above| above.pressure.as_ref());
+            claimed.by_energy(gap, scene, self.depth, own.or(self.field.as_ref()))
         } else {
             claimed.check(gap, scene, self.depth)
         };

@@ -23,9 +23,12 @@
 //! **Without m.** P is convex in the depth and 0 up to the least gap g0: P (d - g0) >= 2 U. It grows with the contact:
 //! P <= (d - g0) K(A'), K the force of a flat punch on A' at unit depth.
 //!
+//! Where f is smooth another way is often the better one ([`dilation`]); what both leave is the answer.
+//!
 //! m comes from a solve on the cells in contact ([`crate::matrix_free::growth`]); a poor one widens the bounds, no more.
 
 use super::bracket::{Trial, evened, lower};
+use super::dilation;
 use super::extension::Extension;
 use super::field::{COEFFICIENTS, Field};
 use super::of_gap::GapOverlap;
@@ -46,12 +49,19 @@ const RING: f64 = 2.5;
 
 /// Bounds of the force (E* = 1) of any gap at this depth, by a pressure on a grid; `None` where none can be had.
 /// `above_least`: the depth above what the gap is nowhere less than.
-pub(super) fn bounds(overlap: &GapOverlap, above_least: f64, trial: &Trial) -> Option<[f64; 2]> {
+/// Bounds no wider than `enough`, relative to the force, are not made narrower.
+pub(super) fn bounds(overlap: &GapOverlap, above_least: f64, trial: &Trial, enough: f64) -> Option<[f64; 2]> {
     let known = [trial.displacement.is_some(), false];
-    known.into_iter().find_map(|known| by_trial(overlap, above_least, trial, known))
+    known.into_iter().find_map(|known| by_trial(overlap, above_least, trial, known, enough))
 }
 
-fn by_trial(overlap: &GapOverlap, above_least: f64, trial: &Trial, known: bool) -> Option<[f64; 2]> {
+fn by_trial(
+    overlap: &GapOverlap,
+    above_least: f64,
+    trial: &Trial,
+    known: bool,
+    enough: f64,
+) -> Option<[f64; 2]> {
     let (field, halves) = trial.field(overlap, known)?;
     let residual = Residual { field: &field, overlap, halves };
     let mut means = vec![[0.0; 2]; field.grid.len()];
@@ -67,13 +77,15 @@ fn by_trial(overlap: &GapOverlap, above_least: f64, trial: &Trial, known: bool) 
     }
     // The contact alone, with all that may touch.
     let touch = residual.may_touch(residual.deepest_dip(&dips))?;
+    let dilated = dilation::bounds(&residual, &touch, below, gamma);
+    if let Some([low, high]) = dilated.filter(|[low, high]| high - low <= enough * high) {
+        return Some([low, high]);
+    }
     let cut = Cut::around(&field, &touch, halves);
     let contact = Contact { residual: &residual, means, cut, of_residual, gamma };
-    let flat = contact.flat()?;
-    let at_least = contact.below(&flat)?.max(2.0 * below / above_least * (1.0 - ROUNDING));
-    let [from_below, from_above] = contact.above(&flat, &touch, above_least)?;
-    let found = [at_least.max(from_below), from_above];
-    (found[0] <= found[1]).then_some(found)
+    let any = contact.bounds(&touch, 2.0 * below / above_least * (1.0 - ROUNDING), above_least);
+    let both = [dilated, any].into_iter().flatten().reduce(|a, b| [a[0].max(b[0]), a[1].min(b[1])])?;
+    (both[0] <= both[1]).then_some(both)
 }
 
 /// What a few products change a bound by.
@@ -147,6 +159,14 @@ const ONE: Plane = Plane { level: 1.0, slope: [0.0; 2] };
 impl Contact<'_> {
     fn field(&self) -> &Field {
         self.residual.field
+    }
+
+    /// (4) and (5); `at_least` and the flat punch are bounds besides.
+    fn bounds(&self, touch: &[Quarter], at_least: f64, above_least: f64) -> Option<[f64; 2]> {
+        let flat = self.flat()?;
+        let below = self.below(&flat)?.max(at_least);
+        let [from_below, from_above] = self.above(&flat, touch, above_least)?;
+        Some([below.max(from_below), from_above])
     }
 
     /// Pressures on the cells of the cut.

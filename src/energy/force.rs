@@ -37,14 +37,14 @@ const ROUNDING: f64 = 1e-13;
 pub fn force_bracket(gap: &AnyGap, depth: f64, trial: &Trial) -> Option<[f64; 2]> {
     let law = gap.known().law.filter(|law| law.degree != Degree::Flat);
     let above_lowest = law.map_or(f64::NAN, |law| depth - law.lowest);
-    bounds(&GapOverlap::new(gap, depth), law.map(|law| law.degree), above_lowest, depth - gap.known().floor, trial)
+    bounds(&GapOverlap::new(gap, depth), law.map(|law| law.degree), above_lowest, depth - gap.known().floor, trial, 0.0)
 }
 
 /// Bounds of the force (E* = 1) by a pressure on a grid; `None` where none can be had. For a gap of this degree, or for any gap; wide
 /// by a share of `tolerance` at least.
 pub(crate) fn force_bounds(scaled: &Scaled, degree: Option<Degree>, trial: &Trial, tolerance: f64) -> Option<[f64; 2]> {
     let overlap = GapOverlap::of(scaled, OPEN * tolerance);
-    bounds(&overlap, degree, scaled.above_lowest(), scaled.depth - scaled.gap.known().floor, trial)
+    bounds(&overlap, degree, scaled.above_lowest(), scaled.depth - scaled.gap.known().floor, trial, tolerance)
 }
 
 fn bounds(
@@ -53,6 +53,7 @@ fn bounds(
     above_lowest: f64,
     above_least: f64,
     trial: &Trial,
+    enough: f64,
 ) -> Option<[f64; 2]> {
     let longer = trial.grid.shape[0].max(trial.grid.shape[1]);
     let mut around = PADDING.iter().map(|part| trial.padded(longer.div_ceil(*part)));
@@ -61,8 +62,8 @@ fn bounds(
         None if !overlap.is_certain() || !is_positive(trial) => return None,
         None => {
             let above_least = above_least * (1.0 + ROUNDING);
-            let found = any_gap::bounds(overlap, above_least, trial);
-            found.or_else(|| around.find_map(|padded| any_gap::bounds(overlap, above_least, &padded.trial())))?
+            let found = any_gap::bounds(overlap, above_least, trial, enough);
+            found.or_else(|| around.find_map(|padded| any_gap::bounds(overlap, above_least, &padded.trial(), enough)))?
         }
         Some(degree) => {
             let around = around.map(|padded| energy_bracket(overlap, &padded.trial()));

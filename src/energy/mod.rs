@@ -38,6 +38,7 @@ mod any_gap;
 mod basis;
 mod bracket;
 mod cut;
+mod dilation;
 mod expansion;
 mod extension;
 mod field;
