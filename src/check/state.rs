@@ -1,7 +1,7 @@
 //! The check of one state of a result.
 
 use super::result::{Bounds, State};
-use super::{Claim, Verification, bounds, close};
+use super::{Claim, Verification, bounds, close, energy};
 use crate::bracket::{self, DepthBracket};
 use crate::energy::{Trial, force_bounds};
 use crate::error::InputError;
@@ -308,6 +308,15 @@ impl Bounds {
             holds,
             format!("the bracket [{:e}, {:e}]: the energy of the field proves {own:?}", self.lower, self.upper),
         );
+        if let Some([below, above]) = field.and_then(|field| energy::ends(gap, scene.contact.modulus(), depth, field)) {
+            found.require(
+                self.lower <= below && self.upper >= above,
+                format!(
+                    "the bracket [{:e}, {:e}] is no narrower than sums show: [{below:e}, {above:e}]",
+                    self.lower, self.upper
+                ),
+            );
+        }
         found
     }
 

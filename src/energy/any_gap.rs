@@ -55,15 +55,12 @@ pub(super) fn bounds(overlap: &GapOverlap, above_least: f64, trial: &Trial, enou
     known.into_iter().find_map(|known| by_trial(overlap, above_least, trial, known, enough))
 }
 
-fn by_trial(
-    overlap: &GapOverlap,
-    above_least: f64,
-    trial: &Trial,
-    known: bool,
-    enough: f64,
-) -> Option<[f64; 2]> {
+fn by_trial(overlap: &GapOverlap, above_least: f64, trial: &Trial, known: bool, enough: f64) -> Option<[f64; 2]> {
     let (field, halves) = trial.field(overlap, known)?;
     let residual = Residual { field: &field, overlap, halves };
+    if enough > 0.0 && is_rough(&residual) {
+        return None;
+    }
     let mut means = vec![[0.0; 2]; field.grid.len()];
     let [below, open] = lower(&residual, |i, j, mean| {
         images([i, j], field.grid.shape, halves).for_each(|k| means[k] = mean);
@@ -86,6 +83,27 @@ fn by_trial(
     let any = contact.bounds(&touch, 2.0 * below / above_least * (1.0 - ROUNDING), above_least);
     let both = [dilated, any].into_iter().flatten().reduce(|a, b| [a[0].max(b[0]), a[1].min(b[1])])?;
     (both[0] <= both[1]).then_some(both)
+}
+
+/// Cells that are looked at for kinks.
+const LOOKED_AT: usize = 64;
+
+/// Share of cells with kinks from which on bounds are too wide to be worth their time.
+const KINKED: f64 = 0.4;
+
+/// Whether f has kinks in so many cells under pressure that little can be shown.
+fn is_rough(residual: &Residual) -> bool {
+    let field = residual.field;
+    let [nx, ny] = field.grid.shape;
+    let loaded: Vec<usize> =
+        (0..nx * ny).filter(|k| field.pressure((k % nx) as isize, (k / nx) as isize) > 0.0).collect();
+    let step = loaded.len().div_ceil(LOOKED_AT).max(1);
+    let looked_at = || loaded.iter().step_by(step);
+    let kinked = looked_at().filter(|k| {
+        let rect = residual.rect((*k % nx) as isize, (*k / nx) as isize);
+        residual.overlap.jet(&rect).is_none()
+    });
+    kinked.count() as f64 > KINKED * looked_at().count() as f64
 }
 
 /// What a few products change a bound by.
@@ -171,7 +189,10 @@ impl Contact<'_> {
 
     /// Pressures on the cells of the cut.
     fn pressure(&self) -> Vec<f64> {
-        (0..self.cut.shape[0] * self.cut.shape[1]).map(|k| self.cut.cell(k)).map(|[i, j]| self.field().pressure(i, j)).collect()
+        (0..self.cut.shape[0] * self.cut.shape[1])
+            .map(|k| self.cut.cell(k))
+            .map(|[i, j]| self.field().pressure(i, j))
+            .collect()
     }
 
     /// P_h + <r, m>, from below and from above.
@@ -246,7 +267,8 @@ impl Contact<'_> {
         let cut = |m: &[f64]| -> Vec<f64> { m.iter().zip(&p).map(|(m, p)| m.clamp(0.0, tau * p)).collect() };
         let mut m = cut(flat);
         // What was cut off is made good by the cells that are not.
-        let kept: Vec<f64> = flat.iter().zip(&p).map(|(m, p)| if *p > 0.0 && *m < tau * p { 1.0 } else { 0.0 }).collect();
+        let kept: Vec<f64> =
+            flat.iter().zip(&p).map(|(m, p)| if *p > 0.0 && *m < tau * p { 1.0 } else { 0.0 }).collect();
         if kept.iter().zip(&p).any(|(kept, p)| *kept == 0.0 && *p > 0.0) {
             let field = Field::new(&self.cut.grid(&self.field().grid), &m)?;
             let [nx, ny] = self.cut.shape;

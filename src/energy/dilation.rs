@@ -28,8 +28,8 @@ const SAMPLES: usize = 256;
 /// Rectangles a side of what w differs from 0 in.
 const LATTICE: usize = 24;
 
-/// How far w goes on beyond the contact, in its half axes: the first that f is smooth in.
-const BEYOND: [f64; 3] = [0.3, 0.1, 0.03];
+/// How far w goes on beyond the contact, in its half axes: the best of these counts.
+const BEYOND: [f64; 3] = [0.25, 0.08, 0.025];
 
 /// What a few hundred products and sums may change a bound by, relative to the size of what is added.
 const ROUNDING: f64 = 1e-12;
@@ -158,7 +158,8 @@ impl Moved {
             let p = p * residual.images(i, j);
             // Over the cell x and y have the mean 0 and mean sizes a/2, b/2, their squares a^2/3, b^2/3, and |xy| has a b/4.
             let bend = (middle(hessian[0]) * a * a + middle(hessian[2]) * b * b) / 3.0;
-            let terms = [middle(value), v[0] * middle(gradient[0]), v[1] * middle(gradient[1]), (0.5 - self.alpha) * bend];
+            let terms =
+                [middle(value), v[0] * middle(gradient[0]), v[1] * middle(gradient[1]), (0.5 - self.alpha) * bend];
             let in_doubt = hessian.map(half);
             let quadratic = (in_doubt[0] * a * a + in_doubt[2] * b * b) / 3.0 + 0.5 * a * b * in_doubt[1];
             let odd = 0.5 * a * (v[0].abs() * in_doubt[0] + v[1].abs() * in_doubt[1])
@@ -177,7 +178,7 @@ impl Moved {
 
     /// Bound of a(w, w) <= |w| |grad w|/2 for w = chi phi, chi = 1 in an ellipse and 0 outside a larger one.
     fn energy(&self, overlap: &dyn OverlapBounds, around: &Ellipse) -> Option<f64> {
-        BEYOND.into_iter().find_map(|beyond| self.energy_within(overlap, around, beyond))
+        BEYOND.into_iter().filter_map(|beyond| self.energy_within(overlap, around, beyond)).reduce(f64::min)
     }
 
     fn energy_within(&self, overlap: &dyn OverlapBounds, around: &Ellipse, beyond: f64) -> Option<f64> {
@@ -210,7 +211,8 @@ impl Moved {
         let ([w, h], v) = (rect.size(), self.at(rect));
         let (a, b) = (0.5 * w, 0.5 * h);
         let centre = middle(value) + v[0] * middle(gradient[0]) + v[1] * middle(gradient[1]) - self.kappa;
-        let rounding = ROUNDING * (most(value) + v[0].abs() * most(gradient[0]) + v[1].abs() * most(gradient[1]) + self.kappa);
+        let rounding =
+            ROUNDING * (most(value) + v[0].abs() * most(gradient[0]) + v[1].abs() * most(gradient[1]) + self.kappa);
         let off = half(value) + v[0].abs() * half(gradient[0]) + v[1].abs() * half(gradient[1]) + rounding;
         // The slopes in the middle by sign, and what they may be besides.
         let [xx, xy, yy] = hessian;
@@ -222,8 +224,7 @@ impl Moved {
             let turn = |h: Interval| (own - self.alpha).abs() * most(h) + (own.abs() + self.alpha.abs()) * half(h);
             (at_centre.abs(), doubt, turn(p) * a + turn(q) * b)
         };
-        let ((sx, dx, ax), (sy, dy, ay)) =
-            (straight(gradient[0], xx, xy), straight(gradient[1], xy, yy));
+        let ((sx, dx, ax), (sy, dy, ay)) = (straight(gradient[0], xx, xy), straight(gradient[1], xy, yy));
         let steep = [sx + dx + ax, sy + dy + ay].map(|s| s * (1.0 + ROUNDING));
         let phi = centre.abs() + off + steep[0] * a + steep[1] * b;
         Some([phi, steep[0].hypot(steep[1]) * (1.0 + ROUNDING)])

@@ -63,7 +63,8 @@ fn bounds(
         None => {
             let above_least = above_least * (1.0 + ROUNDING);
             let found = any_gap::bounds(overlap, above_least, trial, enough);
-            found.or_else(|| around.find_map(|padded| any_gap::bounds(overlap, above_least, &padded.trial(), enough)))?
+            found
+                .or_else(|| around.find_map(|padded| any_gap::bounds(overlap, above_least, &padded.trial(), enough)))?
         }
         Some(degree) => {
             let around = around.map(|padded| energy_bracket(overlap, &padded.trial()));

@@ -27,6 +27,11 @@ pub trait OverlapBounds {
         true
     }
 
+    /// Whether a displacement has to lie above f where there is material.
+    fn binds(&self) -> bool {
+        true
+    }
+
     /// A rectangle outside which f <= 0 or no material is, for certain; `None` where no end is known.
     fn reach(&self) -> Option<Rect>;
 
@@ -181,7 +186,7 @@ impl OverlapBounds for Plane {
         self.around(rect.centre())
     }
 
-    fn material(&self, _rect: &Rect) -> bool {
+    fn binds(&self) -> bool {
         false
     }
 

@@ -108,10 +108,7 @@ impl Residual<'_> {
                 let lanes = LANES.min(count - start);
                 let wanted = |k: usize| {
                     let i = first + k as isize;
-                    k < lanes
-                        && !loaded(i, j)
-                        && (0..4).any(|q| !known(i, j, q))
-                        && overlap.material(&self.rect(i, j))
+                    k < lanes && !loaded(i, j) && (0..4).any(|q| !known(i, j, q)) && overlap.material(&self.rect(i, j))
                 };
                 if !(0..lanes).any(wanted) {
                     continue;
@@ -196,7 +193,9 @@ impl Residual<'_> {
                 let mut deepest = dips.is_some().then_some([f64::INFINITY; LANES]);
                 let found = self.lanes(set, i, j, lanes, &mut room, deepest.as_mut());
                 if let (Some(dips), Some(deepest)) = (&mut dips, deepest) {
-                    for (k, dip) in deepest.into_iter().enumerate().take(lanes).filter(|(k, _)| set.whole(i + *k as isize, j)) {
+                    for (k, dip) in
+                        deepest.into_iter().enumerate().take(lanes).filter(|(k, _)| set.whole(i + *k as isize, j))
+                    {
                         dips[j as usize * shape[0] + (i + k as isize) as usize] = dip * field.scale;
                     }
                 }

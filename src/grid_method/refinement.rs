@@ -319,7 +319,8 @@ impl Refinement<'_> {
             }
             // What stops the next grid leaves the estimate.
             let estimated = error.max((found.force - value).abs());
-            let found = Refined { error: if found.proved.is_some() { estimated.min(found.error) } else { error }, ..found };
+            let found =
+                Refined { error: if found.proved.is_some() { estimated.min(found.error) } else { error }, ..found };
             if too_far {
                 return Ok(Some(found));
             }
@@ -392,6 +393,10 @@ impl Refinement<'_> {
     fn proved(&self, state: &GridState) -> Option<[f64; 2]> {
         let degree = self.provable()?;
         let GridState { problem, solution, .. } = state;
+        let [nx, ny] = problem.grid.shape;
+        if degree.is_none() && (nx.max(ny) > FINEST_PROVED || self.settings.deadline.check().is_err()) {
+            return None;
+        }
         // Displacements of the quadratic programme come from a dense matrix.
         let displacement = (self.method == Method::Fft).then_some(solution.displacement.as_slice());
         let trial = Trial { grid: &problem.grid, pressure: &solution.pressure, displacement };

@@ -176,9 +176,8 @@ impl ForceBracket {
     /// The same by a pressure that is not the solution's own.
     pub(crate) fn of_pressure(bounds: [f64; 2], pressure: &Pressure) -> Self {
         let mut bracket = Self::of_energy(bounds);
-        for side in [&mut bracket.lower, &mut bracket.upper] {
-            side.pressure = Some(pressure.clone());
-        }
+        // One field proves both sides.
+        bracket.upper.pressure = Some(pressure.clone());
         bracket
     }
 
