@@ -19,6 +19,9 @@ const HARD: f64 = 0.1;
 /// Points of a boundary at which slopes are looked at.
 const LOOKS: usize = 128;
 
+/// Of the way from its middle to the line: a gap may end there.
+const ON_LINE: f64 = 1.0 - 1e-6;
+
 impl Validity {
     /// Of a patch with these boundaries under a force, the gap that of the contact without tilt.
     pub(crate) fn of(contact: &Contact, boundary: &[Vec<[f64; 2]>], area: f64, force: f64) -> Option<Self> {
@@ -26,11 +29,23 @@ impl Validity {
         let points: usize = boundary.iter().map(Vec::len).sum();
         let every = points.div_ceil(LOOKS).max(1);
         let mut slope = 0.0_f64;
+        let known = gap.known();
+        // The slope of a quadratic form is largest on the line.
+        let shares: &[f64] = if known.quadratic.is_some() { &[ON_LINE] } else { &[ON_LINE, 0.5] };
         for line in boundary.iter().filter(|line| !line.is_empty()) {
             let middle = centroid(line);
+            // Around an axis of revolution the farthest point stands for all.
+            let round = known.axis.is_some_and(|axis| {
+                let off = [0, 1].map(|m| middle[m] - axis.at[m]);
+                off[0].hypot(off[1]) <= 1e-9 * area.sqrt()
+            });
+            let distance = |p: &&[f64; 2]| (p[0] - middle[0]).hypot(p[1] - middle[1]);
+            let farthest = || line.iter().max_by(|p, q| distance(p).total_cmp(&distance(q))).copied();
+            let looks: Vec<[f64; 2]> =
+                if round { farthest().into_iter().collect() } else { line.iter().step_by(every).copied().collect() };
             // On a line, and half way to its middle.
-            for point in line.iter().step_by(every) {
-                for share in [1.0 - 1e-6, 0.5] {
+            for point in looks {
+                for &share in shares {
                     let at = [0, 1].map(|m| middle[m] + share * (point[m] - middle[m]));
                     slope = slope.max(steepness(gap, at, 1e-6 * area.sqrt()).unwrap_or(0.0));
                 }

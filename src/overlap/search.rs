@@ -8,6 +8,12 @@ use crate::numeric::geometry::Rect;
 /// A ray that stays inside for so many times the shortest one is taken to have no end.
 const LONGEST: f64 = 1e12;
 
+/// A seed whose rays are so unequal in length lies at an edge.
+const AT_EDGE: f64 = 1e6;
+
+/// How often a seed at an edge is moved away from it.
+const RECENTRINGS: usize = 4;
+
 /// Rays from a seed, before the peaks between them are refined.
 const RAYS: usize = 48;
 
@@ -197,13 +203,18 @@ fn border_seed(gap: &dyn Fn(f64, f64) -> f64, depth: f64, rect: &Rect) -> Option
 
 /// The rectangle around the piece of contact that holds `seed`, as far as rays from it see; `None` without an end.
 fn piece(inside: &dyn Fn([f64; 2]) -> bool, seed: [f64; 2]) -> Option<Rect> {
-    let size = |r: f64| along(seed, 0.1, r) != seed;
-    // The nearest edge sets the scale; look for it over all magnitudes along a few rays.
-    let nearest = spread(7)
-        .filter_map(|angle| magnitudes(seed, 2).filter(|&r| size(r)).find(|&r| !inside(along(seed, angle, r))))
-        .fold(f64::INFINITY, f64::min);
-    if nearest == f64::INFINITY {
-        return None;
+    // The nearest edge sets the scale: seen from a point just inside of it that would be its distance from the edge.
+    let mut seed = seed;
+    let mut nearest = f64::INFINITY;
+    for _ in 0..RECENTRINGS {
+        let exits = first_exits(inside, seed);
+        nearest = exits.iter().map(|exit| exit.1).fold(f64::INFINITY, f64::min);
+        let Some(&(angle, farthest)) = exits.iter().max_by(|a, b| a.1.total_cmp(&b.1)) else { return None };
+        let middle = along(seed, angle, 0.5 * farthest);
+        if farthest <= AT_EDGE * nearest || !inside(middle) {
+            break;
+        }
+        seed = middle;
     }
     let exit = |angle: f64| leave(|r| inside(along(seed, angle, r)), nearest);
     let radii: Vec<(f64, f64)> = spread(RAYS).map(|angle| (angle, exit(angle))).collect();
@@ -241,6 +252,13 @@ fn piece(inside: &dyn Fn([f64; 2]) -> bool, seed: [f64; 2]) -> Option<Rect> {
     let slack = |side: f64, other: f64| MARGIN * side + 1e-9 * other;
     let grown = Rect::around(rect.centre(), [0.5 * w + slack(w, h), 0.5 * h + slack(h, w)]);
     Some(grown)
+}
+
+/// The first place outside along a few rays over all magnitudes, where there is one: angle and distance.
+fn first_exits(inside: &dyn Fn([f64; 2]) -> bool, from: [f64; 2]) -> Vec<(f64, f64)> {
+    let moves = |r: f64| along(from, 0.1, r) != from;
+    let exit = |angle: f64| magnitudes(from, 2).filter(|&r| moves(r)).find(|&r| !inside(along(from, angle, r)));
+    spread(7).filter_map(|angle| exit(angle).map(|r| (angle, r))).collect()
 }
 
 /// The distance at which a ray leaves, to 1e-7: doubled or halved from `guess`, then bisected.
@@ -298,6 +316,18 @@ mod tests {
     fn ellipse(a: f64, b: f64, turn: f64) -> [f64; 2] {
         let (sin, cos) = turn.sin_cos();
         [(a * cos).hypot(b * sin), (a * sin).hypot(b * cos)]
+    }
+
+    /// The origin lies on the edge of the overlap: the first place inside that is seen from it is 1e-16 away.
+    #[test]
+    fn a_search_that_starts_at_an_edge() {
+        let gap = |x: f64, y: f64| ((x - 1.0).powi(2) + y * y).min(0.3 + (x + 1.5).powi(2) + y * y);
+        for depth in [1.0 - 1e-12, 1.0, 1.0 + 1e-12] {
+            let Reach::Within(found) = search(&gap, depth, [0.0; 2]) else { panic!("without an end at {depth}") };
+            let exact = Rect { min: [-1.5 - 0.7f64.sqrt(), -1.0], max: [2.0, 1.0] };
+            let room = exact.scaled(1.01);
+            assert!(within(&exact, &found) && within(&found, &room), "{found:?} at {depth}");
+        }
     }
 
     #[test]
