@@ -78,12 +78,29 @@ fn by_trial(overlap: &GapOverlap, above_least: f64, trial: &Trial, known: bool, 
     if let Some([low, high]) = dilated.filter(|[low, high]| high - low <= enough * high) {
         return Some([low, high]);
     }
+    if enough > 0.0 && !is_hopeful(&residual, &touch, gamma, below / above_least, enough) {
+        return dilated;
+    }
     let cut = Cut::around(&field, &touch, halves);
     let contact = Contact { residual: &residual, means, cut, of_residual, gamma };
     let any = contact.bounds(&touch, 2.0 * below / above_least * (1.0 - ROUNDING), above_least);
     let both = [dilated, any].into_iter().flatten().reduce(|a, b| [a[0].max(b[0]), a[1].min(b[1])])?;
     (both[0] <= both[1]).then_some(both)
 }
+
+/// Whether (5) may leave no more than what is enough, or a few times that: by the punch of a disc of the area of the contact. `force`: the
+/// energy over the depth, between 1/3 and 1/2 of it.
+fn is_hopeful(residual: &Residual, touch: &[Quarter], gamma: f64, force: f64, enough: f64) -> bool {
+    let field = residual.field;
+    let [nx, ny] = field.grid.shape;
+    let loaded = (0..nx * ny).filter(|k| field.pressure((k % nx) as isize, (k / nx) as isize) > 0.0).count() as f64;
+    let ring = touch.iter().map(|q| 0.25 * residual.images(q.0, q.1)).sum::<f64>() / loaded;
+    let punch = 2.0 * (loaded * field.grid.cell_area() / std::f64::consts::PI).sqrt();
+    (2.0 * gamma * RING * ring * punch).sqrt() <= HOPE * enough * 2.5 * force
+}
+
+/// How many times as wide as enough bounds may be expected to be and still be looked for.
+const HOPE: f64 = 3.0;
 
 /// Cells that are looked at for kinks.
 const LOOKED_AT: usize = 64;

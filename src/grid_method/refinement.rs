@@ -7,7 +7,7 @@ use super::sharp_edges::{self, CutCells, Edge};
 use super::single_grid::{GridOptions, GridState, laid, other_kernel};
 use super::unresolved;
 use crate::energy::{Trial, force_bounds};
-use crate::gap::{Degree, Gap, Law};
+use crate::gap::{AnyGap, Degree, Gap, Law};
 use crate::grid::{Grid, Kernel};
 use crate::numeric::geometry::Rect;
 use crate::overlap::Scaled;
@@ -42,9 +42,6 @@ const AT_EDGES_AS_GIVEN: f64 = 2.0;
 
 /// Cells along the longer side from which on an estimate stands where no bounds were had: coarser grids may agree by chance.
 const FINE_ENOUGH: usize = 80;
-
-/// The same for gaps without a law, whose bounds take a few solves more.
-const FINEST_OF_ANY: usize = 256;
 
 /// Cells along the longer side up to which grids are refined for narrower bounds, once the estimate is good enough.
 const FINEST_PROVED: usize = 512;
@@ -126,6 +123,12 @@ const ON_LINE: f64 = 1e-6;
 /// Share of their distance by which bounds of any gap are claimed wider than they were found: whoever works them out again solves the flat
 /// punches to other digits.
 const REPEATABLE: f64 = 5e-3;
+
+/// Whether bounds of a gap without a law cost about a solve: where mirrors make a quarter of their work enough. Of others they come with a
+/// bracket that is asked for.
+pub(crate) fn is_cheap(gap: &AnyGap) -> bool {
+    gap.known().mirrors == [true; 2]
+}
 
 /// Bounds of the force by the pressure of a grid, as they are stated.
 pub(crate) fn claimed(scaled: &Scaled, degree: Option<Degree>, trial: &Trial, tolerance: f64) -> Option<[f64; 2]> {
@@ -319,8 +322,9 @@ impl Refinement<'_> {
             let found = proved.map_or_else(|| found.clone(), |bounds| found.clone().within(bounds));
             // Bounds narrow as the square of the cell at least: no further than where they will be narrow enough.
             let finer = (found.error / (tolerance * found.force)).sqrt();
-            let most = if self.law.is_some() { FINEST_PROVED } else { FINEST_OF_ANY };
-            let too_far = !(cells as f64 * finer <= most as f64) || found.proved.is_none();
+            // Without a law bounds take a few solves more: a grid of their own would not be worth it.
+            let too_far =
+                !(cells as f64 * finer <= FINEST_PROVED as f64) || found.proved.is_none() || self.law.is_none();
             if found.is_within(tolerance) && found.proved.is_some() {
                 return Ok(Some(found));
             }
@@ -393,7 +397,8 @@ impl Refinement<'_> {
     fn provable(&self) -> Option<Option<Degree>> {
         let degree = self.law.map(|(degree, _)| degree);
         let wanted = self.settings.evidence == ErrorBar::Proof && self.settings.kernel == Kernel::Galerkin;
-        (wanted && degree != Some(Degree::Flat) && self.scaled.certain).then_some(degree)
+        let possible = degree.is_some() || self.scaled.certain && is_cheap(&self.scaled.gap);
+        (wanted && degree != Some(Degree::Flat) && possible).then_some(degree)
     }
 
     /// Proved bounds of the force from the energy of a grid ([`force_bounds`]); `None` where they are not asked for, or none can be had.
