@@ -185,5 +185,6 @@ fn at_force(
         }
     }
     let mut engine = Engine::new(contact, settings, false);
-    equilibrium::under_force(&mut engine, force, least, guess, |method| close(settings, method))
+    let state = equilibrium::under_force(&mut engine, force, least, guess, |method| close(settings, method))?;
+    Ok(engine.proved(state))
 }

@@ -114,9 +114,33 @@ fn a_prescribed_force_and_a_list_keep_the_proof() {
 }
 
 #[test]
-fn a_ball_is_not_homogeneous_and_its_error_is_an_estimate() {
-    let contact = Contact::new(unit(), Sphere::new(2.0).unwrap(), Loading::depth(0.5)).unwrap();
+fn a_ball_has_no_law_and_is_proved_all_the_same() {
+    let exact = contact_patch::closed_form::Sphere::new(unit(), 2.0).unwrap();
+    let ball = |loading: Loading| {
+        let gap = AnyGap::from(&Sphere::new(2.0).unwrap()).placed([0.3, -0.1], 0.7).unwrap();
+        let contact = Contact::new(unit(), gap, loading).unwrap();
+        solve(&contact, &Settings { method: Method::Fft, ..Settings::default() }).remove(0).unwrap()
+    };
+    for depth in [0.02, 0.05, 0.1] {
+        let (state, truth) = (ball(Loading::depth(depth)), exact.at_depth(depth).unwrap().force);
+        assert_eq!(state.evidence(), ForceEvidence::Proved, "{depth}");
+        let bracket = state.bracket.as_ref().unwrap();
+        assert!(bracket.contains(truth) && bracket.contains(state.force), "{depth}");
+        assert!((state.force / truth - 1.0).abs() <= state.force_error.unwrap());
+        // Under that force the depth is proved.
+        let state = ball(Loading::force(truth));
+        assert_eq!(state.evidence(), ForceEvidence::Proved, "{depth}");
+        let bounds = state.depth_bracket.unwrap();
+        assert!(bounds.lower() <= depth && depth <= bounds.upper().unwrap());
+        assert!((state.depth / depth - 1.0).abs() <= state.depth_error.unwrap());
+    }
+}
+
+#[test]
+fn a_closure_states_an_estimate() {
+    let gap = AnyGap::new(|x: f64, y: f64| 0.5 * (x * x + y * y));
+    let contact = Contact::new(unit(), gap, Loading::depth(1.0)).unwrap();
     let state = solve(&contact, &Settings { method: Method::Fft, ..Settings::default() }).remove(0).unwrap();
     assert_eq!(state.evidence(), ForceEvidence::Estimated);
-    assert!(state.bracket.is_none());
+    assert!(state.bracket.is_none() && (state.force / (4.0 / 3.0) - 1.0).abs() <= state.force_error.unwrap());
 }

@@ -3,13 +3,15 @@
 use super::approximate::approximate_before;
 use crate::bracket::{self, BracketSettings, DepthBracket, Evidence, ForceBracket};
 use crate::clock::Stopwatch;
-use crate::gap::AnyGap;
-use crate::grid::{Grid, Pressure};
+use crate::energy::Trial;
+use crate::gap::{AnyGap, Degree};
+use crate::grid::{Grid, Kernel, Pressure};
 use crate::grid_method::domain::locate;
+use crate::grid_method::refinement::claimed;
 use crate::grid_method::single_grid::at_resolution;
 use crate::overlap::Overlap;
-use crate::problem::{Contact, Load, Method, Settings};
-use crate::solution::{Solution, Unsolved};
+use crate::problem::{Contact, ErrorBar, Load, Method, Settings};
+use crate::solution::{Origin, Solution, Unsolved};
 
 /// Cells along the longer side of the first and the last grid, when the scene does not say.
 const GRIDS: [usize; 2] = [64, 512];
@@ -34,12 +36,13 @@ pub(crate) fn with_bracket(
     // Half the width is what the force may err by.
     let narrow =
         |b: &mut ForceBracket| b.evidence() == Evidence::Proved && b.relative_width() <= 2.0 * settings.tolerance;
+    let before = solution.bracket.clone().filter(|_| settings.evidence == ErrorBar::Proof);
     let bracket = match (solution.bracket.take_if(narrow), settings.method) {
         (Some(narrow), _) => narrow,
         (None, Method::Ritz | Method::Fabrikant) => {
             approximate_before(&gap, contact.modulus(), solution.depth, settings.deadline)?
         }
-        (None, _) => match on_grids(contact, &gap, &mut solution, settings) {
+        (None, _) => match on_grids(contact, &gap, before, &mut solution, settings) {
             Ok(Some(bracket)) => bracket,
             Ok(None) => return Ok(solution),
             Err(e) => {
@@ -57,6 +60,16 @@ pub(crate) fn with_bracket(
         let how = if bracket.evidence() == Evidence::Proved { "is proved to lie" } else { "lies" };
         solution.remarks.push(format!("the force {how} {side} the true one, which the bracket holds"));
     }
+    // Where the bracket is as good as what was asked for, or better than the estimate, it is the error.
+    let proved = bracket.evidence() == Evidence::Proved && bracket.contains(solution.force);
+    let of_grids = matches!(solution.origin, Origin::OneGrid | Origin::ManyGrids { .. });
+    if proved && of_grids && !matches!(load, Load::Force(_) | Load::ForceMoment { .. }) {
+        let off = (bracket.upper() - solution.force).max(solution.force - bracket.lower()) / solution.force;
+        let off = off * (1.0 + 1e-12);
+        if off <= settings.tolerance || solution.force_error.is_some_and(|error| off < error) {
+            solution.force_error = Some(off);
+        }
+    }
     solution.bracket = Some(bracket);
     Ok(solution)
 }
@@ -65,6 +78,7 @@ pub(crate) fn with_bracket(
 fn on_grids(
     contact: &Contact,
     gap: &AnyGap,
+    mut best: Option<ForceBracket>,
     solution: &mut Solution,
     settings: &Settings,
 ) -> Result<Option<ForceBracket>, Unsolved> {
@@ -74,7 +88,8 @@ fn on_grids(
     let [mut cells, last] = settings.cells.map_or(GRIDS, |cells| [cells; 2]);
     let look = BracketSettings { threads: settings.threads, deadline: settings.deadline, ..BracketSettings::default() };
     let unit_pressure = contact.modulus().e_star() * scaled.units.height / scaled.units.length;
-    let mut best: Option<ForceBracket> = None;
+    let unit_force = unit_pressure * scaled.units.length.powi(2);
+    let law = gap.known().law.map(|law| law.degree);
     loop {
         let started = Stopwatch::start();
         let state = at_resolution(&scaled, &mut window, cells, settings, Method::Fft)?;
@@ -82,11 +97,27 @@ fn on_grids(
         let spacing = grid.spacing.map(|h| h * scaled.units.length);
         let grid = Grid { origin: scaled.units.outward(grid.origin), spacing, ..grid };
         let values = state.solution.pressure.iter().map(|p| p * unit_pressure).collect();
-        let found = bracket::sharp(gap, contact.modulus(), solution.depth, &Pressure { grid, values }, &look)?;
-        let seconds = started.seconds();
-        if best.as_ref().is_none_or(|b| found.relative_width() < b.relative_width()) {
-            best = Some(found);
+        let pressure = Pressure { grid, values };
+        let mut better = |found: ForceBracket| {
+            if best.as_ref().is_none_or(|b| found.relative_width() < b.relative_width()) {
+                best = Some(found);
+            }
+            best.as_ref().is_some_and(|b| b.relative_width() <= settings.tolerance)
+        };
+        let trial = Trial {
+            grid: &state.problem.grid,
+            pressure: &state.solution.pressure,
+            displacement: (settings.kernel == Kernel::Galerkin).then_some(state.solution.displacement.as_slice()),
+        };
+        // Far cheaper, and narrower but where the pressure has no bound. Who wants no proof for the error wants that of the bracket alone.
+        let wanted = settings.evidence == ErrorBar::Proof && law != Some(Degree::Flat);
+        let energy = if wanted { claimed(&scaled, law, &trial, settings.tolerance) } else { None };
+        let by_energy =
+            energy.map(|bounds| ForceBracket::of_pressure(bounds.map(|force| force * unit_force), &pressure));
+        if !by_energy.is_some_and(&mut better) {
+            better(bracket::sharp(gap, contact.modulus(), solution.depth, &pressure, &look)?);
         }
+        let seconds = started.seconds();
         let width = best.as_ref().map_or(f64::INFINITY, ForceBracket::relative_width);
         if width <= settings.tolerance {
             return Ok(best);

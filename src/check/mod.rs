@@ -21,6 +21,10 @@
 //! discretisation error that the field itself shows, which is the distance from P_h for a homogeneous gap, and else what the force
 //! changes by, to first order, when means over cells and values at centres are exchanged: no estimate from grids is closer.
 //!
+//! **Brackets.** Those of pressures that displace too much or too little are worked out by direct summation ([`bounds`]). One that is
+//! said to follow from the energy ([`crate::energy`]) has to follow from the field by the same code and, for a homogeneous gap, may not be
+//! narrower than what direct summation sees of it.
+//!
 //! A number that no check uses is named as not checked.
 
 #[cfg(feature = "scene")]
@@ -28,6 +32,8 @@ mod again;
 mod bounds;
 #[cfg(feature = "scene")]
 mod cells;
+#[cfg(feature = "scene")]
+mod energy;
 #[cfg(feature = "scene")]
 mod formula;
 #[cfg(feature = "scene")]

@@ -1,7 +1,7 @@
 //! The check of one state of a result.
 
 use super::result::{Bounds, State};
-use super::{Claim, Verification, bounds, close};
+use super::{Claim, Verification, bounds, close, energy};
 use crate::bracket::{self, DepthBracket};
 use crate::energy::{Trial, force_bounds};
 use crate::error::InputError;
@@ -204,7 +204,8 @@ impl State<'_> {
             // With the other numbers, by the same cells.
             Verification::default()
         } else if claimed.is_of_energy() {
-            claimed.by_energy(gap, scene, self.depth, self.field.as_ref())
+            let own = claimed.above.as_ref().and_then(|above| above.pressure.as_ref());
+            claimed.by_energy(gap, scene, self.depth, own.or(self.field.as_ref()))
         } else {
             claimed.check(gap, scene, self.depth)
         };
@@ -249,9 +250,9 @@ impl State<'_> {
 /// The error that bounds are worked out again for: less than any that is claimed costs.
 const CLOSER: f64 = 1e-6;
 
-/// Bounds of the force that the energy of a pressure field proves, where the gap is homogeneous.
+/// Bounds of the force that the energy of a pressure field proves.
 fn energy_bounds(gap: &AnyGap, scene: &Scene, depth: f64, field: &Pressure) -> Option<[f64; 2]> {
-    let degree = gap.known().law?.degree;
+    let degree = gap.known().law.map(|law| law.degree);
     let scaled = Overlap::of(gap, depth).ok()??.scaled();
     let (units, e_star) = (scaled.units, scene.contact.modulus().e_star());
     let grid = Grid {
@@ -307,6 +308,15 @@ impl Bounds {
             holds,
             format!("the bracket [{:e}, {:e}]: the energy of the field proves {own:?}", self.lower, self.upper),
         );
+        if let Some([below, above]) = field.and_then(|field| energy::ends(gap, scene.contact.modulus(), depth, field)) {
+            found.require(
+                self.lower <= below && self.upper >= above,
+                format!(
+                    "the bracket [{:e}, {:e}] is no narrower than sums show: [{below:e}, {above:e}]",
+                    self.lower, self.upper
+                ),
+            );
+        }
         found
     }
 

@@ -108,7 +108,7 @@ fn image(k: usize, [nx, ny]: [usize; 2], axis: usize) -> usize {
     if axis == 0 { j * nx + nx - 1 - i } else { (ny - 1 - j) * nx + i }
 }
 
-fn evened(field: &[f64], shape: [usize; 2], halves: Halves) -> Vec<f64> {
+pub(super) fn evened(field: &[f64], shape: [usize; 2], halves: Halves) -> Vec<f64> {
     let mut field = field.to_vec();
     for axis in (0..2).filter(|axis| halves[*axis]) {
         for k in 0..field.len() {
@@ -160,7 +160,7 @@ pub fn energy_bracket(overlap: &dyn OverlapBounds, trial: &Trial) -> EnergyBrack
 
 fn of_field(overlap: &dyn OverlapBounds, field: &Field, halves: Halves) -> EnergyBracket {
     let residual = Residual { field, overlap, halves };
-    let [lower, open] = lower(&residual);
+    let [lower, open] = lower(&residual, |_, _, _| {});
     let norms = residual.admissible().map(|set| residual.norms(&set));
     match norms {
         Some(norms) if norms.energy().is_finite() => {
@@ -179,8 +179,9 @@ fn shares(norms: &Norms) -> Vec<f64> {
     norms.cells.iter().map(|[gradient, value]| 0.125 * (l * gradient + value / l)).collect()
 }
 
-/// <f, p> - <p, S p>/2, rounded down, and how much less that may be than the number itself.
-fn lower(residual: &Residual) -> [f64; 2] {
+/// <f, p> - <p, S p>/2, rounded down, and how much less that may be than the number itself. Calls `seen` with the bounds of the mean of
+/// f in the cells under pressure.
+pub(super) fn lower(residual: &Residual, mut seen: impl FnMut(usize, usize, [f64; 2])) -> [f64; 2] {
     let field = residual.field;
     let grid = &field.grid;
     let [nx, ny] = grid.shape;
@@ -192,6 +193,7 @@ fn lower(residual: &Residual) -> [f64; 2] {
         for i in (first[0]..nx).filter(|i| p[*i] != 0.0) {
             let images = residual.images(i as isize, row);
             let [mean, high] = residual.overlap.mean(&residual.rect(i as isize, row));
+            seen(i, j, [mean, high]);
             let (p, u) = (images * p[i], u[i] * field.scale);
             work += p * mean;
             open += p * (high - mean);

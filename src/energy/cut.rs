@@ -64,6 +64,9 @@ pub(super) fn left_out(field: &Field) -> f64 {
 /// Share of the largest jump of the pressure that the gradient of f may be in doubt by before f is looked at more closely.
 const CLOSE: f64 = 0.02;
 
+/// The same of the largest pressure, however small the jumps.
+const NEGLIGIBLE: f64 = 1e-4;
+
 impl<'a> Cell<'a> {
     pub fn new(field: &'a Field, overlap: &'a dyn OverlapBounds, rect: Rect, expansion: Expansion) -> Self {
         let rule = &field.tables.rule;
@@ -91,20 +94,21 @@ impl<'a> Cell<'a> {
     }
 
     fn close(&self, piece: &Piece) -> bool {
-        piece.taylor.rest[1] <= CLOSE * self.largest
+        piece.taylor.rest[1] <= (CLOSE * self.largest).max(NEGLIGIBLE * self.field.strongest)
     }
 
     /// f where it is smooth.
     fn smooth(&self, rect: &Rect) -> Option<Piece> {
         let jet = self.overlap.jet(rect)?;
         let [w, h] = rect.size();
-        Some(self.piece(rect, Taylor::of(&jet, [0.5 * w, 0.5 * h])))
+        // Where f is smooth there is material.
+        Some(self.piece(rect, Taylor::of(&jet, [0.5 * w, 0.5 * h]), true))
     }
 
-    fn piece(&self, rect: &Rect, taylor: Taylor) -> Piece {
+    fn piece(&self, rect: &Rect, taylor: Taylor, material: bool) -> Piece {
         let (c, at) = (self.rect.centre(), rect.centre());
         let back = [0, 1].map(|m| (c[m] - at[m]) / self.field.scale);
-        Piece { taylor: scaled(&taylor, self.field.scale).moved(back), bound: self.overlap.material(rect) }
+        Piece { taylor: scaled(&taylor, self.field.scale).moved(back), bound: material && self.overlap.binds() }
     }
 
     /// f anywhere: the middle of its bounds.
@@ -116,7 +120,8 @@ impl<'a> Cell<'a> {
         let rest = [0.5 * (high - low), open[0].hypot(open[1])];
         let mut terms = [0.0; 10];
         (terms[0], terms[1], terms[2]) = (0.5 * (low + high), slope[0], slope[1]);
-        self.piece(rect, Taylor { terms, rest, most: rest, bend: [0.0; 2] })
+        let taylor = Taylor { terms, rest, most: rest, bend: [0.0; 2] };
+        self.piece(rect, taylor, self.overlap.material(rect))
     }
 
     /// The part of the cell from `low` to `high` of half a side in the quarter.
@@ -137,9 +142,13 @@ impl<'a> Cell<'a> {
         Pieces::Four(std::array::from_fn(|k| {
             let place = [k % 2, k / 2];
             let rect = self.part(quarter, place.map(|n| LATTICE[2 * n]), place.map(|n| LATTICE[2 * n + 2]));
+            let smooth = self.smooth(&rect);
+            if let Some(close) = smooth.filter(|piece| self.close(piece)) {
+                return close;
+            }
             // Close to a tip second derivatives have no bound, and slopes have.
             let rough = self.rough(&rect);
-            self.smooth(&rect).filter(|piece| !(piece.taylor.rest[1] > rough.taylor.rest[1])).unwrap_or(rough)
+            smooth.filter(|piece| !(piece.taylor.rest[1] > rough.taylor.rest[1])).unwrap_or(rough)
         }))
     }
 
@@ -178,6 +187,18 @@ impl<'a> Cell<'a> {
             (0..2).for_each(|m| total[m] += part[m]);
         }
         total
+    }
+
+    /// Bounds of r all over a quarter, in longer sides.
+    pub fn range(&self, quarter: usize) -> [f64; 2] {
+        let pieces = self.pieces(quarter);
+        let turned = Turned::new(self, quarter, pieces.get(0));
+        let corners = turned.corners();
+        let ranges = [0, 1, 2, 3].map(|square| turned.range(square, pieces.get(square), &corners));
+        // A bound that is not a number is none.
+        let low = ranges.iter().fold(f64::INFINITY, |m, r| if r[0] >= m { m } else { r[0] });
+        let high = ranges.iter().fold(f64::NEG_INFINITY, |m, r| if r[1] <= m { m } else { r[1] });
+        [low, high]
     }
 
     /// What the rule may miss of the integrals over a sub-square ([`MISSED`]).
@@ -296,8 +317,19 @@ impl<'a> Turned<'a> {
         r
     }
 
-    /// The sign of r in a sub-square: from its values on the lattice, and how far it may be from bilinear functions through them.
     fn sign(&self, square: usize, piece: &Piece, corners: &[Lane; CORNERS]) -> Sign {
+        let [low, high] = self.range(square, piece, corners);
+        if high <= 0.0 {
+            Sign::Negative
+        } else if low >= 0.0 {
+            Sign::Positive
+        } else {
+            Sign::Mixed
+        }
+    }
+
+    /// Bounds of r in a sub-square: from its values on the lattice, and how far it may be from bilinear functions through them.
+    fn range(&self, square: usize, piece: &Piece, corners: &[Lane; CORNERS]) -> [f64; 2] {
         let (rule, cell, h) = (self.rule(), self.cell, self.rule().h);
         let mut range = [f64::INFINITY, f64::NEG_INFINITY];
         let more = self.beyond_first(piece);
@@ -318,13 +350,7 @@ impl<'a> Turned<'a> {
             + singular
             + piece.taylor.most[0]
             + cell.most;
-        if range[1] + off <= 0.0 {
-            Sign::Negative
-        } else if range[0] - off >= 0.0 {
-            Sign::Positive
-        } else {
-            Sign::Mixed
-        }
+        [range[0] - off, range[1] + off]
     }
 
     /// f of a sub-square less that of the first, turned; `None` where they are the same.

@@ -1,8 +1,9 @@
-//! The force of a homogeneous gap from bounds of its energy: P (d - g0) = (2 + 1/k) U.
+//! The force from bounds of the energy: for a homogeneous gap P (d - g0) = (2 + 1/k) U, for any other [`any_gap`].
 
+use super::any_gap;
 use super::bracket::{Trial, energy_bracket};
 use super::of_gap::GapOverlap;
-use crate::gap::Degree;
+use crate::gap::{AnyGap, Degree};
 use crate::overlap::Scaled;
 
 /// Cells that a grid is enlarged by on each side where its contact ends too close to its border to be sure of what lies beyond: one
@@ -15,15 +16,70 @@ const OPEN: f64 = 0.02;
 /// What units and a few products change a bound by.
 const ROUNDING: f64 = 1e-13;
 
-/// Bounds of the force (E* = 1) by a pressure on a grid; `None` where none can be had. For a gap of this degree; wide by a share of
-/// `tolerance` at least.
-pub(crate) fn force_bounds(scaled: &Scaled, degree: Degree, trial: &Trial, tolerance: f64) -> Option<[f64; 2]> {
+/// Bounds of the force of a gap at a depth by a pressure on a grid, E* = 1; `None` where none can be shown.
+///
+/// By the law of a homogeneous gap, else by what holds for any gap; only what follows from how the gap is written is used.
+///
+/// ```
+/// use contact_patch::energy::{Trial, force_bracket};
+/// use contact_patch::{Discrete, Grid, Kernel, gap::{AnyGap, Sphere}, geometry::Rect, matrix_free};
+/// // A ball of radius 4 pressed by 0.5 (Sneddon): a = 1.4142..., P = 1.8907.
+/// let gap = AnyGap::from(&Sphere::new(4.0)?);
+/// let grid = Grid::over(&Rect::around([0.0; 2], [2.0; 2]), [64, 64]);
+/// let problem = Discrete::sample(&gap, 0.5, grid, Kernel::Galerkin);
+/// let solved = matrix_free::solve_nested(&problem, &matrix_free::Settings::default()).expect("solved");
+/// let trial = Trial { grid: &grid, pressure: &solved.pressure, displacement: Some(&solved.displacement) };
+/// let [lower, upper] = force_bracket(&gap, 0.5, &trial).expect("bounded");
+/// assert!(lower < upper && upper < 1.01 * lower);
+/// # Ok::<(), contact_patch::InputError>(())
+/// ```
+#[must_use]
+pub fn force_bracket(gap: &AnyGap, depth: f64, trial: &Trial) -> Option<[f64; 2]> {
+    let law = gap.known().law.filter(|law| law.degree != Degree::Flat);
+    let above_lowest = law.map_or(f64::NAN, |law| depth - law.lowest);
+    bounds(&GapOverlap::new(gap, depth), law.map(|law| law.degree), above_lowest, depth - gap.known().floor, trial, 0.0)
+}
+
+/// Bounds of the force (E* = 1) by a pressure on a grid; `None` where none can be had. For a gap of this degree, or for any gap; wide
+/// by a share of `tolerance` at least.
+pub(crate) fn force_bounds(scaled: &Scaled, degree: Option<Degree>, trial: &Trial, tolerance: f64) -> Option<[f64; 2]> {
     let overlap = GapOverlap::of(scaled, OPEN * tolerance);
+    bounds(&overlap, degree, scaled.above_lowest(), scaled.depth - scaled.gap.known().floor, trial, tolerance)
+}
+
+fn bounds(
+    overlap: &GapOverlap,
+    degree: Option<Degree>,
+    above_lowest: f64,
+    above_least: f64,
+    trial: &Trial,
+    enough: f64,
+) -> Option<[f64; 2]> {
     let longer = trial.grid.shape[0].max(trial.grid.shape[1]);
-    let around = PADDING.iter().map(|part| energy_bracket(&overlap, &trial.padded(longer.div_ceil(*part)).trial()));
-    let mut found = std::iter::once(energy_bracket(&overlap, trial)).chain(around);
-    let [lower, upper] = found.find_map(|bracket| Some(bracket.bounds()).filter(|[_, upper]| upper.is_finite()))?;
-    let per_energy = (2.0 + degree.inverse()) / scaled.above_lowest();
-    let [lower, upper] = [lower * per_energy * (1.0 - ROUNDING), upper * per_energy * (1.0 + ROUNDING)];
+    let mut around = PADDING.iter().map(|part| trial.padded(longer.div_ceil(*part)));
+    let [lower, upper] = match degree {
+        // Where it is not known that the overlap ends, samples would have to prove it.
+        None if !overlap.is_certain() || !is_positive(trial) => return None,
+        None => {
+            let above_least = above_least * (1.0 + ROUNDING);
+            let found = any_gap::bounds(overlap, above_least, trial, enough);
+            found
+                .or_else(|| around.find_map(|padded| any_gap::bounds(overlap, above_least, &padded.trial(), enough)))?
+        }
+        Some(degree) => {
+            let around = around.map(|padded| energy_bracket(overlap, &padded.trial()));
+            let mut found = std::iter::once(energy_bracket(overlap, trial)).chain(around);
+            let [lower, upper] =
+                found.find_map(|bracket| Some(bracket.bounds()).filter(|[_, upper]| upper.is_finite()))?;
+            let per_energy = (2.0 + degree.inverse()) / above_lowest;
+            [lower * per_energy * (1.0 - ROUNDING), upper * per_energy * (1.0 + ROUNDING)]
+        }
+    };
     (lower > 0.0 && upper < f64::INFINITY).then_some([lower, upper])
+}
+
+/// Whether a trial is one: no pressure negative, some positive, all numbers.
+fn is_positive(trial: &Trial) -> bool {
+    let numbers = trial.pressure.iter().all(|p| *p >= 0.0 && p.is_finite());
+    numbers && trial.pressure.len() == trial.grid.len() && trial.pressure.iter().any(|p| *p > 0.0)
 }

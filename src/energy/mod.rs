@@ -1,4 +1,4 @@
-//! A two-sided bound of the stored energy from any pressure, and through it of the force of a homogeneous gap.
+//! A two-sided bound of the stored energy from any pressure, and through it of the force.
 //!
 //! E* = 1. S takes a pressure to the displacement of the surface, f = depth - gap is the overlap, and the half-space has the energy
 //! a(v, v)/2 when its surface is displaced by v, a(v, v) = <S^-1 v, v> = min (1/2) integral of |grad Phi|^2 over z > 0 with Phi = v at
@@ -19,7 +19,8 @@
 //! the residual. Nothing is asked of p: neither that it solves the grid nor how well.
 //!
 //! **Force.** For a gap that is homogeneous of degree k about its lowest point g0, P (d - g0) = (2 + 1/k) U: the bracket of U is that
-//! of P.
+//! of P. For any other the pressure of a flat punch on the contact bounds it on both sides (`any_gap`), and where the gap is smooth a
+//! contact that is moved and dilated (`dilation`); the narrower of both counts.
 //!
 //! **How w goes on beyond the cells under pressure** decides the width: r falls like the power 3/2 of the distance there. w = chi r
 //! with chi = 1 at the cells and 0 half a cell away (`extension`); further out w = 0 takes r <= 0, which is shown: by the loads alone
@@ -34,9 +35,11 @@
 //! What bounds take from elsewhere: enclosures of the gap, its slopes and its means ([`crate::gap::Gap::bounds`],
 //! [`crate::gap::Gap::slopes`], [`crate::gap::Gap::mean_bounds`]), and the influence coefficients to eleven digits.
 
+mod any_gap;
 mod basis;
 mod bracket;
 mod cut;
+mod dilation;
 mod expansion;
 mod extension;
 mod field;
@@ -54,5 +57,6 @@ mod whole;
 
 pub use bracket::{EnergyBracket, Padded, Trial, energy_bracket};
 pub(crate) use force::force_bounds;
+pub use force::force_bracket;
 pub use of_gap::GapOverlap;
 pub use overlap::{Interval, Jet, OverlapBounds};

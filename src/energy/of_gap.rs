@@ -43,6 +43,11 @@ impl<'a> GapOverlap<'a> {
         Self { gap: &scaled.gap, depth: scaled.depth, reach, open }
     }
 
+    /// Whether it is known where the overlap ends.
+    pub(super) fn is_certain(&self) -> bool {
+        self.reach.is_some()
+    }
+
     /// Bounds of the mean of the gap; of that of its quarters where they are too far apart.
     fn mean_of_gap(&self, rect: &Rect, deeper: u32) -> [f64; 2] {
         let [low, high] = self.gap.mean_bounds(rect).unwrap_or(UNKNOWN);

@@ -27,6 +27,11 @@ pub trait OverlapBounds {
         true
     }
 
+    /// Whether a displacement has to lie above f where there is material.
+    fn binds(&self) -> bool {
+        true
+    }
+
     /// A rectangle outside which f <= 0 or no material is, for certain; `None` where no end is known.
     fn reach(&self) -> Option<Rect>;
 
@@ -145,8 +150,7 @@ impl Taylor {
     }
 }
 
-/// The plane c + a x + b y, without end.
-#[cfg(test)]
+/// The plane c + a x + b y, without end; nothing has to lie above it.
 pub(super) struct Plane {
     /// c, its value at the origin.
     pub level: f64,
@@ -154,7 +158,6 @@ pub(super) struct Plane {
     pub slope: [f64; 2],
 }
 
-#[cfg(test)]
 impl Plane {
     fn around(&self, [x, y]: [f64; 2]) -> Interval {
         let terms = [self.level, self.slope[0] * x, self.slope[1] * y];
@@ -163,7 +166,6 @@ impl Plane {
     }
 }
 
-#[cfg(test)]
 impl OverlapBounds for Plane {
     fn bounds(&self, rect: &Rect, slope: [f64; 2]) -> Interval {
         let ([low, high], [w, h]) = (self.around(rect.centre()), rect.size());
@@ -184,7 +186,52 @@ impl OverlapBounds for Plane {
         self.around(rect.centre())
     }
 
+    fn binds(&self) -> bool {
+        false
+    }
+
     fn reach(&self) -> Option<Rect> {
         None
+    }
+}
+
+/// An overlap raised by a constant.
+pub(super) struct Raised<'a> {
+    /// The overlap.
+    pub overlap: &'a dyn OverlapBounds,
+    /// The constant, not negative.
+    pub by: f64,
+}
+
+impl Raised<'_> {
+    fn raised(&self, [low, high]: Interval) -> Interval {
+        [(low + self.by).next_down(), (high + self.by).next_up()]
+    }
+}
+
+impl OverlapBounds for Raised<'_> {
+    fn bounds(&self, rect: &Rect, slope: [f64; 2]) -> Interval {
+        self.raised(self.overlap.bounds(rect, slope))
+    }
+
+    fn slopes(&self, rect: &Rect) -> [Interval; 2] {
+        self.overlap.slopes(rect)
+    }
+
+    fn jet(&self, rect: &Rect) -> Option<Jet> {
+        self.overlap.jet(rect).map(|jet| Jet { value: self.raised(jet.value), ..jet })
+    }
+
+    fn mean(&self, rect: &Rect) -> Interval {
+        self.raised(self.overlap.mean(rect))
+    }
+
+    fn material(&self, rect: &Rect) -> bool {
+        self.overlap.material(rect)
+    }
+
+    /// Of the overlap itself: where that is not positive there is no contact, raised or not.
+    fn reach(&self) -> Option<Rect> {
+        self.overlap.reach()
     }
 }

@@ -4,9 +4,10 @@
 //! seven points: three of Gauss in the inner half, four of Gauss in the root of the distance from the side in the outer half, where
 //! the slopes have a logarithm. They belong to four sub-squares.
 
-use super::basis::{DEGREES, POLYNOMIALS, legendre, slopes};
+use super::basis::{BENDS, DEGREES, POLYNOMIALS, legendre, slopes};
 use super::lane::{LANES, Lane};
-use super::touching::{TOUCHING, Touching};
+use super::tables::SINGULAR;
+use super::touching::{FIRSTS, TOUCHING, Touching};
 use crate::numeric::quadrature::GaussLegendre;
 
 /// Points along half a side.
@@ -53,6 +54,8 @@ pub(super) struct Rule {
     pub bends: [[f64; 8]; 5],
     /// Coefficients of the projection of L_j on the polynomials.
     pub projections: [[f64; POLYNOMIALS]; 8],
+    /// Bounds of the eight singular functions of the classes, [`super::tables::SINGULAR`], in the cell.
+    pub suprema: [f64; 8],
 }
 
 fn in_lanes(of: impl Fn(usize) -> f64, count: usize) -> Lane {
@@ -76,6 +79,7 @@ impl Rule {
             at_corners: [[lane; CORNERS]; 8],
             bends: [[0.0; 8]; 5],
             projections: [[0.0; POLYNOMIALS]; 8],
+            suprema: [0.0; 8],
         }
     }
 
@@ -122,7 +126,34 @@ impl Rule {
             }
             rule.bends[4][n] = bend(h, offset, [0, 0], 0.5);
         }
+        rule.suprema(projections, &at_lattice);
         rule
+    }
+
+    /// Each function has a parity: its values on the lattice of the quarter, and how far it may be from them in between.
+    fn suprema(&mut self, projections: &[[[f64; 5]; 5]; 3], at_lattice: &Touching) {
+        let q2 = (LATTICE[1] - LATTICE[0]).powi(2);
+        for class in 0..4 {
+            for (f, cell) in (FIRSTS[class]..).zip(SINGULAR[class]) {
+                let own = |a: usize, b: usize| a % 2 == class & 1 && b % 2 == class >> 1;
+                let terms = || DEGREES.into_iter().filter(|[a, b]| own(*a, *b));
+                let c = |a: usize, b: usize| projections[*cell][b][a];
+                let mut most = 0.0_f64;
+                for (y, t) in LATTICE.into_iter().enumerate() {
+                    for (x, s) in LATTICE.into_iter().enumerate() {
+                        let (p, q) = (legendre(s), legendre(t));
+                        let projection: f64 = terms().map(|[a, b]| c(a, b) * p[a] * q[b]).sum();
+                        most = most.max((at_lattice.of_class([x, y], *cell, class)[0] - projection).abs());
+                    }
+                }
+                let smooth: f64 = terms().map(|[a, b]| c(a, b).abs() * 0.125 * q2 * (BENDS[a] + BENDS[b])).sum();
+                // The mean of the images bends no more than the one that bends most.
+                let of_cell = |offset: [i32; 2]| offset.map(i32::abs) == [[1, 0], [0, 1], [1, 1]][*cell];
+                let images = TOUCHING.into_iter().enumerate().filter(|(_, offset)| of_cell(*offset));
+                let bends = images.map(|(n, _)| self.bends[..4].iter().map(|b| b[n]).fold(0.0, f64::max));
+                self.suprema[f] = most + smooth + bends.fold(0.0, f64::max);
+            }
+        }
     }
 }
 

@@ -4,9 +4,9 @@ use super::cut::{Cell, left_out, scaled};
 use super::expansion::{Expansions, Workspace};
 use super::extension::Extension;
 use super::field::{Field, RING};
-use super::lane::LANES;
+use super::lane::{LANES, Lane};
 use super::outside::{Loads, clear_beyond, near};
-use super::overlap::{OverlapBounds, Taylor};
+use super::overlap::{OverlapBounds, Raised, Taylor};
 use super::tables::MOST_SLENDER;
 use super::whole::integrals;
 use super::{basis, whole};
@@ -14,6 +14,9 @@ use crate::numeric::geometry::Rect;
 
 /// Which halves of the grid are worked out: the upper one along an axis where pressure and overlap are their own images.
 pub(super) type Halves = [bool; 2];
+
+/// A quarter of a cell: i, j and its number.
+pub(super) type Quarter = (isize, isize, usize);
 
 /// Integrals over the plane, in the units of the grid, and what each cell and what belongs to it contributes.
 #[derive(Debug, Clone)]
@@ -67,49 +70,79 @@ impl Residual<'_> {
     /// The extension with w >= f - u wherever there is material; `None` where the contact may reach beyond the grid.
     pub fn admissible(&self) -> Option<Extension> {
         let field = self.field;
+        let loaded = |i: usize, j: usize| field.pressure(i as isize, j as isize) > 0.0;
+        let mut set = Extension::of_cells(field.grid.shape, loaded);
+        let open = self.open(self.overlap, |i, j, q| set.holds(i, j, q), |_, _| false)?;
+        open.into_iter().for_each(|(i, j, quarter)| set.open(i, j, quarter));
+        Some(set)
+    }
+
+    /// The quarters of cells without pressure in which an exact pressure may act: u, less the most by which it lies above f under
+    /// pressure, is no more than the exact displacement (domination), and where that lies above f there is no contact. `dip`: that most.
+    /// `None` where they may lie beyond the grid.
+    pub fn may_touch(&self, dip: f64) -> Option<Vec<Quarter>> {
+        let raised = Raised { overlap: self.overlap, by: dip * (1.0 + 1e-12) };
+        self.open(&raised, |_, _, _| false, |cell, quarter| cell.range(quarter)[1] < 0.0)
+    }
+
+    /// Quarters of cells without pressure in which `overlap` <= u could not be shown, but for those that are known. `closer` looks at
+    /// one again, with the overlap.
+    fn open(
+        &self,
+        overlap: &dyn OverlapBounds,
+        known: impl Fn(isize, isize, usize) -> bool,
+        closer: impl Fn(&Cell, usize) -> bool,
+    ) -> Option<Vec<Quarter>> {
+        let field = self.field;
         let loads = Loads::new(field);
-        if !clear_beyond(field, self.overlap, &loads) {
+        if !clear_beyond(field, overlap, &loads) {
             return None;
         }
         let loaded = |i: isize, j: isize| field.pressure(i, j) > 0.0;
-        let mut set = Extension::of_cells(field.grid.shape, |i, j| loaded(i as isize, j as isize));
         let mut open = Vec::new();
         let mut room = Workspace::new();
         let most = left_out(field);
-        near(field, self.overlap, &loads, self.first(), loaded, |from, count, j| {
+        near(field, overlap, &loads, self.first(), loaded, |from, count, j| {
             for start in (0..count).step_by(LANES) {
                 let first = from + start as isize;
                 let lanes = LANES.min(count - start);
                 let wanted = |k: usize| {
                     let i = first + k as isize;
-                    k < lanes
-                        && !loaded(i, j)
-                        && (0..4).any(|q| !set.holds(i, j, q))
-                        && self.overlap.material(&self.rect(i, j))
+                    k < lanes && !loaded(i, j) && (0..4).any(|q| !known(i, j, q)) && overlap.material(&self.rect(i, j))
                 };
                 if !(0..lanes).any(wanted) {
                     continue;
                 }
                 let expansions = Expansions::new(field, first, j, &mut room);
-                let clear = self.clear(&expansions, first, j, most, &wanted);
+                let clear = self.clear(overlap, &expansions, [first, j], most, &wanted);
                 for k in (0..lanes).filter(|k| wanted(*k)) {
                     let i = first + k as isize;
                     if clear[k] {
                         continue;
                     }
                     let expansion = expansions.cell(field, first, j, k);
-                    let cell = Cell::new(field, self.overlap, self.rect(i, j), expansion);
-                    let beyond = (0..4).filter(|q| !set.holds(i, j, *q));
-                    open.extend(beyond.filter(|q| !cell.clear_quarter(*q)).map(|q| (i, j, q)));
+                    let cell = Cell::new(field, overlap, self.rect(i, j), expansion);
+                    let beyond = (0..4).filter(|q| !known(i, j, *q));
+                    let left: Vec<usize> = beyond.filter(|q| !cell.clear_quarter(*q)).collect();
+                    if !left.is_empty() {
+                        let cell = cell.with_overlap();
+                        open.extend(left.into_iter().filter(|q| !closer(&cell, *q)).map(|q| (i, j, q)));
+                    }
                 }
             }
         });
-        open.into_iter().for_each(|(i, j, quarter)| set.open(i, j, quarter));
-        Some(set)
+        Some(open)
     }
 
     /// Of cells side by side, those over which r <= 0 by the corners of the cell alone. (No cell that touches may be loaded.)
-    fn clear(&self, u: &Expansions, i: isize, j: isize, most: f64, wanted: &impl Fn(usize) -> bool) -> [bool; LANES] {
+    fn clear(
+        &self,
+        overlap: &dyn OverlapBounds,
+        u: &Expansions,
+        [i, j]: [isize; 2],
+        most: f64,
+        wanted: &impl Fn(usize) -> bool,
+    ) -> [bool; LANES] {
         let h = self.field.tables.h;
         let mut sums = [[0.0; LANES]; 4];
         let mut bend = [0.0; LANES];
@@ -129,7 +162,7 @@ impl Residual<'_> {
             // u at the corners is even +- x +- y +- xy.
             let [even, x, y, xy] = [0, 1, 2, 3].map(|class: usize| sums[class][k]);
             let lowest = even - xy.abs() - bend[k] - most;
-            let [_, high] = self.overlap.bounds(&self.rect(i + k as isize, j), [2.0 * x / h[0], 2.0 * y / h[1]]);
+            let [_, high] = overlap.bounds(&self.rect(i + k as isize, j), [2.0 * x / h[0], 2.0 * y / h[1]]);
             clear[k] = high / self.field.scale <= lowest;
         }
         clear
@@ -137,6 +170,11 @@ impl Residual<'_> {
 
     /// The integrals for an extension: of w = max(r, chi r).
     pub fn norms(&self, set: &Extension) -> Norms {
+        self.norms_and_dips(set, None)
+    }
+
+    /// The same, and for each loaded cell a bound of u - f in it, in the units of the grid; infinite where that has to be looked for.
+    pub fn norms_and_dips(&self, set: &Extension, mut dips: Option<&mut [f64]>) -> Norms {
         let field = self.field;
         let shape = field.grid.shape;
         let first = self.first();
@@ -152,7 +190,15 @@ impl Residual<'_> {
                     continue;
                 }
                 let lanes = LANES.min((end[0] - i) as usize);
-                let found = self.lanes(set, i, j, lanes, &mut room);
+                let mut deepest = dips.is_some().then_some([f64::INFINITY; LANES]);
+                let found = self.lanes(set, i, j, lanes, &mut room, deepest.as_mut());
+                if let (Some(dips), Some(deepest)) = (&mut dips, deepest) {
+                    for (k, dip) in
+                        deepest.into_iter().enumerate().take(lanes).filter(|(k, _)| set.whole(i + *k as isize, j))
+                    {
+                        dips[j as usize * shape[0] + (i + k as isize) as usize] = dip * field.scale;
+                    }
+                }
                 for (k, found) in found.iter().enumerate().take(lanes) {
                     let images = self.images(i + k as isize, j);
                     let at = |n: isize, m: usize| n.clamp(0, shape[m] as isize - 1) as usize;
@@ -174,12 +220,21 @@ impl Residual<'_> {
     }
 
     /// The integrals of |grad w|^2 and w^2 over cells side by side.
-    fn lanes(&self, set: &Extension, i: isize, j: isize, lanes: usize, room: &mut Workspace) -> [[f64; 2]; LANES] {
+    fn lanes(
+        &self,
+        set: &Extension,
+        i: isize,
+        j: isize,
+        lanes: usize,
+        room: &mut Workspace,
+        deepest: Option<&mut Lane>,
+    ) -> [[f64; 2]; LANES] {
         let field = self.field;
         let expansions = Expansions::new(field, i, j, room);
         let mut found = [[0.0; 2]; LANES];
         let mut overlaps: whole::Overlaps = [[0.0; LANES]; basis::POLYNOMIALS];
         let mut rests = [None; LANES];
+        let mut most = [0.0; LANES];
         let half = field.grid.spacing.map(|h| 0.5 * h);
         for k in 0..lanes {
             let i = i + k as isize;
@@ -192,6 +247,13 @@ impl Residual<'_> {
                 overlaps[n][k] = c;
             }
             rests[k] = Some(taylor.rest);
+            most[k] = taylor.most[0];
+        }
+        if let Some(deepest) = deepest {
+            let bound = dip(field, &expansions, &overlaps);
+            for k in (0..lanes).filter(|k| rests[*k].is_some()) {
+                deepest[k] = bound[k] + most[k];
+            }
         }
         let area = field.tables.h[0] * field.tables.h[1];
         let [slopes, values] = if rests.iter().any(Option::is_some) {
@@ -224,6 +286,33 @@ impl Residual<'_> {
         found
     }
 
+    /// The most by which u lies above f under pressure, from bounds in each cell: the largest of them are looked at closely.
+    pub fn deepest_dip(&self, dips: &[f64]) -> f64 {
+        let field = self.field;
+        let [nx, _] = field.grid.shape;
+        let worked_out = |k: usize| {
+            let (at, first) = ([(k % nx) as isize, (k / nx) as isize], self.first());
+            at[0] >= first[0] && at[1] >= first[1] && field.pressure(at[0], at[1]) > 0.0
+        };
+        let mut cells: Vec<usize> = (0..dips.len()).filter(|k| worked_out(*k)).collect();
+        cells.sort_unstable_by(|a, b| dips[*b].total_cmp(&dips[*a]));
+        let mut room = Workspace::new();
+        let mut deepest = 0.0_f64;
+        for k in cells {
+            if dips[k] <= deepest {
+                break;
+            }
+            let (i, j) = ((k % nx) as isize, (k / nx) as isize);
+            let expansion = Expansions::new(field, i, j, &mut room).cell(field, i, j, 0);
+            let cell = Cell::new(field, self.overlap, self.rect(i, j), expansion).with_overlap();
+            let least = (0..4).map(|q| cell.range(q)[0]).fold(f64::INFINITY, |m, r| if r >= m { m } else { r });
+            let own = -least * field.scale;
+            // Not a number: nothing is known.
+            deepest = deepest.max(if own.is_nan() { dips[k] } else { own.min(dips[k]) });
+        }
+        deepest
+    }
+
     /// What is left out of every cell, in the norms of the gradient and of the value: the cells beyond the near block, and the error of
     /// the cell means.
     fn rest(&self) -> [f64; 2] {
@@ -251,4 +340,19 @@ impl Residual<'_> {
             }
         }
     }
+}
+
+/// Of cells side by side, a bound of u - f in each, in longer sides: |P_k| <= 1. What f leaves open is not in it.
+fn dip(field: &Field, u: &Expansions, overlap: &whole::Overlaps) -> Lane {
+    let mut bound = [left_out(field); LANES];
+    for (n, (u, f)) in u.polynomial.iter().zip(overlap).enumerate() {
+        for k in 0..LANES {
+            let less = u[k] - f[k];
+            bound[k] += if n == 0 { less } else { less.abs() };
+        }
+    }
+    for (z, most) in u.singular.iter().zip(field.tables.rule.suprema) {
+        (0..LANES).for_each(|k| bound[k] += most * z[k].abs());
+    }
+    bound
 }

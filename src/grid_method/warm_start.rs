@@ -8,11 +8,12 @@ use super::refinement;
 use super::single_grid::{self, GridState};
 use super::unresolved;
 use crate::discrete::Discrete;
-use crate::grid::Grid;
+use crate::energy::Trial;
+use crate::grid::{Grid, Kernel};
 use crate::matrix_free;
 use crate::overlap::{Overlap, Scaled};
 use crate::patch;
-use crate::problem::{Contact, Method, Settings};
+use crate::problem::{Contact, ErrorBar, Method, Settings};
 use crate::solution::{Solution, Unsolved};
 
 /// Cells along the longer side of the grid that only has to show the way.
@@ -67,8 +68,9 @@ impl WarmStart {
         let method = if settings.method == Method::Qp { Method::Qp } else { Method::Fft };
         let Some(overlap) = Overlap::of(contact.gap(), depth)? else { return Ok(None) };
         let scaled = overlap.scaled();
-        let settings = &super::within_samples(&overlap, settings);
-        let refined = refinement::refined(&scaled, settings, method, None)?;
+        // Bounds are for the depth that is found.
+        let estimate = Settings { evidence: ErrorBar::Estimate, ..super::within_samples(&overlap, settings) };
+        let refined = refinement::refined(&scaled, &estimate, method, None)?;
         let held = Self::grown(scaled, refined)?;
         let errors = held.stiffness().map_or(Ok(Errors::default()), |own| Errors::of(&held.refined, own))?;
         Ok(Some(Self { errors, ..held }))
@@ -120,6 +122,22 @@ impl WarmStart {
         };
         let error = error / force * state.force();
         Ok(Some(Self { errors: self.errors, ..Self::grown(scaled, Refined::of(state, error))? }))
+    }
+
+    /// Proved bounds of the force at a depth close by; `None` where none can be had.
+    pub fn bounds_at(&self, contact: &Contact, depth: f64, settings: &Settings) -> Option<[f64; 2]> {
+        let near = self.continued_to(contact, depth, settings).ok()??;
+        let GridState { problem, solution, method, .. } = &near.refined.state;
+        let known = settings.kernel == Kernel::Galerkin && *method == Method::Fft;
+        let trial = Trial {
+            grid: &problem.grid,
+            pressure: &solution.pressure,
+            displacement: known.then_some(solution.displacement.as_slice()),
+        };
+        let unit = contact.modulus().e_star() * near.scaled.units.height * near.scaled.units.length;
+        let law = near.scaled.gap.known().law.map(|law| law.degree);
+        let bounds = refinement::claimed(&near.scaled, law, &trial, settings.tolerance)?;
+        Some(bounds.map(|force| force * unit))
     }
 
     fn grown(scaled: Scaled, refined: Refined) -> Result<Self, Unsolved> {

@@ -1,11 +1,12 @@
 //! A contact as the search for equilibrium sees it: states at depths and tilts, each from what the last one left.
 
 use super::equilibrium::Respond;
+use crate::grid_method::refinement::is_cheap;
 use crate::grid_method::warm_start::WarmStart;
 use crate::grid_method::{self, SharedGrid};
 use crate::loading::{respond, without_grid};
-use crate::problem::{Contact, Method, Outputs, Settings};
-use crate::solution::{Cost, Solution, Unsolved, Verdict};
+use crate::problem::{Contact, ErrorBar, Method, Outputs, Settings};
+use crate::solution::{Cost, Origin, Solution, Unsolved, Verdict};
 
 /// A contact and settings, as the search for equilibrium sees them.
 pub(crate) struct Engine<'a> {
@@ -34,6 +35,17 @@ impl<'a> Engine<'a> {
             cells,
             warm_start: None,
             spent: Cost::default(),
+        }
+    }
+
+    /// A state that this engine found without tilt, with proved bounds where they can be had.
+    pub fn proved(&self, state: Solution) -> Solution {
+        let on_grid = matches!(state.origin, Origin::OneGrid | Origin::ManyGrids { .. });
+        let wanted = self.settings.evidence == ErrorBar::Proof && on_grid && is_cheap(self.contact.gap());
+        let found = self.warm_start.as_ref().filter(|_| wanted);
+        match found.and_then(|found| found.bounds_at(self.contact, state.depth, self.settings)) {
+            Some(bounds) => state.held_by(bounds, self.settings.tolerance),
+            None => state,
         }
     }
 

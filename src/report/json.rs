@@ -362,7 +362,10 @@ impl Serialize for SideOf<'_> {
         let mut map = to.serialize_map(None)?;
         map.serialize_entry("theorem", self.side.theorem().name())?;
         map.serialize_entry("evidence", word(self.side.evidence()))?;
+        let field = self.side.pressure().filter(|_| self.with_field);
+        let field = field.map(|field| Field { grid: field.grid, values: Values::Here(&field.values) });
         if self.side.theorem() == Theorem::Energy {
+            field.iter().try_for_each(|field| map.serialize_entry("field", field))?;
             return map.end();
         }
         map.serialize_entry("violation", &finite(self.side.violation()))?;
@@ -374,9 +377,7 @@ impl Serialize for SideOf<'_> {
             // A flat with a sharp edge has no finite degree.
             map.serialize_entry("degree", &repair.degree.and_then(finite))?;
         }
-        if let Some(field) = self.side.pressure().filter(|_| self.with_field) {
-            map.serialize_entry("field", &Field { grid: field.grid, values: Values::Here(&field.values) })?;
-        }
+        field.iter().try_for_each(|field| map.serialize_entry("field", field))?;
         map.end()
     }
 }

@@ -173,9 +173,18 @@ impl ForceBracket {
         Self { lower: side(lower), upper: side(upper), cost: BracketCost::default() }
     }
 
+    /// The same by a pressure that is not the solution's own.
+    pub(crate) fn of_pressure(bounds: [f64; 2], pressure: &Pressure) -> Self {
+        let mut bracket = Self::of_energy(bounds);
+        // One field proves both sides.
+        bracket.upper.pressure = Some(pressure.clone());
+        bracket
+    }
+
     /// At another depth of a homogeneous gap, where all forces are larger by this factor; `None` for bounds that come with fields.
     pub(crate) fn at_other_depth(&self, factor: f64) -> Option<Self> {
-        let both = self.lower.theorem == Theorem::Energy && self.upper.theorem == Theorem::Energy;
+        let energy = |side: &Side| side.theorem == Theorem::Energy && side.pressure.is_none();
+        let both = energy(&self.lower) && energy(&self.upper);
         let more = |force: f64, rounding: f64| force * factor * (1.0 + rounding);
         both.then(|| Self::of_energy([more(self.lower(), -ROUNDED), more(self.upper(), ROUNDED)]))
     }

@@ -174,6 +174,19 @@ impl Solution {
         }
     }
 
+    /// With proved bounds of the force at its depth: they are its error where that is small enough, and else show what it misses at least.
+    pub(crate) fn held_by(mut self, [lower, upper]: [f64; 2], tolerance: f64) -> Self {
+        let error = (upper - self.force).max(self.force - lower) / self.force * (1.0 + ROUNDED);
+        if error <= tolerance {
+            self.force_error = Some(error);
+            self.bracket = Some(ForceBracket::of_energy([lower, upper]));
+        } else {
+            let shown = (lower - self.force).max(self.force - upper) / self.force;
+            self.force_error = self.force_error.map(|own| own.max(shown));
+        }
+        self
+    }
+
     /// The bracket for forces larger by this factor; the errors that follow from it have its rounding.
     pub(crate) fn scale_bracket(&mut self, factor: f64) {
         self.bracket = self.bracket.as_ref().and_then(|bracket| bracket.at_other_depth(factor));
