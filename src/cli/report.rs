@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use clap::{Args, ValueEnum};
 
 use super::outputs::outputs;
-use super::progress::Progress;
+use super::voice::Voice;
 use super::{Failure, Overrides, checked_threads, inputs, scene};
 use crate::compare::Plan;
 use crate::clock::date;
@@ -81,7 +81,7 @@ impl Report {
         }
     }
 
-    pub(super) fn run(&self) -> Result<ExitCode, Failure> {
+    pub(super) fn run(&self, voice: Voice) -> Result<ExitCode, Failure> {
         let mut scene = scene(&self.scene)?;
         self.overrides.apply(&mut scene.settings).map_err(|e| Failure::wrong("arguments", &e))?;
         scene.settings.threads = checked_threads("--threads", Some(self.threads))?;
@@ -93,7 +93,7 @@ impl Report {
             heap: Some(super::heap::peak_of),
             ..Plan::new(scene.settings)
         };
-        let mut progress = Progress::new();
+        let mut progress = voice.progress("the answer");
         let page = report::page_of(&scene, &runs, self.parts(), &self.provenance(), &mut |what| progress.say(what));
         drop(progress);
         if let Some((_, target)) = output {
