@@ -8,8 +8,8 @@ use clap::{Args, ValueEnum};
 use super::outputs::outputs;
 use super::voice::Voice;
 use super::{Failure, Overrides, checked_threads, inputs, scene};
-use crate::compare::Plan;
 use crate::clock::date;
+use crate::compare::Plan;
 use crate::report::{self, Parts, Provenance};
 
 /// Write all there is to say about a scene as one page for a browser or a printer
@@ -69,7 +69,11 @@ impl Report {
         let user = || ["USER", "USERNAME"].into_iter().find_map(|name| std::env::var(name).ok());
         let quoted = |word: String| {
             let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=,:+@%".contains(c);
-            if !word.is_empty() && word.chars().all(plain) { word } else { format!("'{}'", word.replace('\'', "'\\''")) }
+            if !word.is_empty() && word.chars().all(plain) {
+                word
+            } else {
+                format!("'{}'", word.replace('\'', "'\\''"))
+            }
         };
         // The program may have been started by another, with words of its own before.
         let words = std::env::args_os().map(|word| word.to_string_lossy().into_owned());

@@ -106,7 +106,9 @@ mod tests {
     #[test]
     fn what_matters_has_a_colour() {
         let text = in_colour("ball\nverdict  unbounded\nforce    1\nnote: so it is\nleft out: much\n", true);
-        let plain = ["\x1b[1m", "\x1b[2m", "\x1b[31m", "\x1b[33m", "\x1b[0m"].iter().fold(text.clone(), |t, c| t.replace(c, ""));
+        let plain = ["\x1b[1m", "\x1b[2m", "\x1b[31m", "\x1b[33m", "\x1b[0m"]
+            .iter()
+            .fold(text.clone(), |t, c| t.replace(c, ""));
         assert_eq!(plain, "ball\nverdict  unbounded\nforce    1\nnote: so it is\nleft out: much\n");
         assert_eq!(text.matches(PLAIN).count(), 4);
         assert!(text.contains("\nforce    1\n") && text.contains("\x1b[31mverdict"));

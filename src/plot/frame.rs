@@ -96,7 +96,7 @@ impl Frame {
                 left: px(70),
                 right: px(18),
                 edge: px(8),
-                label: px(14),
+                label: px(15),
                 legend: px(20),
             },
             Medium::Phone => Self {
@@ -109,8 +109,8 @@ impl Frame {
                 left: px(60),
                 right: px(16),
                 edge: px(4),
-                label: px(14),
-                legend: px(20),
+                label: px(16),
+                legend: px(21),
             },
         }
     }

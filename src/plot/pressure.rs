@@ -204,6 +204,8 @@ impl Map<'_> {
         };
         let longest = if medium == Medium::Page { longest.min(px(330)) } else { longest };
         let window = Window::onto(&seen, longest, self.units.length());
+        // A scale below a narrow map is as wide as the page.
+        let beside = if below > 0 { medium.width().saturating_sub(window.size(&margins, 0, 0).0) } else { beside };
         let frame = Frame::new(medium, self.title, window.size(&margins, beside, below).0);
         let [left, top] = window.pixel(&frame, [seen.min[0], seen.max[1]]).map(|p| p.round() as i32);
         let [right, bottom] = window.pixel(&frame, [seen.max[0], seen.min[1]]).map(|p| p.round() as i32);
@@ -283,7 +285,8 @@ impl Figure for Picture<'_> {
         let scale = Scale { quantity, unit: unit.clone(), highest: *highest, without_end: *without_end };
         let left = frame.edge + frame.left;
         if self.below > 0 {
-            let right = (left + window.pixels[0]).max(left + px(220));
+            // Half of what is written at its end has room beside it.
+            let right = self.size().0 - px(28);
             scale.below(area, frame, [left, right], frame.top + window.pixels[1] + frame.bottom)
         } else {
             scale.beside(area, frame, left + window.pixels[0], window.pixels[1])

@@ -23,7 +23,7 @@ impl Scale<'_> {
         match medium {
             Medium::Sheet => [px(150), 0],
             Medium::Page => [px(112), 0],
-            Medium::Phone => [0, px(64)],
+            Medium::Phone => [0, px(68)],
         }
     }
 

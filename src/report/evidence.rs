@@ -95,15 +95,24 @@ impl Evidence {
         let plan = plan(&scene.contact, &scene.settings);
         let single = matches!(scene.contact.loading(), Loading::Single(_));
         // On a grid the fields are there anyway.
-        let gridded = matches!(plan.as_ref().ok().and_then(|p| p.method), Some(Method::Fft | Method::Qp | Method::EdgeFitted));
+        let gridded =
+            matches!(plan.as_ref().ok().and_then(|p| p.method), Some(Method::Fft | Method::Qp | Method::EdgeFitted));
         let fields = single && gridded;
         let asked = scene.settings.outputs;
-        let outputs =
-            Outputs { patch: true, curve: false, pressure: asked.pressure || fields, gap: asked.gap || fields, ..asked };
+        let outputs = Outputs {
+            patch: true,
+            curve: false,
+            pressure: asked.pressure || fields,
+            gap: asked.gap || fields,
+            ..asked
+        };
         let settings = Settings { outputs, ..scene.settings };
         let steps = clock.time("the answer", || solve(&scene.contact, &settings));
         let answer = clock.spent();
-        let budget = Budget { until: (TIMES * answer).clamp(LEAST + answer, LONGEST.max(LEAST + answer)), settings: scene.settings };
+        let budget = Budget {
+            until: (TIMES * answer).clamp(LEAST + answer, LONGEST.max(LEAST + answer)),
+            settings: scene.settings,
+        };
         let touching = |(_, step): &(usize, &Step)| numbers(step).is_some_and(|s| s.force > 0.0);
         let last = steps.iter().enumerate().rfind(touching);
         let mut skipped = Vec::new();
@@ -207,7 +216,8 @@ fn detail(
         let cells = Some(scene.settings.cells.unwrap_or(PICTURE_CELLS));
         // The method of the answer where it has a field, else a grid.
         let own = if state.method == Method::ClosedForm { Method::ClosedForm } else { Method::Fft };
-        let settings = |method| Settings { method, cells, outputs: both, evidence: ErrorBar::Estimate, ..scene.settings };
+        let settings =
+            |method| Settings { method, cells, outputs: both, evidence: ErrorBar::Estimate, ..scene.settings };
         let with_field = |found: Option<Step>| found.filter(|s| s.as_ref().is_ok_and(|s| s.pressure.field.is_some()));
         let drawn = clock.time("the state on a grid, for the pictures", || {
             with_field(run(settings(own))).or_else(|| run(settings(Method::Fft)))

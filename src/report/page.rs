@@ -133,8 +133,10 @@ fn provenance(made: &Provenance) -> String {
         .filter_map(|(name, value)| value.clone().map(|value| (name, value)))
         .chain([("program", format!("contact-patch {}", env!("CARGO_PKG_VERSION")))])
         .collect();
-    let rows: String =
-        rows.iter().map(|(name, value)| format!("<tr><th>{name}</th><td class=\"wrap\">{}</td></tr>\n", escaped(value))).collect();
+    let rows: String = rows
+        .iter()
+        .map(|(name, value)| format!("<tr><th>{name}</th><td class=\"wrap\">{}</td></tr>\n", escaped(value)))
+        .collect();
     let command = made.command.as_ref().map_or(String::new(), |c| format!("<pre>{}</pre>\n", escaped(c)));
     format!(
         "<section>\n<h2>How this page was made</h2>\n<div class=\"scroll\"><table><tbody>\n{rows}</tbody></table></div>\n{command}</section>\n"
@@ -315,7 +317,9 @@ fn several(steps: &[Step], units: Option<&UnitLabels>) -> String {
 fn drawn(picture_on: impl Fn(Medium) -> Result<Vec<u8>, plot::Error>, caption: &str) -> String {
     match (picture_on(Medium::Page), picture_on(Medium::Phone)) {
         (Ok(page), Ok(phone)) => picture([&page, &phone], caption),
-        (Err(e), _) | (_, Err(e)) => format!("<p class=\"soft\">{}: {}.</p>\n", escaped(caption), escaped(&e.to_string())),
+        (Err(e), _) | (_, Err(e)) => {
+            format!("<p class=\"soft\">{}: {}.</p>\n", escaped(caption), escaped(&e.to_string()))
+        }
     }
 }
 
@@ -363,7 +367,8 @@ fn curve(evidence: &Evidence, units: &UnitLabels) -> String {
     let told = match &evidence.curve {
         Some(Ok(curve)) => {
             let law = curve.power_law();
-            let within = if law.error < 5e-5 { "to rounding".to_owned() } else { format!("within {:.2} %", 100.0 * law.error) };
+            let within =
+                if law.error < 5e-5 { "to rounding".to_owned() } else { format!("within {:.2} %", 100.0 * law.error) };
             format!(
                 "{}<p>{} solved; error of interpolation about {}. Least squares over the range: force = {} · \
                  overlap<sup>{:.4}</sup>, {within}.</p>\n",

@@ -162,7 +162,8 @@ pub(super) fn facts(s: &Solution, units: Option<&UnitLabels>) -> Vec<[String; 2]
         row("checks", format!("complementarity {c:.1e}, tension {t:.1e}, penetration {p:.1e}"));
     }
     let cost = &s.cost;
-    let mut took = vec![if cost.seconds < 1e-3 { "less than a millisecond".to_owned() } else { format!("{:.3} s", cost.seconds) }];
+    let mut took =
+        vec![if cost.seconds < 1e-3 { "less than a millisecond".to_owned() } else { format!("{:.3} s", cost.seconds) }];
     let counts = [(cost.unknowns, "unknowns"), (cost.iterations, "iterations"), (cost.operator_products, "products")];
     took.extend(counts.iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{n} {what}")));
     row("cost", took.join(", "));
@@ -180,7 +181,9 @@ const ROUNDING: f64 = 1e-12;
 
 /// The relative error of a number, in brackets; nothing where it is rounding or not known.
 fn off_by(error: Option<f64>) -> String {
-    error.filter(|error| *error > ROUNDING).map_or(String::new(), |error| format!("  (relative error about {error:.1e})"))
+    error
+        .filter(|error| *error > ROUNDING)
+        .map_or(String::new(), |error| format!("  (relative error about {error:.1e})"))
 }
 
 /// The largest pressure as it is printed; `None` where the method gives none.
