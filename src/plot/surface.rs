@@ -132,23 +132,16 @@ impl Figure for Picture<'_> {
         let tick = |x: f64| axes::brief(x / 10f64.powi(power));
         let [c00, c10, c11, _] = flat.map(place);
         let middle = |a: (i32, i32), b: (i32, i32)| ((a.0 + b.0) / 2, (a.1 + b.1) / 2);
-        let (x, y) = middle(c00, c10);
-        let said = format!(
-            "{}: {} to {}",
-            axes::named("x", self.units.length(), power),
-            tick(self.seen.min[0]),
-            tick(self.seen.max[0])
-        );
-        let taken = super::frame::width_of(&said, frame.label) as i32;
-        area.draw_text(&said, &style, ((x - taken - at(6)).max(at(4)), y + at(12)))?;
-        let (x, y) = middle(c10, c11);
-        let said = format!(
-            "{}: {} to {}",
-            axes::named("y", self.units.length(), power),
-            tick(self.seen.min[1]),
-            tick(self.seen.max[1])
-        );
-        area.draw_text(&said, &style, (x + at(12), y + at(12)))?;
+        for (name, (x, y)) in [("x", middle(c00, c10)), ("y", middle(c10, c11))] {
+            let aside = if name == "x" { -at(16) } else { at(8) };
+            area.draw_text(name, &style, (x + aside, y + at(6)))?;
+        }
+        let bottom = (frame.top + px(HEIGHT)) as i32;
+        for (m, name) in ["x", "y"].into_iter().enumerate() {
+            let [from, to] = [self.seen.min[m], self.seen.max[m]].map(tick);
+            let said = format!("{}: {from} to {to}", axes::named(name, self.units.length(), power));
+            area.draw_text(&said, &style, (at(30), bottom - at(44) + m as i32 * at(20)))?;
+        }
         let scale = Scale {
             quantity: "pressure",
             unit: self.units.pressure(),

@@ -46,7 +46,7 @@ pub(super) fn facts(s: &Solution, units: Option<&UnitLabels>) -> Vec<[String; 2]
     let (force, pressure) = (unit(|u| u.force().to_owned()), unit(UnitLabels::pressure));
     let size = s.patch.max_radius;
     // Rounding against the size of the patch is zero.
-    let point = |p: [f64; 2]| pair(p.map(|x| if x.abs() < 1e-9 * size { 0.0 } else { x }));
+    let point = |p: [f64; 2]| pair(p.map(|x| if x.abs() < 1e-8 * size { 0.0 } else { x }));
     let prescribed = |error: Option<f64>, other: Option<f64>| match (error, other) {
         (Some(0.0), other) if other != Some(0.0) && s.force > 0.0 => "  (prescribed)".to_owned(),
         (error, _) => off_by(error),
@@ -104,7 +104,7 @@ pub(super) fn facts(s: &Solution, units: Option<&UnitLabels>) -> Vec<[String; 2]
     let centres = [s.patch.centroid, centre_of_pressure(s)].map(|c| c.map(point));
     match centres {
         [Some(centroid), Some(centre)] if centroid == centre => {
-            row("centroid, of pressure too", format!("{centre}{length}"));
+            row("centroid and centre of pressure", format!("{centre}{length}"));
         }
         [centroid, centre] => {
             for (name, at) in [("patch centroid", centroid), ("centre of pressure", centre)] {
