@@ -91,6 +91,16 @@ pub enum Kernel {
     Collocation,
 }
 
+impl Kernel {
+    /// The one that this is not: what both find differs by the error of either.
+    pub(crate) fn other(self) -> Self {
+        match self {
+            Self::Galerkin => Self::Collocation,
+            Self::Collocation => Self::Galerkin,
+        }
+    }
+}
+
 /// Pressure in each cell of a grid, and how it was reached.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pressure {

@@ -447,3 +447,73 @@ fn numbers_near_the_ends_of_their_range_end_a_solve() {
     let refused = Scene::from_json_within(scene.to_string().as_bytes(), Path::new(".")).unwrap_err();
     assert!(refused.path.starts_with("gap"), "{refused}");
 }
+
+/// Numbers of very different size in one scene, found by mutation: every one ends in a state that is right or in a verdict.
+#[test]
+fn numbers_of_very_different_size_end_a_solve() {
+    let here = Path::new(".");
+    let one = |scene: &Value| answers(scene, here).remove(0);
+    // A body is where its tip is, to sixteen digits: no cell of so small a contact has a place.
+    let far = json!({"effective_modulus": 4.0, "gap": {"kind": "paraboloid", "radii": [2.0, 2.5], "at": [1e30, 0.4]},
+        "loading": {"force": 1.8}, "solve": {"method": "qp"}});
+    assert_eq!(one(&far).unwrap_err().verdict, Verdict::NotApplicable);
+    let cone = json!({"effective_modulus": 1e39, "gap": {"kind": "cone", "inclination": 84.3, "at": [2.0, 0.0347]},
+        "loading": {"force": 2.0}, "output": ["bracket"]});
+    assert!(one(&cone).unwrap().force == 2.0);
+    let sliver = json!({"effective_modulus": 4e-6, "loading": {"depth": 12.0, "tilt": [0.425, 0.6]}, "output": ["bracket"],
+        "gap": {"kind": "flat", "outline": {"ellipse": [0.19, 1e-30]}, "at": [-1.37, 1.69], "rotate": 85.7}});
+    assert!(one(&sliver).is_ok_and(|state| state.force > 0.0));
+    // Planes whose slopes differ by a hundred orders do not lie on one line: the steepest closes one side only.
+    let planes =
+        json!([[0.0, -1.5, 0.25], [1.6, 0.0, 0.24], [0.8, -0.7, 0.5], [1e100, 0.8, 0.17], [-0.26, -1.8, -0.03]]);
+    let alone = json!({"kind": "polyhedron", "planes": planes});
+    let scene = json!({"effective_modulus": 1.0, "gap": alone, "loading": {"depth": 0.7}});
+    assert_eq!(one(&scene).unwrap_err().verdict, Verdict::Unbounded);
+    let sum = Scene::from_json(
+        json!({"effective_modulus": 1.0, "loading": {"depth": 0.7166},
+            "gap": {"kind": "sum", "of": [alone, {"kind": "pyramid", "faces": 6, "inclination": 30.8},
+                {"kind": "cone", "inclination": 40.9, "at": [0.064, 1.21]}]}})
+        .to_string()
+        .as_bytes(),
+    )
+    .unwrap();
+    let contact_patch::gap::Reach::Within(reach) = sum.contact.gap().reach(0.7166) else { panic!("bounded") };
+    let overlaps = |p: [f64; 2]| sum.contact.gap().gap(p[0], p[1]) < 0.7166;
+    assert!(overlaps([-0.4027, 1.11]) && reach.contains([-0.4027, 1.11]), "{reach:?}");
+    // Parts that lie beyond what can be multiplied.
+    let tips = json!({"kind": "min", "of": [{"kind": "cone", "inclination": 20.0, "at": [1.79e308, 0.6]}, {"kind": "cone", "inclination": 30.0}]});
+    let scene = json!({"effective_modulus": 1.0, "gap": tips, "loading": {"depth": 0.5}, "solve": {"method": "fabrikant", "seconds": 5}});
+    let _ = one(&scene);
+    for gap in [
+        json!({"kind": "power", "coefficient": 728.4, "exponent": 1.82}),
+        json!({"kind": "paraboloid", "radii": [1e10, 0.7]}),
+    ] {
+        let scene =
+            json!({"effective_modulus": 1.8, "gap": gap, "loading": {"depth": 1.79e308}, "solve": {"method": "fft"}});
+        assert_eq!(one(&scene).unwrap_err().verdict, Verdict::Incomplete);
+    }
+    let revolved = json!({"kind": "revolved", "points": [[1e-9, 1e-300], [0.506, 1.743], [0.7, 2.11]]});
+    let _ = one(&json!({"effective_modulus": 0.013, "gap": revolved, "loading": {"depth": 1e-160}}));
+}
+
+/// What the time that was allowed cut short shows no number that breaks a law, and is not called inconsistent for it.
+#[test]
+fn states_cut_short_show_no_number_that_breaks_a_law() {
+    let tips = json!({"kind": "min", "of": [
+        {"kind": "profile", "along": "y", "interpolation": "linear", "points": [[1.97, 3.92], [2.18, 4.75]], "radius": 4.0, "surface": "lower",
+            "at": [0.66, 1.11]},
+        {"kind": "paraboloid", "radii": [1.7, 3.0], "at": [-0.63, 2.04]}], "rotate": 85.0, "at": [2.0, 0.0]});
+    let bowl = json!({"kind": "formula", "expression": "-x^2-y^2", "region": {"disc": 1.55}});
+    let power = json!({"kind": "power", "coefficient": 1.33, "exponent": 2.085});
+    for (gap, depth) in [(tips, 0.198), (bowl, 1.0), (power, 1.0)] {
+        for milliseconds in [2.0, 4.0, 8.0, 16.0, 32.0] {
+            for method in ["auto", "fft", "qp"] {
+                let scene = json!({"effective_modulus": 1.0, "gap": gap, "loading": {"depth": depth},
+                    "solve": {"method": method, "seconds": 1e-3 * milliseconds}});
+                if let Err(unsolved) = answers(&scene, Path::new(".")).remove(0) {
+                    assert_ne!(unsolved.verdict, Verdict::Inconsistent, "{scene}: {unsolved}");
+                }
+            }
+        }
+    }
+}

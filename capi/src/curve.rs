@@ -3,7 +3,7 @@
 use std::ffi::{c_char, c_int};
 
 use contact_patch::curve::{About, Beyond};
-use contact_patch::{Curve, CurveRange, InputError, Settings, UnitLabels, Unsolved, Verdict};
+use contact_patch::{Curve, InputError, Settings, UnitLabels, Unsolved, Verdict};
 
 use crate::border::{Fault, Status, guarded, hand_over, put, text, text_or, threads};
 use crate::scene::read;
@@ -59,17 +59,8 @@ pub unsafe extern "C" fn cp_curve_new(
             other => return Err(InputError::new("beyond", other, "CP_BEYOND_POWER, _TANGENT or _REFUSE").into()),
         };
         let settings = Settings { threads: threads(asked_threads)?, ..scene.settings };
-        let deepest = Curve::end_of(&scene.contact, &settings)??;
-        let natural = Curve::natural_start(&scene.contact, deepest);
-        let touch = Curve::first_touch_of(&scene.contact);
-        let to = deepest - touch;
-        let start = if from.is_nan() { natural } else { from - touch };
-        if !(start > 0.0 && start < to) {
-            let allowed =
-                format!("a depth greater than {touch:e} (first touch) and less than {deepest:e} (the largest)");
-            return Err(InputError::new("from", from, allowed).into());
-        }
-        let range = CurveRange { from: start, to, accuracy };
+        let from = Some(from).filter(|from| !from.is_nan());
+        let range = Curve::range_of(&scene.contact, &settings, from, accuracy)??;
         let found = Curve::new(&scene.contact, &settings, range)?.continued(beyond);
         let spring = Box::new(Spring { curve: found, name: scene.name, units: scene.units });
         // SAFETY: as the caller promises.

@@ -1,6 +1,6 @@
 //! Force over depth as an object of Python's.
 
-use contact_patch::{Curve as Spring, Deadline, Load, Loading, Settings, Unsolved};
+use contact_patch::{Curve as Spring, Deadline, InputError, Settings, Unsolved};
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 
@@ -52,29 +52,11 @@ impl Curve {
 #[pyfunction]
 pub(crate) fn curve(py: Python<'_>, source: Source, accuracy: f64, threads: usize) -> PyResult<Curve> {
     let (scene, watch) = source.scene(py)?;
-    let tilted = |load: &Load| matches!(load, Load::Tilted { .. } | Load::ForceMoment { .. });
-    if scene.contact.loading().loads().iter().any(tilted) {
-        let allowed = "depths or forces of a punch that does not tilt";
-        return Err(wrong(py, &contact_patch::InputError::new("loading", "a tilt or a moment", allowed)));
-    }
-    let found = interruptible(py, &watch, |interrupt| -> Result<Spring, Unsolved> {
+    let found = interruptible(py, &watch, |interrupt| -> Result<Result<Spring, Unsolved>, InputError> {
         let settings = Settings { threads, deadline: Deadline::NEVER.unless(interrupt), ..scene.settings };
-        let contact = &scene.contact;
-        let (mut deepest, mut strongest) = (f64::NEG_INFINITY, 0.0f64);
-        for load in contact.loading().loads() {
-            match *load {
-                Load::Depth(depth) | Load::Tilted { depth, .. } => deepest = deepest.max(depth),
-                Load::Force(force) | Load::ForceMoment { force, .. } => strongest = strongest.max(force),
-            }
-        }
-        if strongest > 0.0 {
-            let contact =
-                contact_patch::Contact::new(contact.modulus(), contact.gap().clone(), Loading::force(strongest))
-                    .map_err(|e| Unsolved::new(contact_patch::Verdict::NotApplicable, e.to_string()))?;
-            let state = contact_patch::solve(&contact, &settings).remove(0).or_else(Unsolved::accept_best)?;
-            deepest = deepest.max(state.depth);
-        }
-        Spring::up_to(contact, &settings, deepest, accuracy)
+        let range = Spring::range_of(&scene.contact, &settings, None, accuracy)?;
+        Ok(range.and_then(|range| Spring::new(&scene.contact, &settings, range)))
     })?;
+    let found = found.map_err(|e| wrong(py, &e))?;
     found.map(Curve).map_err(|e| unsolved(py, &e))
 }

@@ -31,19 +31,22 @@ pub(crate) fn accepted(
     answer: Result<Solution, Unsolved>,
 ) -> Result<Solution, Unsolved> {
     match answer {
-        Ok(state) => {
-            complete(contact, load, &state)?;
-            match short(settings, &state) {
-                None => Ok(state),
-                Some(reason) => {
-                    let hint = finer(settings, &state);
-                    Err(Unsolved::new(Verdict::ToleranceNotReached, reason).with_best(state).with_hint(hint))
-                }
+        Ok(state) => match (complete(contact, load, &state), short(settings, &state)) {
+            (Ok(()), None) => Ok(state),
+            (Ok(()), Some(reason)) => {
+                let hint = finer(settings, &state);
+                Err(Unsolved::new(Verdict::ToleranceNotReached, reason).with_best(state).with_hint(hint))
             }
-        }
+            (Err(broken), Some(reason)) if broken.verdict == Verdict::Inconsistent => {
+                let hint = finer(settings, &state);
+                let short = Unsolved::new(Verdict::ToleranceNotReached, reason).with_hint(hint);
+                Err(short.without_numbers(&broken))
+            }
+            (Err(broken), _) => Err(broken),
+        },
         Err(mut unsolved) => {
             match unsolved.best.as_ref().map_or(Ok(()), |state| complete(contact, load, state)) {
-                Err(broken) if broken.verdict == Verdict::Inconsistent => return Err(broken),
+                Err(broken) if broken.verdict == Verdict::Inconsistent => unsolved = unsolved.without_numbers(&broken),
                 Err(_) => unsolved.best = None,
                 Ok(()) => {}
             }

@@ -50,12 +50,12 @@ pub(super) struct Field {
     pub shape: [usize; 2],
     pub scale: f64,
     pub tables: Arc<Tables>,
-    /// Pressure with a problem of B's half sides around it.
+    /// Pressure with a margin of B's half sides around it.
     pub padded: Vec<f64>,
     pub most: f64,
     /// Largest difference from the pressure of a cell within B.
     pub spread: Vec<f64>,
-    /// Displacement at the centres, with a problem of NODES cells around it.
+    /// Displacement at the centres, with a margin of NODES cells around it.
     pub wide: Vec<f64>,
     /// Rounding of a displacement, absolute; its share beside it is [`SHARE`].
     pub rounding: f64,
@@ -67,7 +67,7 @@ const SHARE: f64 = 2.0 * Polynomial::GROWTH * RELATIVE_ERROR;
 impl Field {
     pub fn new(around: &mut Surroundings, q: &[f64]) -> Self {
         let [nx, ny] = around.shape;
-        let problem = |[a, b]: [usize; 2]| {
+        let with_margin = |[a, b]: [usize; 2]| {
             let width = nx + 2 * a;
             let mut field = vec![0.0; width * (ny + 2 * b)];
             for (j, row) in q.chunks_exact(nx).enumerate() {
@@ -75,7 +75,7 @@ impl Field {
             }
             field
         };
-        let loaded = problem([NODES; 2]);
+        let loaded = with_margin([NODES; 2]);
         let mut wide = vec![0.0; loaded.len()];
         let rows = NODES..NODES + ny;
         around.operator.apply(&loaded, rows, &mut wide, 0..ny + 2 * NODES, &mut around.scratch);
@@ -83,7 +83,7 @@ impl Field {
         // and three of them make a product.
         let size = around.operator.length().iter().map(|&m| m as f64).product::<f64>();
         let norm = q.iter().map(|q| q * q).sum::<f64>().sqrt();
-        let padded = problem(around.tables.block);
+        let padded = with_margin(around.tables.block);
         Self {
             shape: around.shape,
             scale: around.scale,

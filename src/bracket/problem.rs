@@ -120,6 +120,7 @@ impl BracketProblem {
         let deepest = points.map(|[x, y]| depth - gap.gap(x, y)).fold(depth - gap.gap(cx, cy), f64::max);
         let height = if deepest > 0.0 { deepest } else { depth.abs().max(f64::MIN_POSITIVE) };
         let units = Units { origin, length, height };
+        units.resolve()?;
         let scaled = gap.scaled(origin, length, height);
         let grid =
             Grid { origin: units.inward(given.origin), spacing: given.spacing.map(|h| h / length), shape: given.shape };

@@ -166,12 +166,12 @@ impl Section {
             let jet = self.jet(span.radii).filter(|j| j.slope == [0.0; 2] && j.curvature == [0.0; 2])?;
             (span.edges == [span.radii[0] > 0.0, true]).then_some(jet.value)
         };
+        let Some(last) = self.spans.last() else { return };
+        let first = self.value(last.radii[1]);
         let values: Option<Vec<[f64; 2]>> = self.spans.iter().map(level).collect();
-        if values.is_some_and(|v| v.iter().all(|v| *v == [v[0]; 2])) {
-            let first = self.value(self.spans[0].radii[1]);
-            if self.spans.iter().all(|span| self.value(span.radii[1]) == first) {
-                self.law = Law::Flat;
-            }
+        let level = values.is_some_and(|v| v.iter().all(|v| *v == [v[0]; 2]));
+        if level && self.spans.iter().all(|span| self.value(span.radii[1]) == first) {
+            self.law = Law::Flat;
         }
     }
 

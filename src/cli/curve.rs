@@ -8,9 +8,8 @@ use clap::{Args, ValueEnum};
 use super::outputs::outputs;
 use super::voice::Voice;
 use super::{Failure, Overrides, checked_threads, fmu, inputs, scene};
-use crate::curve::{About, Beyond, Curve, CurveRange};
+use crate::curve::{About, Beyond, Curve};
 use crate::error::InputError;
-use crate::overlap::least;
 use crate::plot;
 use crate::problem::Settings;
 use crate::scene::{Json, Scene};
@@ -203,21 +202,12 @@ impl CurveCommand {
 
     /// The curve up to the largest load of the scene.
     fn curve(&self, scene: &Scene, settings: &Settings, voice: Voice) -> Result<Result<Curve, Unsolved>, InputError> {
-        let deepest = match Curve::end_of(&scene.contact, settings)? {
-            Ok(deepest) => deepest,
-            Err(unsolved) => return Ok(Err(unsolved)),
+        let range = match Curve::range_of(&scene.contact, settings, self.from, self.accuracy) {
+            Ok(Ok(range)) => range,
+            Ok(Err(unsolved)) => return Ok(Err(unsolved)),
+            Err(e) if e.path == "from" => return Err(InputError { path: "--from".to_owned(), ..e }),
+            Err(e) => return Err(e),
         };
-        let touch = least(scene.contact.gap()).1;
-        let from = match self.from {
-            None => Curve::natural_start(&scene.contact, deepest),
-            Some(from) if from > touch && from < deepest => from - touch,
-            Some(from) => {
-                let allowed =
-                    format!("a depth greater than {touch:e} (first touch) and less than {deepest:e} (the largest)");
-                return Err(InputError::new("--from", from, allowed));
-            }
-        };
-        let range = CurveRange { from, to: deepest - touch, accuracy: self.accuracy };
         let mut progress = voice.progress("the first states");
         let mut told = |states: usize, open: Option<f64>| match open {
             None => progress.say(&format!("{states} states")),

@@ -3,6 +3,7 @@
 use super::Sample;
 use crate::acceptance::sampled;
 use crate::gap::Law;
+use crate::grid_method;
 use crate::grid_method::dimensional::dimensional;
 use crate::grid_method::on_several_grids;
 use crate::grid_method::refinement;
@@ -114,7 +115,7 @@ impl<'a> Family<'a> {
                 .or_else(|_| respond(self.contact, depth, [0.0; 2], &loose, false))
                 .or_else(Unsolved::accept_best);
         }
-        let method = if settings.method == Method::Qp { Method::Qp } else { Method::Fft };
+        let method = grid_method::method(settings);
         let apart = || Unsolved::new(Verdict::NotApplicable, format!("no contact at depth {depth:e}"));
         let scaled = Overlap::of(self.contact.gap(), depth)?.ok_or_else(apart)?.scaled();
         let law = self.contact.gap().known().law;

@@ -98,6 +98,34 @@ impl Curve {
         Self::new(contact, settings, CurveRange { from: Self::natural_start(contact, depth), to, accuracy })
     }
 
+    /// The range of the curve of a loading: from the depth `from`, or from [`Curve::natural_start`] on, to [`Curve::end_of`]. What the solve
+    /// for a force cannot do is the inner error.
+    ///
+    /// # Errors
+    /// Names `loading` as [`Curve::end_of`]; names `from` unless it lies between first touch and the largest depth.
+    pub fn range_of(
+        contact: &Contact,
+        settings: &Settings,
+        from: Option<f64>,
+        accuracy: f64,
+    ) -> Result<Result<CurveRange, Unsolved>, InputError> {
+        let deepest = match Self::end_of(contact, settings)? {
+            Ok(deepest) => deepest,
+            Err(unsolved) => return Ok(Err(unsolved)),
+        };
+        let touch = least(contact.gap()).1;
+        let from = match from {
+            None => Self::natural_start(contact, deepest),
+            Some(from) if from > touch && from < deepest => from - touch,
+            Some(from) => {
+                let allowed =
+                    format!("a depth greater than {touch:e} (first touch) and less than {deepest:e} (the largest)");
+                return Err(InputError::new("from", from, allowed));
+            }
+        };
+        Ok(Ok(CurveRange { from, to: deepest - touch, accuracy }))
+    }
+
     /// The depth at which the curve of a loading ends: the largest of its depths, or that of its largest force. What the solve for a force
     /// cannot do is the inner error.
     ///
@@ -126,12 +154,6 @@ impl Curve {
             return Ok(Ok(deepest));
         }
         Err(InputError::new("loading", deepest, "a depth beyond first touch or a force greater than 0"))
-    }
-
-    /// The depth at which these bodies first touch.
-    #[must_use]
-    pub fn first_touch_of(contact: &Contact) -> f64 {
-        least(contact.gap()).1
     }
 
     /// Where a curve up to a depth begins unless said, as depth below first touch: at a two-hundredth of the whole, and for a measured

@@ -201,12 +201,12 @@ impl WarmContact {
             {
                 let change = f64::abs(force - before);
                 // Two grids may agree by chance: the other kernel tells.
-                let doubt = if change <= AT_FIRST * self.tolerance * force {
+                let difference = if change <= AT_FIRST * self.tolerance * force {
                     self.other_kernel(&problem, &solution, &settings)? - force
                 } else {
                     0.0
                 };
-                laid.first.1 = change.max(doubt.abs()) / force;
+                laid.first.1 = change.max(difference.abs()) / force;
             }
             if laid.first.1 <= AT_FIRST * self.tolerance || 2 * cells > FINEST {
                 return Ok(Some((laid, problem, solution)));
@@ -222,12 +222,8 @@ impl WarmContact {
         solution: &DiscreteSolution,
         settings: &matrix_free::Settings,
     ) -> Result<f64, Unsolved> {
-        let kernel = match self.kernel {
-            Kernel::Galerkin => Kernel::Collocation,
-            Kernel::Collocation => Kernel::Galerkin,
-        };
         // Of a smooth gap, centres and means differ by less than the kernels do.
-        let other = Discrete { kernel, ..problem.clone() };
+        let other = Discrete { kernel: self.kernel.other(), ..problem.clone() };
         let solution = matrix_free::solve(&other, Some(&solution.pressure), settings)?;
         Ok(solution.pressure.iter().sum::<f64>() * problem.grid.cell_area())
     }

@@ -9,6 +9,9 @@ use crate::numeric::geometry::Rect;
 /// More parts than this are refused.
 const MOST_PARTS: usize = 100_000;
 
+/// Where parts lie further away than this, it is not looked at where another becomes the least: a thousand times as far is a number still.
+const FARTHEST: f64 = 1e300;
+
 /// The least of several gaps: a punch with several tips.
 ///
 /// ```
@@ -234,7 +237,7 @@ impl Gap for Minimum {
         // Where another part becomes the least: sampled evenly as far as the parts lie and in magnitudes beyond.
         let at = |r: f64| [from[0] + r * direction[0], from[1] + r * direction[1]];
         let distance = |part: &AnyGap| (part.known().centre[0] - from[0]).hypot(part.known().centre[1] - from[1]);
-        let far = self.parts.iter().map(distance).fold(0.0, f64::max);
+        let far = self.parts.iter().map(distance).fold(0.0, f64::max).min(FARTHEST);
         let (unit, decades) = if far > 0.0 { (far, 9) } else { (1.0, 24) };
         let (step, last) = (10f64.powf(1.0 / 12.0), unit * 1e3);
         let (mut power, mut even) = (last * 10f64.powi(-decades), 1.0);

@@ -198,7 +198,7 @@ fn lowest_on_line(planes: &[[f64; 3]]) -> Option<(f64, [f64; 2])> {
         return Some((level, [0.0; 2]));
     }
     let u = [steepest[0] / length, steepest[1] / length];
-    let on_line = |p: &[f64; 3]| (p[0] * u[1] - p[1] * u[0]).abs() <= 1e-14 * length;
+    let on_line = |p: &[f64; 3]| (p[0] * u[1] - p[1] * u[0]).abs() <= 1e-14 * p[0].hypot(p[1]);
     if !planes.iter().all(on_line) {
         // A level plane holds all from below.
         return (level > f64::NEG_INFINITY).then_some((level, [0.0; 2]));
@@ -244,7 +244,7 @@ fn least_rise(planes: &[[f64; 3]]) -> (f64, Option<f64>) {
     slopes.dedup();
     let hull = convex_hull(&slopes);
     let n = hull.len();
-    let (mut least, mut level) = (f64::INFINITY, None);
+    let mut least = f64::INFINITY;
     if n < 3 {
         // Slopes on a line: across it nothing rises.
         let (a, b) = (hull[0], hull[n - 1]);
@@ -253,17 +253,20 @@ fn least_rise(planes: &[[f64; 3]]) -> (f64, Option<f64>) {
         return (0.0, Some((sense * along[1]).atan2(sense * along[0])));
     }
     for k in 0..n {
-        // Along the outward normal of a side of the hull both of its ends rise by the same.
+        // Along the outward normal of a side of the hull both of its ends rise by the same: that of the less steep one is the better known.
         let (a, b) = (hull[k], hull[(k + 1) % n]);
+        let (mild, steep) = if a[0].hypot(a[1]) <= b[0].hypot(b[1]) { (a, b) } else { (b, a) };
         let normal = [b[1] - a[1], a[0] - b[0]];
-        let rise = (normal[0] * a[0] + normal[1] * a[1]) / normal[0].hypot(normal[1]);
-        if rise < least {
-            least = rise;
-            level = Some(normal[1].atan2(normal[0]));
+        let length = normal[0].hypot(normal[1]);
+        let rise = (normal[0] * mild[0] + normal[1] * mild[1]) / length;
+        // Its rounding, and that of the normal.
+        let rounding = 1e-15 * mild[0].hypot(mild[1]) * (steep[0].hypot(steep[1]) / length).max(1.0);
+        if !(rise > rounding) {
+            return (0.0, Some(normal[1].atan2(normal[0])));
         }
+        least = least.min(rise);
     }
-    let steepest = hull.iter().map(|s| s[0].hypot(s[1])).fold(0.0, f64::max);
-    if least > 1e-15 * steepest { (least, None) } else { (0.0, level) }
+    (least, None)
 }
 
 /// Corners of the convex hull of sorted points, counter-clockwise (Andrew 1979).

@@ -74,6 +74,7 @@ pub(crate) fn locate_closely(scaled: &Scaled) -> Result<Rect, Unsolved> {
 }
 
 fn located(scaled: &Scaled, look: &Look) -> Result<Rect, Unsolved> {
+    scaled.units.resolve()?;
     let mut window = scaled.reach;
     for _ in 0..MOST_SHRINKINGS {
         let mut longest = COARSE;

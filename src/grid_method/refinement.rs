@@ -57,6 +57,10 @@ pub(crate) fn refined(
     as_far_as(FINEST, scaled, settings, method, law)
 }
 
+/// Least overlap that is solved on grids, and the inverse of the largest: values of the gap around it are numbers still, and keep their
+/// digits.
+const WITHIN_RANGE: f64 = 1e-280;
+
 /// As [`refined`], with at most `finest` cells along the longer side where their number is not prescribed: the best that
 /// can be had of them, whether or not that meets the tolerance.
 pub(crate) fn as_far_as(
@@ -66,7 +70,7 @@ pub(crate) fn as_far_as(
     method: Method,
     law: Option<Law>,
 ) -> Result<Refined, Unsolved> {
-    if !scaled.units.height.is_normal() {
+    if !(WITHIN_RANGE..=1.0 / WITHIN_RANGE).contains(&scaled.units.height) {
         let reason = "beyond the range of numbers (1e-308 to 1e308): the overlap of the bodies";
         return Err(Unsolved::new(Verdict::Incomplete, reason).with_hint("units in which lengths are closer to 1"));
     }
@@ -93,7 +97,10 @@ pub(crate) fn as_far_as(
         let reason = "the bodies overlap, but no cell does as a whole: the grid is too coarse to see the contact";
         Unsolved::new(Verdict::ToleranceNotReached, reason)
     })?;
-    best.is_consistent(scaled, degree)?;
+    best.is_consistent(scaled, degree).map_err(|broken| match best.shortfall(settings) {
+        Some(short) => short.without_numbers(&broken),
+        None => broken,
+    })?;
     Ok(best)
 }
 

@@ -171,7 +171,15 @@ pub(crate) fn solution(
         Some(scaled.units.rect_outward(&refined.state.problem.grid.extent()))
     };
     let boxes: Vec<Rect> = ones.iter().filter_map(extent).collect();
-    nothing_left_out(gap, depth, &boxes, total(&current))?;
+    let missed_contact = nothing_left_out(gap, depth, &boxes, total(&current));
+    // A contact smaller than a cell of the grid that was prescribed, or that there was time for.
+    let short_of_cells = settings.cells.is_some() || out_of_time.is_some();
+    let fewer =
+        || Unsolved::new(Verdict::ToleranceNotReached, "the prescribed cells are too large for one of the contacts");
+    missed_contact.map_err(|broken| {
+        let short = || out_of_time.clone().unwrap_or_else(fewer);
+        if short_of_cells { short().without_numbers(&broken) } else { broken }
+    })?;
     let short = || ones.iter().filter_map(|one| one.solved.as_ref()).find_map(|refined| refined.shortfall(settings));
     let short = out_of_time.or_else(short);
     let matrix = growth(contact, &ones, gap, rectangles, with_matrix)?;

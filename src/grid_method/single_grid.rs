@@ -107,11 +107,7 @@ pub(crate) fn laid(
 
 /// The force on the same grid by the other kernel.
 pub(crate) fn other_kernel(scaled: &Scaled, state: &GridState) -> Result<f64, Unsolved> {
-    let kernel = match state.problem.kernel {
-        Kernel::Galerkin => Kernel::Collocation,
-        Kernel::Collocation => Kernel::Galerkin,
-    };
-    let problem = Discrete::sample(&scaled.gap, scaled.depth, state.problem.grid, kernel);
+    let problem = Discrete::sample(&scaled.gap, scaled.depth, state.problem.grid, state.problem.kernel.other());
     let settings = matrix_free::Settings { tolerance: 1e-5, ..matrix_free::Settings::default() };
     let solution = matrix_free::solve(&problem, Some(&state.solution.pressure), &settings)?;
     Ok(solution.pressure.iter().sum::<f64>() * problem.grid.cell_area())

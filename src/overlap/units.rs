@@ -3,6 +3,7 @@
 use super::Overlap;
 use crate::gap::AnyGap;
 use crate::numeric::geometry::Rect;
+use crate::solution::{Unsolved, Verdict};
 
 /// Where the origin of a dimensionless problem lies, and its units in the user's.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,6 +35,25 @@ impl Units {
     /// A dimensionless rectangle in the user's frame.
     pub fn rect_outward(&self, rect: &Rect) -> Rect {
         Rect { min: self.outward(rect.min), max: self.outward(rect.max) }
+    }
+}
+
+/// Half the longer side of an overlap in its distance from the origin, below which coordinates do not tell its points apart.
+const LEAST: f64 = 1e-10;
+
+impl Units {
+    /// # Errors
+    /// `NotApplicable` where the overlap is so small and so far from the origin that the rounding of coordinates is no small part of a cell.
+    pub fn resolve(&self) -> Result<(), Unsolved> {
+        let Self { origin: [x, y], length, .. } = *self;
+        if length >= LEAST * x.abs().max(y.abs()) {
+            return Ok(());
+        }
+        let reason = format!(
+            "the bodies overlap over {length:.1e} at ({x:e}, {y:e}): coordinates of 16 digits do not tell the points of the contact apart"
+        );
+        Err(Unsolved::new(Verdict::NotApplicable, reason)
+            .with_hint("move the gap nearer to the origin (\"at\"), or a larger load"))
     }
 }
 

@@ -63,6 +63,12 @@ impl Unsolved {
         }
     }
 
+    /// The same where there are no numbers to show: the best so far break a law.
+    pub(crate) fn without_numbers(self, broken: &Self) -> Self {
+        let reason = format!("{}; the numbers so far are left out: {}", self.reason, broken.reason);
+        Self { reason, best: None, ..self }
+    }
+
     /// The error that was reached is not the one asked for, and why no less was tried.
     pub(crate) fn short_of(tolerance: f64, reached: f64, why: &str) -> Self {
         let reason = format!("relative error {reached:.1e} reached, the tolerance is {tolerance:.1e}: {why}");
