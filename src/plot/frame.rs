@@ -7,6 +7,8 @@ use super::axes::{at, is_text, px};
 use super::{FONT, Fault};
 
 /// Where a picture is shown.
+// Pages are for scenes.
+#[cfg_attr(not(feature = "scene"), allow(dead_code))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Medium {
     /// A file of its own.

@@ -20,19 +20,26 @@ mod width;
 #[cfg(feature = "scene")]
 pub(crate) use axes::is_text;
 pub use curve::{curve, curve_in, force_depth, force_depth_in, states, states_in};
+#[cfg(feature = "scene")]
 pub(crate) use curve::{curve_on, states_on};
 pub use error_time::error_against_time;
+#[cfg(feature = "scene")]
 pub(crate) use error_time::error_against_time_on;
+#[cfg(feature = "scene")]
 pub(crate) use frame::Medium;
+#[cfg(feature = "scene")]
 pub(crate) use outlines::outlines_on;
 pub use outlines::{Outline, outlines, outlines_in};
+#[cfg(feature = "scene")]
 pub(crate) use pressure::{Placed, coarsened, highest, pressure_map_on};
 pub use pressure::{field_map, field_map_in, gap_map, gap_map_in, pressure_map, pressure_map_in};
 #[cfg(feature = "scene")]
 pub(crate) use raster::base64;
+#[cfg(feature = "scene")]
 pub(crate) use section::section_on;
 pub use section::{Section, section, section_in};
 pub use surface::{surface, surface_in};
+#[cfg(feature = "scene")]
 pub(crate) use width::width_against_cells_on;
 pub use width::{Refinement, width_against_cells};
 

@@ -36,6 +36,8 @@ pub fn pressure_map_in(units: &UnitLabels, title: &str, solution: &Solution, for
 }
 
 /// Where the plane is in a picture.
+// Pages are for scenes.
+#[cfg_attr(not(feature = "scene"), allow(dead_code))]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Placed {
     /// Left, top, width, height of the plotting area, shares of the picture.

@@ -469,12 +469,15 @@ fn cost(evidence: &Evidence) -> String {
     if !costs.is_empty() {
         let total = |of: fn(&crate::Cost) -> usize| costs.iter().map(of).sum::<usize>().to_string();
         let unknowns = costs.iter().map(|c| c.unknowns).max().unwrap_or(0);
-        html.push_str(&facts(&[
+        let mut rows = vec![
             ("seconds of the answer", format!("{:.2e}", costs.iter().map(|c| c.seconds).sum::<f64>())),
             ("unknowns of the largest system", unknowns.to_string()),
             ("iterations", total(|c| c.iterations)),
             ("products with the compliance operator", total(|c| c.operator_products)),
-        ]));
+        ];
+        // A formula has none of them.
+        rows.retain(|(_, value)| value != "0");
+        html.push_str(&facts(&rows));
     }
     let sum: f64 = evidence.seconds.iter().map(|(_, s)| s).sum();
     let mut rows: Vec<Vec<String>> =

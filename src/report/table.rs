@@ -4,7 +4,7 @@ use super::{Step, centre_of_pressure, numbers, said_once};
 use crate::bracket::Evidence;
 use crate::problem::{Load, Loading};
 use crate::scene::Scene;
-use crate::solution::{Singular, Solution};
+use crate::solution::{ForceEvidence, Singular, Solution};
 use crate::units::UnitLabels;
 
 /// A table of the answers: a line a quantity for one state of loading, a line a state for several.
@@ -53,7 +53,8 @@ pub(super) fn facts(s: &Solution, units: Option<&UnitLabels>) -> Vec<[String; 2]
     };
     let mut rows: Vec<[String; 2]> = Vec::new();
     let mut row = |name: &str, value: String| rows.push([name.to_owned(), value]);
-    row("method", s.method.name().to_owned());
+    let exact = if s.evidence() == ForceEvidence::Exact { "  (exact to rounding)" } else { "" };
+    row("method", format!("{}{exact}", s.method.name()));
     if let Some(grid) = &s.grid {
         let [[nx, ny], [h, v]] = [grid.shape.map(|n| n as f64), grid.spacing];
         let sides = if (h / v - 1.0).abs() < 1e-9 { figure(h) } else { format!("{} x {}", figure(h), figure(v)) };
