@@ -54,6 +54,9 @@ const DOWN: f64 = 32.0;
 /// Height of the surface against the longer side of what is under it.
 const RISE: f64 = 0.55;
 
+/// A piece of the surface: how far away it is, where its corners are seen, its pressure.
+type Quad = (f64, [(i32, i32); 4], f64);
+
 struct Picture<'a> {
     units: &'a UnitLabels,
     frame: Frame,
@@ -104,7 +107,7 @@ impl Figure for Picture<'_> {
         area.draw(&PathElement::new(floor, axes::GRID.stroke_width(px(1))))?;
         let Grid { shape: [nx, ny], .. } = self.field.grid;
         let value = |i: usize, j: usize| self.field.values[j * nx + i];
-        let mut quads: Vec<(f64, [(i32, i32); 4], f64)> = Vec::new();
+        let mut quads: Vec<Quad> = Vec::new();
         for j in 0..ny.saturating_sub(1) {
             for i in 0..nx.saturating_sub(1) {
                 let nodes = [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)];
