@@ -88,7 +88,7 @@ fn a_region_that_is_drawn_turned_is_a_turned_region() {
 fn tilts_and_moments_turn_with_the_body() {
     let gap = json!({"kind": "formula", "expression": "x^2/2", "region": {"polygon": rectangle(0.9, 1.5)}});
     let tilt = [0.0, 2e-4];
-    let scene = |gap: &Value, tilt: [f64; 2]| json!({"effective_modulus": 1.0, "gap": gap, "loading": {"depth": 1e-3, "tilt": tilt}, "output": output});
+    let scene = |gap: &Value, tilt: [f64; 2], output: &[&str]| json!({"effective_modulus": 1.0, "gap": gap, "loading": {"depth": 1e-3, "tilt": tilt}, "output": output});
     let a = states(&scene(&gap, tilt, &["patch"])).remove(0);
     let mut placed = gap.clone();
     placed["rotate"] = json!(50.0);

@@ -209,7 +209,7 @@ fn piece(inside: &dyn Fn([f64; 2]) -> bool, seed: [f64; 2]) -> Option<Rect> {
     for _ in 0..RECENTRINGS {
         let exits = first_exits(inside, seed);
         nearest = exits.iter().map(|exit| exit.1).fold(f64::INFINITY, f64::min);
-        let Some(&(angle, farthest)) = exits.iter().max_by(|a, b| a.1.total_cmp(&b.1)) else { return None };
+        let &(angle, farthest) = exits.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
         let middle = along(seed, angle, 0.5 * farthest);
         if farthest <= AT_EDGE * nearest || !inside(middle) {
             break;
