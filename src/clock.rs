@@ -224,6 +224,30 @@ impl Stopwatch {
     }
 }
 
+/// The date and time in words, UTC: "2026-11-23 09:30 UTC"; that of `SOURCE_DATE_EPOCH` where it is set, so that what is made can be made
+/// again byte by byte.
+#[cfg(feature = "cli")]
+pub(crate) fn date() -> Option<String> {
+    let fixed = std::env::var("SOURCE_DATE_EPOCH").ok().and_then(|text| text.parse().ok());
+    let now = || std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).ok().map(|since| since.as_secs());
+    fixed.or_else(now).map(in_words)
+}
+
+/// Seconds since 1970 as a date of the Gregorian calendar (days to civil date after Hinnant 2013).
+#[cfg(feature = "cli")]
+fn in_words(seconds: u64) -> String {
+    let (days, second) = (seconds / 86_400, seconds % 86_400);
+    // Years begin in March, eras of 400 years in the year 0.
+    let day = days + 719_468;
+    let (era, day) = (day / 146_097, day % 146_097);
+    let year = (day - day / 1_460 + day / 36_524 - day / 146_096) / 365;
+    let day = day - (365 * year + year / 4 - year / 100);
+    let month = (5 * day + 2) / 153;
+    let (day, month) = (day - (153 * month + 2) / 5 + 1, if month < 10 { month + 3 } else { month - 9 });
+    let year = year + 400 * era + u64::from(month <= 2);
+    format!("{year}-{month:02}-{day:02} {:02}:{:02} UTC", second / 3600, second / 60 % 60)
+}
+
 /// Elapsed time.
 #[cfg(not(all(target_family = "wasm", target_os = "unknown")))]
 mod elapsed {
@@ -247,6 +271,15 @@ mod elapsed {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[cfg(feature = "cli")]
+    #[test]
+    fn dates_are_those_of_the_calendar() {
+        assert_eq!(in_words(0), "1970-01-01 00:00 UTC");
+        assert_eq!(in_words(951_825_599), "2000-02-29 11:59 UTC");
+        assert_eq!(in_words(1_795_392_000), "2026-11-23 00:00 UTC");
+        assert_eq!(in_words(4_107_542_399), "2100-02-28 23:59 UTC");
+    }
 
     #[test]
     fn cpu_time_counts_and_waiting_does_not() {

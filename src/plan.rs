@@ -10,6 +10,7 @@ use crate::discrete::symmetry::Symmetry;
 use crate::gap::Degree;
 use crate::grid::{Grid, Kernel};
 use crate::grid_method::domain::{coarsest, shape};
+use crate::loading::axes::Axes;
 use crate::loading::equilibrium::overlap_of_size;
 use crate::numeric::geometry::Rect;
 use crate::overlap::{Overlap, Scaled, least};
@@ -58,6 +59,10 @@ impl fmt::Display for Plan {
 /// `Unbounded` when the overlap has no end.
 pub fn plan(contact: &Contact, settings: &Settings) -> Result<Plan, Unsolved> {
     let mut steps = Vec::new();
+    let axes = Axes::of(contact, settings).filter(|_| !settings.outputs.pressure);
+    steps.extend(axes.map(|axes| axes.found()));
+    let turned = axes.map(|axes| axes.inward(contact));
+    let contact = turned.as_ref().unwrap_or(contact);
     let loads = contact.loading().loads();
     let (depth, tilt) = probe(contact, loads, &mut steps);
     let gap = contact.tilted_gap(tilt);

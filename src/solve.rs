@@ -7,6 +7,7 @@ use crate::bracket::refined::with_bracket;
 use crate::by_edges;
 use crate::clock::Stopwatch;
 use crate::gap::{AnyGap, Gap, Law, Reach};
+use crate::loading::axes::Axes;
 use crate::loading::engine::{Engine, close};
 use crate::loading::equilibrium;
 use crate::loading::respond;
@@ -28,8 +29,22 @@ use crate::solution::{Solution, Unsolved, Verdict};
 /// ```
 pub fn solve(contact: &Contact, settings: &Settings) -> Vec<Result<Solution, Unsolved>> {
     let (mut similar, mut held) = (None, 0);
-    let loads = contact.loading().loads().iter();
-    loads.map(|&load| within_memory(at(contact, load, settings, &mut similar), &mut held)).collect()
+    let loads = contact.loading().loads();
+    let Some(axes) = Axes::of(contact, settings) else {
+        return loads.iter().map(|&load| within_memory(at(contact, load, settings, &mut similar), &mut held)).collect();
+    };
+    let (turned, own) = (axes.inward(contact), Axes::settings_inward(settings));
+    let mut along = None;
+    let states = turned.loading().loads().iter().zip(loads).map(|(&inward, &load)| {
+        // A field is that of a grid along the user's axes, where that is good enough.
+        let upright = settings.outputs.pressure.then(|| at(contact, load, settings, &mut similar));
+        let answer = match upright {
+            Some(answer) if !answer.as_ref().is_err_and(|e| Axes::may_help(e.verdict)) => answer,
+            _ => axes.outward(at(&turned, inward, &own, &mut along), load, settings),
+        };
+        within_memory(answer, &mut held)
+    });
+    states.collect()
 }
 
 /// A solved state of a homogeneous gap, from which every other follows.

@@ -178,9 +178,10 @@ fn batch_answers_every_line_in_order() {
     let text = String::from_utf8(output.stdout).unwrap();
     assert!(text.ends_with('\n'));
     let answers: Vec<Value> = text.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
-    assert_eq!(answers.len(), 200);
-    for (k, answer) in answers.iter().enumerate() {
-        if k % 50 == 7 || k % 50 == 9 {
+    // Blank lines are passed over, and counted.
+    assert_eq!(answers.len(), 196);
+    for (k, answer) in (0..200).filter(|k| k % 50 != 9).zip(&answers) {
+        if k % 50 == 7 {
             assert_eq!(answer["line"], k + 1);
             assert!(["path", "given", "allowed"].iter().all(|key| answer["error"][key].is_string()));
         } else {
@@ -189,6 +190,119 @@ fn batch_answers_every_line_in_order() {
     }
     let strict = run(&["batch", "--strict"], Path::new("."), b"nonsense");
     assert_eq!(strict.status.code(), Some(1));
+}
+
+#[test]
+fn several_scenes_are_answered_in_order() {
+    let directory = tempfile::tempdir().unwrap();
+    let at = directory.path();
+    for (name, depth) in [("a", 1), ("b", 2), ("c", 3)] {
+        let scene = CONE.replace("1.0}, \"solve\"", &format!("{depth}.0}}, \"solve\"")).replacen(
+            '{',
+            &format!("{{\"name\": \"{name}\", "),
+            1,
+        );
+        fs::write(at.join(format!("{name}.json")), scene.replace("\"depth\": 1.0", &format!("\"depth\": {depth}.0")))
+            .unwrap();
+    }
+    let output = run(&["solve", "a.json", "b.json", "-", "-o", "r.ndjson"], at, &fs::read(at.join("c.json")).unwrap());
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let table = String::from_utf8(output.stdout).unwrap();
+    assert!(table.starts_with("a\n") && table.contains("\n\nb\n") && table.contains("\n\nc\n"), "{table}");
+    let text = fs::read_to_string(at.join("r.ndjson")).unwrap();
+    let forces: Vec<f64> =
+        text.lines().map(|line| serde_json::from_str::<Value>(line).unwrap()["force"].as_f64().unwrap()).collect();
+    // Force of a cone: the square of the depth.
+    assert!(
+        forces.len() == 3 && (forces[1] / forces[0] - 4.0).abs() < 1e-9 && (forces[2] / forces[0] - 9.0).abs() < 1e-9
+    );
+    for wrong in [
+        &["solve", "a.json", "b.json", "--csv", "r.csv"][..],
+        &["solve", "a.json", "-", "-"],
+        &["solve", "a.json", "b.json", "-o", "b.json"],
+        &["solve", "a.json", "absent.json", "-o", "x.ndjson"],
+    ] {
+        let output = run(wrong, at, b"{}");
+        assert!(output.status.code() == Some(2) && output.stdout.is_empty(), "{wrong:?}");
+    }
+    assert_eq!(fs::read_dir(at).unwrap().count(), 4);
+}
+
+#[test]
+fn quiet_indented_and_in_colour() {
+    let directory = tempfile::tempdir().unwrap();
+    let at = directory.path();
+    let quiet = run(&["solve", "-", "--quiet", "-o", "r.json", "--json-pretty"], at, CONE.as_bytes());
+    assert!(quiet.status.code() == Some(0) && quiet.stdout.is_empty() && quiet.stderr.is_empty());
+    let text = fs::read_to_string(at.join("r.json")).unwrap();
+    let plain = json_of(CONE);
+    let indented: Value = serde_json::from_str(&text).unwrap();
+    assert!(text.lines().count() > 20 && indented["force"] == plain["force"]);
+    let curve = run(&["curve", "-", "-q", "--steps", "4"], at, CONE.as_bytes());
+    assert!(curve.status.code() == Some(0) && curve.stderr.is_empty() && !curve.stdout.is_empty());
+    // What is wrong is said all the same.
+    let wrong = run(&["--quiet", "solve", "-"], at, b"{}");
+    assert!(wrong.status.code() == Some(2) && !wrong.stderr.is_empty());
+    let table = |variables: &[(&str, &str)]| {
+        fs::write(at.join("scene.json"), CONE.replacen('{', "{\"name\": \"cone\", ", 1)).unwrap();
+        let mut command = Command::new(env!("CARGO_BIN_EXE_contact-patch"));
+        command.args(["solve", "scene.json"]).current_dir(at).env_remove("NO_COLOR").env_remove("CLICOLOR_FORCE");
+        String::from_utf8(command.envs(variables.iter().copied()).output().unwrap().stdout).unwrap()
+    };
+    assert!(!table(&[]).contains('\x1b'));
+    assert!(table(&[("CLICOLOR_FORCE", "1")]).starts_with("\x1b[1mcone\x1b[0m"));
+    assert!(!table(&[("CLICOLOR_FORCE", "1"), ("NO_COLOR", "1")]).contains('\x1b'));
+}
+
+#[test]
+fn every_command_has_a_manual_page() {
+    let directory = tempfile::tempdir().unwrap();
+    let output = run(&["man", "--directory", "."], directory.path(), b"");
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    for command in
+        ["solve", "plan", "compare", "report", "curve", "batch", "check", "stability", "schema", "completions"]
+    {
+        let page = fs::read_to_string(directory.path().join(format!("contact-patch-{command}.1"))).unwrap();
+        assert!(page.contains(".SH SYNOPSIS") && page.contains("\\-\\-help"), "{command}");
+        let same = run(&["man", command], directory.path(), b"");
+        assert!(same.status.success() && String::from_utf8_lossy(&same.stdout).contains(".SH SYNOPSIS"));
+    }
+    assert!(String::from_utf8_lossy(&run(&["man"], directory.path(), b"").stdout).contains("contact\\-patch"));
+    assert_eq!(run(&["man", "nonsense"], directory.path(), b"").status.code(), Some(2));
+}
+
+#[test]
+fn pictures_of_every_kind() {
+    let directory = tempfile::tempdir().unwrap();
+    let at = directory.path();
+    let two = CONE
+        .replace(r#"{"kind": "cone", "inclination": 45.0}"#, r#"{"kind": "min", "of": [{"kind": "sphere", "radius": 1.0, "at": [-3, 0]}, {"kind": "sphere", "radius": 1.0, "at": [3, 0]}]}"#)
+        .replace("\"depth\": 1.0", "\"depth\": 0.2");
+    for (kind, said) in [
+        ("pressure", "pressure"),
+        ("surface", "x (length): "),
+        ("gap", "gap left"),
+        ("section", "surface under load"),
+        ("patch", "patch"),
+        ("pieces", "piece 2: 50.000 % of the force"),
+        ("curve", "depth"),
+    ] {
+        let file = format!("{kind}.svg");
+        let output = run(&["solve", "-", "-q", "--plot", &file, "--plot-kind", kind], at, two.as_bytes());
+        assert_eq!(output.status.code(), Some(0), "{kind}: {}", String::from_utf8_lossy(&output.stderr));
+        let text = fs::read_to_string(at.join(&file)).unwrap();
+        assert!(text.starts_with("<svg ") && text.trim_end().ends_with("</svg>") && text.contains(said), "{kind}");
+    }
+    // A list is drawn as its states; other pictures are of one state.
+    let list = CONE.replace("\"depth\": 1.0", "\"depths\": [0.5, 1.0]");
+    assert!(run(&["solve", "-", "--plot", "l.svg"], at, list.as_bytes()).status.success());
+    assert_eq!(fs::read_to_string(at.join("l.svg")).unwrap().matches("<circle").count(), 2);
+    for (scene, kind) in
+        [(&list, "pressure"), (&CONE.replace("\"solve\": {", "\"solve\": {\"method\": \"ritz\", "), "section")]
+    {
+        let output = run(&["solve", "-", "--plot", "x.svg", "--plot-kind", kind], at, scene.as_bytes());
+        assert!(output.status.code() == Some(2) && !at.join("x.svg").exists(), "{kind}");
+    }
 }
 
 #[test]
@@ -224,7 +338,9 @@ fn schema_names_every_kind_and_completions_know_the_commands() {
     for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
         let output = run(&["completions", shell], Path::new("."), b"");
         let script = String::from_utf8_lossy(&output.stdout);
-        for command in ["solve", "plan", "compare", "report", "curve", "batch", "stability", "schema", "completions"] {
+        for command in
+            ["solve", "plan", "compare", "report", "curve", "batch", "stability", "schema", "completions", "man"]
+        {
             assert!(script.contains(command), "{shell} does not know {command}");
         }
         assert!(script.contains("tolerance") && script.contains("bracket-cells"), "{shell}");

@@ -323,6 +323,51 @@ mod formulas {
         assert!(state.pressure.max.is_some_and(|p| p > 0.0));
     }
 
+    /// (hypot(x, k y) - 1)^2/(2 w).
+    fn oval(k: f64, w: f64) -> AnyGap {
+        AnyGap::new(Formula::new(&format!("(hypot(x, {k}*y) - 1)^2/(2*{w})")).unwrap())
+    }
+
+    #[test]
+    fn an_oval_that_is_nearly_round_is_a_round_one() {
+        for (w, depth) in [(0.3, 1e-2), (0.1, 1e-3), (0.05, 1e-5)] {
+            let settings = Settings::default();
+            let oval = fitted(2.0, oval(1.0 + 1e-9, w), Load::Depth(depth), &settings);
+            let round = fitted(2.0, self::oval(1.0, w), Load::Depth(depth), &settings);
+            assert_eq!(oval.evidence().word(), "estimated");
+            within(&oval, round.force, round.force_error.unwrap());
+            assert!((oval.stiffness / round.stiffness - 1.0).abs() < 0.02);
+            assert!((oval.patch.area / round.patch.area - 1.0).abs() < 0.05);
+        }
+    }
+
+    #[test]
+    fn an_oval_has_the_force_of_a_grid_and_turns_with_its_gap() {
+        for (k, w, depth) in [(0.8, 0.3, 2e-2), (1.1, 0.5, 5e-3), (0.7, 0.15, 5e-3)] {
+            let state = fitted(1.0, oval(k, w), Load::Depth(depth), &Settings::default());
+            let by_grid = Settings { method: Method::Fft, ..Settings::default() };
+            let grid = solve(&contact(1.0, oval(k, w), Loading::depth(depth)), &by_grid).remove(0).unwrap();
+            within(&state, grid.force, grid.force_error.unwrap());
+            assert!((state.energy.unwrap() / grid.energy.unwrap() - 1.0).abs() < 5e-3);
+            assert_eq!(state.patch.regions, 1);
+            let turned = oval(k, w).placed([0.3, -2.0], 0.6).unwrap();
+            let turned = fitted(1.0, turned, Load::Depth(depth), &Settings::default());
+            assert!((turned.force / state.force - 1.0).abs() < 1e-8, "{} {}", turned.force, state.force);
+            assert!((turned.patch.centroid.unwrap()[0] - 0.3).abs() < 1e-9);
+            // Longer and shorter, harder and softer.
+            let longer = AnyGap::new(Formula::new(&format!("(hypot(x, {k}*y) - 2)^2/(4*{w})")).unwrap());
+            let longer = fitted(3.0, longer, Load::Depth(2.0 * depth), &Settings::default());
+            assert!((longer.force / state.force / 12.0 - 1.0).abs() < 1e-8);
+        }
+    }
+
+    #[test]
+    fn a_ridge_along_an_oval_is_left_to_a_grid() {
+        let gap = Formula::new("abs(hypot(x, 0.9*y) - 1)").unwrap();
+        let settings = Settings { tolerance: 0.05, ..Settings::default() };
+        assert_eq!(planned(&contact(1.0, gap, Loading::depth(0.05)), &settings).unwrap().method, Method::Fft);
+    }
+
     #[test]
     fn a_ring_is_one_however_it_is_written() {
         // No number for r < 0.5: no material there.

@@ -216,6 +216,8 @@ SQUARE = 2 * 1.152298  # P/(E* d) of the square of half side 1, graded cells, ex
 half = {"polygon": [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]}
 tee = {"polygon": [[-1.0, 1.0], [-1.0, 0.6], [-0.2, 0.6], [-0.2, -1.0], [0.2, -1.0], [0.2, 0.6], [1.0, 0.6], [1.0, 1.0]]}
 FITTED = "graded cells, extrapolated"
+ROLLER = 5.7529e-4  # radius 1, length 2, overlap 1e-3
+TOROID = 7.69139 * (0.75 / (2 * 75.485) + 0.99e-6)  # N for E* of 1/(0.75/(2 * 75.485) + 0.99e-6) MPa, lengths in mm
 CORNER = 3.1740e-3  # one corner of a flat, overlap 0.1 less the distances from both sides
 
 
@@ -243,4 +245,13 @@ for n in [8, 30, 60]:
 for inner, k in [(0.1, 0.999864355578), (0.5, 0.981017896923), (0.9, 0.821029779368)]:
     gap = {"kind": "formula", "expression": f"0*sqrt(r - {inner})", "region": {"disc": 1.0}}
     edges.append(case(f"flat ring as a formula, inner radius {inner}", scene(gap, depth(1.0)), [run("auto", 1.1e-3)], 2 * k, "Nystroem's method"))
+# Rollers that end sharply, along whatever axes; one closed strip that is all but round.
+ended = {"polygon": [[-0.9, -1.0], [0.9, -1.0], [0.9, 1.0], [-0.9, 1.0]]}
+roller = {"kind": "formula", "expression": "x^2/2", "region": ended}
+for turn in [0.0, 17.0, 37.0, 45.0, 88.0]:
+    edges.append(case(f"roller with sharp ends, turned by {turn:g} degrees", scene({**roller, "rotate": turn}, depth(1e-3)), [run("auto", 1.1e-3)], ROLLER, "projected conjugate gradients on graded cells, to 3e-5"))
+edges.append(case("roller with sharp ends in a sum, turned", scene({"kind": "sum", "of": [{**roller, "rotate": 37.0}, {"kind": "sphere", "radius": 1e9}]}, depth(1e-3)), [run("auto", 1.1e-3)], ROLLER, "projected conjugate gradients on graded cells, to 3e-5"))
+for turn in [0.0, 33.0]:
+    toroid = {"kind": "formula", "expression": "(hypot(x, 1.000000001*y) - 2.5732)^2/(2*0.23975)", "rotate": turn}
+    edges.append(case(f"toroid that is not known to be round, turned by {turn:g} degrees", scene(toroid, depth(1.1789e-2)), [run("auto", 1.1e-3)], TOROID, "rings, refined to 1e-5"))
 write("edges", edges)

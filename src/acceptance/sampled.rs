@@ -26,7 +26,7 @@ pub(crate) fn with_samples(
             let own = state.force_error;
             let Some(off) = widen(contact, load, &mut state) else { return Ok(state) };
             let total = state.force_error.unwrap_or(f64::INFINITY);
-            if total <= settings.tolerance || own.is_none_or(|own| own > settings.tolerance) {
+            if total <= settings.tolerance || own.is_none_or(|own| own > settings.tolerance.max(off)) {
                 return Ok(state);
             }
             let reason = format!(

@@ -6,9 +6,11 @@
 //! | a tilted face in a polygon | the cells that stay in contact | the bracket of its own, where it touches everywhere |
 //! | the highest of several planes, one of them level | the flat punch under that one | E* K d to E* K d (1 + s/2): see [`layer`] |
 //! | an axis, bounds along the radius | rings | the bracket of the force |
+//! | two mirrors, one closed strip around them | cells along the strip | an estimate |
 
 mod flat;
 mod layer;
+mod oval;
 mod rings;
 mod tilted;
 
@@ -30,6 +32,7 @@ pub(crate) enum Route {
     Tilted(tilted::Tilting),
     Layer(layer::Layer),
     Rings(rings::Section),
+    Oval(oval::Strip),
 }
 
 /// A state in the user's units.
@@ -85,7 +88,10 @@ impl Route {
         if let Some(layer) = layer::Layer::of(overlap, settings.tolerance) {
             return Some(Self::Layer(layer));
         }
-        known.axis.and_then(|axis| rings::Section::of(overlap, axis)).map(Self::Rings)
+        match known.axis {
+            Some(axis) => rings::Section::of(overlap, axis).map(Self::Rings),
+            None => oval::Strip::of(overlap).map(Self::Oval),
+        }
     }
 
     /// What was recognised, in words.
@@ -95,6 +101,7 @@ impl Route {
             Self::Tilted(tilting) => tilting.found(),
             Self::Layer(layer) => layer.found(),
             Self::Rings(section) => section.found(),
+            Self::Oval(strip) => strip.found(),
         }
     }
 
@@ -105,6 +112,7 @@ impl Route {
             Self::Tilted(tilting) => tilting.at(contact, depth, settings, &limits),
             Self::Layer(layer) => layer.solve(contact, depth, settings, &limits),
             Self::Rings(section) => section.solve(contact, settings, &limits),
+            Self::Oval(strip) => strip.solve(contact, settings, &limits),
         }
     }
 }
@@ -191,8 +199,7 @@ fn judged(state: Solution, settings: &Settings) -> Result<Solution, Unsolved> {
 
 /// The verdict where this method is prescribed and does not apply.
 pub(crate) fn not_applicable() -> Unsolved {
-    let reason =
-        "the gap is not known to be a flat polygon, planes with a level one among them, or of revolution, upright";
+    let reason = "the gap is not known to be a flat polygon, planes with a level one among them, of revolution, upright, or an oval ring";
     Unsolved::new(Verdict::NotApplicable, reason)
 }
 

@@ -31,7 +31,8 @@ const LONGEST: usize = crate::scene::LONGEST as usize;
 
 /// Solve one scene a line from standard input, one result a line on standard output, in order
 ///
-/// A line that is not a scene is answered by {"error": {path, given, allowed}, "line": n} and the rest goes on.
+/// A line that is not a scene is answered by {"error": {path, given, allowed}, "line": n} and the rest goes on; blank lines are passed
+/// over.
 /// With --table FILE.csv --template SCENE each row of a table is a scene, and the table comes back with the answers.
 /// Exit code 0 once every line has its answer; with --strict 1 when one of them is not solved.
 #[derive(Args)]
@@ -39,7 +40,7 @@ pub(super) struct Batch {
     #[command(flatten)]
     overrides: Overrides,
     /// Scenes solved at the same time; by default as many as there are cores
-    #[arg(long, value_name = "N")]
+    #[arg(long, visible_alias = "threads", value_name = "N")]
     jobs: Option<usize>,
     /// CPU seconds that each scene may take; those of the scene stand when this is left out
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
@@ -196,6 +197,10 @@ fn read_lines(
 ) -> io::Result<()> {
     for number in 1.. {
         let Some(line) = read_line(from)? else { break };
+        // Nothing was asked; the line is counted.
+        if line.as_ref().is_ok_and(|line| line.iter().all(u8::is_ascii_whitespace)) {
+            continue;
+        }
         let (reply, answer) = sync_channel(1);
         if to_writer.send(answer).is_err() || to_workers.send((number, line, reply)).is_err() {
             break;
@@ -233,9 +238,6 @@ fn read_line(from: &mut impl BufRead) -> io::Result<Option<Result<Vec<u8>, Input
     }
     if length > LONGEST {
         return Ok(Some(Err(InputError::new("$", format!("a line of {length} bytes"), format!("at most {LONGEST}")))));
-    }
-    if line.iter().all(u8::is_ascii_whitespace) {
-        return Ok(Some(Err(InputError::new("$", "an empty line", "one scene a line"))));
     }
     Ok(Some(Ok(line)))
 }

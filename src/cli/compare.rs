@@ -6,12 +6,13 @@ use std::process::ExitCode;
 use clap::Args;
 
 use super::outputs::outputs;
+use super::voice::Voice;
 use super::{Failure, checked_threads, inputs, scene};
 use crate::compare::{Plan, compare};
 use crate::error::InputError;
 use crate::plot::{Format, error_against_time};
-use crate::report::write::Target;
 use crate::report::{comparison_csv, comparison_json, comparison_table};
+use crate::scene::Json;
 use crate::scene::fields::checked_cells;
 
 /// Run every method on a scene and tabulate error and cost
@@ -47,7 +48,7 @@ pub(super) struct Compare {
 }
 
 impl Compare {
-    pub(super) fn run(&self) -> Result<ExitCode, Failure> {
+    pub(super) fn run(&self, voice: Voice) -> Result<ExitCode, Failure> {
         let wrong = |e: &InputError| Failure::wrong("arguments", e);
         let scene = scene(&self.scene)?;
         let mut plan = Plan::new(scene.settings);
@@ -71,8 +72,16 @@ impl Compare {
         let paths = [&self.json, &self.csv, &self.plot].map(|path| path.as_deref());
         let options = [("--json", paths[0]), ("--csv", paths[1]), ("--plot", paths[2])];
         let targets = outputs(options, &inputs(&self.scene, &scene))?;
+        let progress = voice.progress("every method, at several resolutions");
         let comparison = compare(&scene.contact, &plan);
-        let json = comparison_json(&scene, &comparison).map_err(|e| Failure::Message(e.to_string()))? + "\n";
+        drop(progress);
+        let mut json = comparison_json(&scene, &comparison).map_err(|e| Failure::Message(e.to_string()))? + "\n";
+        if voice.is_pretty() {
+            let document = Json::parse(json.as_bytes()).map_err(|e| Failure::Message(e.to_string()))?;
+            let mut indented = Vec::new();
+            voice.json(&mut indented, &document)?;
+            json = String::from_utf8_lossy(&indented).into_owned();
+        }
         let picture = match format {
             Some(format) if comparison.reference.is_some() => {
                 error_against_time(scene.name.as_deref().unwrap_or("error against run time"), &comparison, format)
@@ -89,7 +98,7 @@ impl Compare {
         }
         if ![&self.json, &self.csv].into_iter().flatten().any(|p| p.as_os_str() == "-") {
             let table = comparison_table(scene.name.as_deref(), &comparison);
-            Target::Stdout.write(|to| to.write_all(table.as_bytes()))?;
+            voice.table(&table, scene.name.is_some())?;
         }
         Ok(if comparison.reference.is_some() { ExitCode::SUCCESS } else { ExitCode::from(1) })
     }

@@ -1,19 +1,18 @@
 //! `contact-patch curve`
 
-use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
 
 use super::outputs::outputs;
-use super::progress::Progress;
+use super::voice::Voice;
 use super::{Failure, Overrides, checked_threads, fmu, inputs, scene};
 use crate::curve::{About, Beyond, Curve};
 use crate::error::InputError;
 use crate::plot;
 use crate::problem::Settings;
-use crate::scene::Scene;
+use crate::scene::{Json, Scene};
 use crate::solution::Unsolved;
 use crate::units::UnitLabels;
 
@@ -104,7 +103,7 @@ impl From<BeyondName> for Beyond {
 }
 
 impl CurveCommand {
-    pub(super) fn run(&self) -> Result<ExitCode, Failure> {
+    pub(super) fn run(&self, voice: Voice) -> Result<ExitCode, Failure> {
         let mut scene = scene(&self.scene)?;
         let wrong = |e: &InputError| Failure::wrong("arguments", e);
         self.overrides.apply(&mut scene.settings).map_err(|e| wrong(&e))?;
@@ -122,7 +121,7 @@ impl CurveCommand {
         let threads = checked_threads("--threads", self.threads)?;
         let settings = Settings { threads, ..scene.settings };
         let place = |e: &InputError| if e.path == "--from" { "arguments" } else { "scene" };
-        let curve = match self.curve(&scene, &settings).map_err(|e| Failure::wrong(place(&e), &e))? {
+        let curve = match self.curve(&scene, &settings, voice).map_err(|e| Failure::wrong(place(&e), &e))? {
             Ok(curve) => curve,
             Err(unsolved) => {
                 eprintln!("{unsolved}");
@@ -130,18 +129,27 @@ impl CurveCommand {
             }
         };
         let curve = curve.continued(self.beyond.into());
-        // A closed stderr does not make the curve worse.
-        let _ = writeln!(std::io::stderr().lock(), "{}", self.summary(&curve));
+        voice.remark(&self.summary(&curve));
         let about = About { scene: scene.name.as_deref(), units: scene.units.as_ref() };
         let text = match self.format {
             Format::Csv => curve.csv_in(scene.units.as_ref(), self.steps),
-            Format::Json => curve.json_about(about),
+            Format::Json => {
+                let text = curve.json_about(about);
+                match Json::parse(text.as_bytes()) {
+                    Ok(document) if voice.is_pretty() => {
+                        let mut indented = Vec::new();
+                        voice.json(&mut indented, &document)?;
+                        String::from_utf8_lossy(&indented).into_owned()
+                    }
+                    _ => text,
+                }
+            }
             Format::Text => curve.two_columns(self.steps),
             Format::Adams => curve.adams_in(scene.units.as_ref(), self.steps, 1),
             Format::C => curve.c_header_about(about, &self.name),
             Format::Fmu => String::new(),
         };
-        let bytes = if self.format == Format::Fmu { self.unit(&curve, about)? } else { text.into_bytes() };
+        let bytes = if self.format == Format::Fmu { self.unit(&curve, about, voice)? } else { text.into_bytes() };
         if let (Some((path, target)), Some(format)) = (picture, format) {
             let units = scene.units.clone().unwrap_or_else(UnitLabels::kinds);
             let drawn = plot::curve_in(&units, scene.name.as_deref().unwrap_or(""), &curve, format)
@@ -155,11 +163,10 @@ impl CurveCommand {
     }
 
     /// The functional mock-up unit; without a compiler its sources alone, and a line that says so.
-    fn unit(&self, curve: &Curve, about: About) -> Result<Vec<u8>, Failure> {
+    fn unit(&self, curve: &Curve, about: About, voice: Voice) -> Result<Vec<u8>, Failure> {
         let built = fmu::built(&curve.fmu_sources(about, &self.name));
         if let Err(why) = &built {
-            // A closed stderr does not make the unit worse.
-            let _ = writeln!(std::io::stderr().lock(), "note: the unit has sources and no binary: {why}");
+            voice.remark(&format!("note: the unit has sources and no binary: {why}"));
         }
         curve
             .fmu(about, &self.name, built.as_ref().ok().map(fmu::Built::binary))
@@ -194,14 +201,14 @@ impl CurveCommand {
     }
 
     /// The curve up to the largest load of the scene.
-    fn curve(&self, scene: &Scene, settings: &Settings) -> Result<Result<Curve, Unsolved>, InputError> {
+    fn curve(&self, scene: &Scene, settings: &Settings, voice: Voice) -> Result<Result<Curve, Unsolved>, InputError> {
         let range = match Curve::range_of(&scene.contact, settings, self.from, self.accuracy) {
             Ok(Ok(range)) => range,
             Ok(Err(unsolved)) => return Ok(Err(unsolved)),
             Err(e) if e.path == "from" => return Err(InputError { path: "--from".to_owned(), ..e }),
             Err(e) => return Err(e),
         };
-        let mut progress = Progress::new();
+        let mut progress = voice.progress("the first states");
         let mut told = |states: usize, open: Option<f64>| match open {
             None => progress.say(&format!("{states} states")),
             Some(open) => {

@@ -10,6 +10,7 @@ mod completions;
 mod curve;
 mod fmu;
 mod heap;
+mod manual;
 mod outputs;
 mod plan;
 mod progress;
@@ -18,6 +19,7 @@ mod schema;
 mod solve;
 mod stability;
 mod table;
+mod voice;
 
 use std::ffi::OsString;
 use std::io::{self, Write};
@@ -35,6 +37,8 @@ use crate::scene::fields::{EvidenceName, KernelName, MethodName, checked_cells, 
 #[derive(Parser)]
 #[command(name = "contact-patch", version, propagate_version = true)]
 struct Arguments {
+    #[command(flatten)]
+    voice: voice::Voice,
     #[command(subcommand)]
     command: Command,
 }
@@ -51,6 +55,7 @@ enum Command {
     Curve(curve::CurveCommand),
     Schema(schema::SchemaCommand),
     Completions(completions::Completions),
+    Man(manual::Manual),
 }
 
 /// Options that replace what the scene says under `solve`.
@@ -139,17 +144,19 @@ pub fn run_with<A: Into<OsString> + Clone>(arguments: impl IntoIterator<Item = A
             return u8::try_from(help_or_error.exit_code()).unwrap_or(2).into();
         }
     };
+    let voice = arguments.voice;
     let result = match arguments.command {
-        Command::Solve(command) => command.run(),
+        Command::Solve(command) => command.run(voice),
         Command::Plan(command) => command.run(),
         Command::Check(command) => command.run(),
-        Command::Compare(command) => command.run(),
-        Command::Report(command) => command.run(),
-        Command::Stability(command) => command.run(),
+        Command::Compare(command) => command.run(voice),
+        Command::Report(command) => command.run(voice),
+        Command::Stability(command) => command.run(voice),
         Command::Batch(command) => command.run(),
-        Command::Curve(command) => command.run(),
+        Command::Curve(command) => command.run(voice),
         Command::Schema(command) => command.run(),
         Command::Completions(command) => command.run(),
+        Command::Man(command) => command.run(),
     };
     match result {
         Ok(code) => code,

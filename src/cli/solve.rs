@@ -4,24 +4,27 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 
 use super::outputs::outputs;
+use super::voice::Voice;
 use super::{Failure, Overrides, checked_threads, inputs, scene};
 use crate::error::InputError;
-use crate::plot::{self, Format};
-use crate::problem::{Loading, Method};
+use crate::overlap::least;
+use crate::plot::{self, Format, Outline, Section};
+use crate::problem::{Load, Loading, Method};
 use crate::report::write::Target;
 use crate::report::{self, npy};
 use crate::scene::Scene;
+use crate::solution::Solution;
 use crate::units::UnitLabels;
 
-/// Solve a scene and print a short table
+/// Solve scenes and print a short table of each
 #[derive(Args)]
 pub(super) struct Solve {
-    /// Scene file; - reads standard input
-    #[arg(value_name = "SCENE")]
-    scene: PathBuf,
+    /// Scene files; - reads standard input. Of several the results are JSON lines, in order
+    #[arg(value_name = "SCENE", required = true)]
+    scenes: Vec<PathBuf>,
     #[command(flatten)]
     overrides: Overrides,
     /// Write the result as JSON; - prints it alone
@@ -46,14 +49,93 @@ pub(super) struct Solve {
     /// Draw the pressure and the boundary of the patch; of several states, force against depth
     #[arg(long, value_name = "FILE.svg|.png")]
     plot: Option<PathBuf>,
+    /// What to draw
+    #[arg(long, value_enum, value_name = "KIND", requires = "plot")]
+    plot_kind: Option<PlotKind>,
     /// Threads to use; by default all cores
     #[arg(long, value_name = "N")]
     threads: Option<usize>,
 }
 
+/// Pictures of a state.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum PlotKind {
+    /// The pressure over the patch
+    Pressure,
+    /// The pressure as a surface
+    Surface,
+    /// The gap that is left around the patch
+    Gap,
+    /// Both bodies and the pressure along a line
+    Section,
+    /// The boundary of the patch
+    Patch,
+    /// The separate regions of the patch, with their share of the force
+    Pieces,
+    /// Force against depth: the states, and the law between them
+    Curve,
+}
+
 impl Solve {
-    pub(super) fn run(&self) -> Result<ExitCode, Failure> {
-        let mut scene = scene(&self.scene)?;
+    pub(super) fn run(&self, voice: Voice) -> Result<ExitCode, Failure> {
+        match &self.scenes[..] {
+            [scene] => self.one(scene, voice),
+            scenes => self.several(scenes, voice),
+        }
+    }
+
+    /// Every scene is read before the first is solved.
+    fn several(&self, paths: &[PathBuf], voice: Voice) -> Result<ExitCode, Failure> {
+        let wrong = |e: &InputError| Failure::wrong("arguments", e);
+        let single = [
+            ("--csv", &self.csv),
+            ("--patches", &self.patches),
+            ("--field", &self.field),
+            ("--vti", &self.vti),
+            ("--plot", &self.plot),
+        ];
+        if let Some((option, _)) = single.iter().find(|(_, file)| file.is_some()) {
+            return Err(wrong(&InputError::new(*option, format!("{} scenes", paths.len()), "one scene")));
+        }
+        if paths.iter().filter(|path| path.as_os_str() == "-").count() > 1 {
+            return Err(wrong(&InputError::new("SCENE", "standard input twice", "once")));
+        }
+        let mut scenes = Vec::new();
+        let mut read = Vec::new();
+        for path in paths {
+            let mut scene = scene(path)?;
+            self.overrides.apply(&mut scene.settings).map_err(|e| wrong(&e))?;
+            scene.settings.threads = checked_threads("--threads", self.threads)?;
+            scene.settings.outputs.bracket |= self.bracket;
+            read.extend(inputs(path, &scene));
+            scenes.push(scene);
+        }
+        let [json] = outputs([("--json", self.json.as_deref())], &read)?;
+        let tables = self.json.as_deref().is_none_or(|path| path.as_os_str() != "-");
+        let mut lines = Vec::new();
+        let mut solved = true;
+        for (k, scene) in scenes.iter().enumerate() {
+            let what = scene.name.clone().unwrap_or_else(|| paths[k].display().to_string());
+            let progress = voice.progress(&format!("{} of {}: {what}", k + 1, scenes.len()));
+            let steps = crate::solve(&scene.contact, &scene.settings);
+            drop(progress);
+            solved &= steps.iter().all(Result::is_ok);
+            if json.is_some() {
+                voice.json(&mut lines, &report::json(scene, &steps))?;
+            }
+            if tables {
+                let gap = if k == 0 { "" } else { "\n" };
+                voice.table(&format!("{gap}{}", report::table(scene, &steps)), k == 0 && scene.name.is_some())?;
+            }
+        }
+        if let Some((path, target)) = json {
+            write(path, &target, |to| to.write_all(&lines))?;
+        }
+        Ok(if solved { ExitCode::SUCCESS } else { ExitCode::from(1) })
+    }
+
+    fn one(&self, path: &Path, voice: Voice) -> Result<ExitCode, Failure> {
+        let mut scene = scene(path)?;
         let wrong = |e: &InputError| Failure::wrong("arguments", e);
         self.overrides.apply(&mut scene.settings).map_err(|e| wrong(&e))?;
         scene.settings.threads = checked_threads("--threads", self.threads)?;
@@ -75,9 +157,8 @@ impl Solve {
             scene.settings.outputs.gap |= self.vti.is_some();
         }
         let format = self.plot.as_deref().map(Format::of).transpose().map_err(|e| wrong(&e.within("--plot")))?;
-        if format.is_some() && matches!(scene.contact.loading(), Loading::Single(_)) {
-            scene.settings.outputs.pressure = true;
-            scene.settings.outputs.patch = true;
+        if format.is_some() {
+            self.ask_for_picture(&mut scene).map_err(|e| wrong(&e))?;
         }
         let [json, csv, field, vti, picture, patches] = outputs(
             [
@@ -88,11 +169,13 @@ impl Solve {
                 ("--plot", self.plot.as_deref()),
                 ("--patches", self.patches.as_deref()),
             ],
-            &inputs(&self.scene, &scene),
+            &inputs(path, &scene),
         )?;
+        let progress = voice.progress(scene.name.as_deref().unwrap_or("solving"));
         let mut steps = crate::solve(&scene.contact, &scene.settings);
+        drop(progress);
         if let (Some((path, target)), Some(format)) = (picture, format) {
-            draw(&scene, &steps, path, &target, format)?;
+            draw(&scene, &steps, self.kind(&scene), path, &target, format)?;
         }
         if let Some((path, target)) = vti {
             // Without contact there is no field.
@@ -119,10 +202,7 @@ impl Solve {
         if let Some((path, target)) = json {
             let outcome = report::json(&scene, &steps);
             let outcome = if let Some(file) = &apart { outcome.with_field_in(file) } else { outcome };
-            write(path, &target, |to| {
-                serde_json::to_writer(&mut *to, &outcome)?;
-                to.write_all(b"\n")
-            })?;
+            write(path, &target, |to| voice.json(to, &outcome))?;
         }
         if let Some((path, target)) = csv {
             write(path, &target, |to| to.write_all(report::csv_in(scene.units.as_ref(), &steps).as_bytes()))?;
@@ -138,9 +218,40 @@ impl Solve {
             }
         }
         if ![&self.json, &self.csv, &self.patches].into_iter().flatten().any(|p| p.as_os_str() == "-") {
-            Target::Stdout.write(|to| to.write_all(report::table(&scene, &steps).as_bytes()))?;
+            voice.table(&report::table(&scene, &steps), scene.name.is_some())?;
         }
         Ok(if steps.iter().all(Result::is_ok) { ExitCode::SUCCESS } else { ExitCode::from(1) })
+    }
+
+    /// What is drawn of this scene.
+    fn kind(&self, scene: &Scene) -> PlotKind {
+        let single = matches!(scene.contact.loading(), Loading::Single(_));
+        self.plot_kind.unwrap_or(if single { PlotKind::Pressure } else { PlotKind::Curve })
+    }
+
+    /// Asks for what the picture shows.
+    ///
+    /// # Errors
+    /// Names `--plot-kind` when the scene cannot have it.
+    fn ask_for_picture(&self, scene: &mut Scene) -> Result<(), InputError> {
+        let kind = self.kind(scene);
+        if kind == PlotKind::Curve {
+            return Ok(());
+        }
+        let refused = |given: &str, allowed: &str| Err(InputError::new("--plot-kind", given, allowed));
+        if matches!(scene.contact.loading(), Loading::Steps(_)) {
+            return refused("a picture of one state for a list of loads", "curve, or one state of loading");
+        }
+        let approximate = matches!(scene.settings.method, Method::Ritz | Method::Fabrikant);
+        let of_field = matches!(kind, PlotKind::Surface | PlotKind::Gap | PlotKind::Section | PlotKind::Pieces);
+        if approximate && of_field {
+            return refused(scene.settings.method.name(), "a method with a pressure field: closed_form, qp or fft");
+        }
+        let outputs = &mut scene.settings.outputs;
+        outputs.patch = true;
+        outputs.pressure |= kind != PlotKind::Patch;
+        outputs.gap |= kind == PlotKind::Gap;
+        Ok(())
     }
 
     /// What the JSON calls a file: its name when both stand in one directory.
@@ -152,25 +263,81 @@ impl Solve {
     }
 }
 
-/// The pressure of one state, or the force of several; nothing when none was solved or the bodies do not touch.
-fn draw(scene: &Scene, steps: &[report::Step], path: &Path, target: &Target, format: Format) -> Result<(), Failure> {
+/// The picture of one state, or the force of several; nothing when none was solved or the bodies do not touch.
+fn draw(
+    scene: &Scene,
+    steps: &[report::Step],
+    kind: PlotKind,
+    path: &Path,
+    target: &Target,
+    format: Format,
+) -> Result<(), Failure> {
     let title = scene.name.as_deref().unwrap_or("");
-    let units = scene.units.clone().unwrap_or_else(UnitLabels::kinds);
-    let picture = match (scene.contact.loading(), steps) {
-        (Loading::Single(_), [step]) => match report::numbers(step) {
-            Some(solution) => plot::pressure_map_in(&units, title, solution, format),
+    let units = &scene.units.clone().unwrap_or_else(UnitLabels::kinds);
+    let solution = steps.last().and_then(report::numbers);
+    let picture = match (kind, solution) {
+        (PlotKind::Curve, _) => {
+            let of = |s: &Solution| [s.depth, s.force, s.stiffness];
+            let states: Vec<[f64; 3]> = steps.iter().filter_map(report::numbers).map(of).collect();
+            let loads = scene.contact.loading().loads();
+            let upright = loads.iter().all(|load| matches!(load, Load::Depth(_) | Load::Force(_)));
+            let touch = upright.then(|| least(scene.contact.gap()).1);
+            plot::states_in(units, title, &states, touch.filter(|t| t.is_finite()), format)
+        }
+        (_, None) => return Ok(()),
+        (PlotKind::Pressure, Some(s)) => plot::pressure_map_in(units, title, s, format),
+        (PlotKind::Surface, Some(s)) => plot::surface_in(units, title, s, format),
+        (PlotKind::Gap, Some(s)) => plot::gap_map_in(units, title, s, format),
+        (PlotKind::Section, Some(s)) => match Section::through(&scene.contact, s) {
+            Some(section) => plot::section_in(units, title, &section, format),
             None => return Ok(()),
         },
-        _ => {
-            let points: Vec<[f64; 2]> = steps.iter().filter_map(report::numbers).map(|s| [s.depth, s.force]).collect();
-            plot::force_depth_in(&units, title, &points, &points, format)
+        (PlotKind::Patch, Some(s)) => {
+            let loops = s.patch.boundary.clone().unwrap_or_default();
+            plot::outlines_in(units, title, &[Outline { label: "patch".to_owned(), loops }], format)
         }
+        (PlotKind::Pieces, Some(s)) => plot::outlines_in(units, title, &pieces(s), format),
     };
     match picture {
         Ok(bytes) => write(path, target, |to| to.write_all(&bytes)),
         Err(plot::Error::Empty(_)) => Ok(()),
         Err(e) => Err(Failure::Message(format!("{}: {e}", path.display()))),
     }
+}
+
+/// Pieces that a picture tells apart; the rest has one colour.
+const PIECES: usize = 5;
+
+/// The boundary by pieces: every loop belongs to the smallest piece that it lies in.
+fn pieces(solution: &Solution) -> Vec<Outline> {
+    let pieces = &solution.patch.pieces;
+    let share = |force: f64| format!("{:.3} % of the force", 100.0 * force / solution.force);
+    let mut outlines: Vec<Outline> = pieces
+        .iter()
+        .take(PIECES)
+        .enumerate()
+        .map(|(k, piece)| Outline { label: format!("piece {}: {}", k + 1, share(piece.force)), loops: Vec::new() })
+        .collect();
+    if pieces.len() > PIECES {
+        let rest = pieces[PIECES..].iter().map(|piece| piece.force).sum();
+        outlines.push(Outline { label: format!("{} more: {}", pieces.len() - PIECES, share(rest)), loops: Vec::new() });
+    }
+    for points in solution.patch.boundary.iter().flatten() {
+        let count = points.len().max(1) as f64;
+        let middle = [0, 1].map(|m| points.iter().map(|p| p[m]).sum::<f64>() / count);
+        // How far the middle lies outside, then how large the piece is.
+        let fit = |[low, high]: [[f64; 2]; 2]| {
+            let outside: f64 = (0..2).map(|m| (low[m] - middle[m]).max(middle[m] - high[m]).max(0.0)).sum();
+            (outside, (high[0] - low[0]) * (high[1] - low[1]))
+        };
+        let fits = pieces.iter().enumerate().map(|(k, piece)| (fit(piece.extent), k));
+        let nearest = fits.min_by(|p, q| p.0.0.total_cmp(&q.0.0).then(p.0.1.total_cmp(&q.0.1)));
+        let of = nearest.map_or(0, |(_, k)| k.min(PIECES));
+        if let Some(outline) = outlines.get_mut(of) {
+            outline.loops.push(points.clone());
+        }
+    }
+    outlines
 }
 
 fn write(

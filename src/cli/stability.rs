@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::Failure;
 use super::outputs::MainOutput;
-use super::progress::Progress;
+use super::voice::Voice;
 use crate::clock::Stopwatch;
 use crate::error::InputError;
 use crate::report::table::{aligned, figure};
@@ -23,7 +23,7 @@ pub(super) struct Stability {
 }
 
 impl Stability {
-    pub(super) fn run(&self) -> Result<ExitCode, Failure> {
+    pub(super) fn run(&self, voice: Voice) -> Result<ExitCode, Failure> {
         let output = self.output.target(&[])?;
         let heads =
             ["case", "method", "at", "verdict", "force", "error", "bound", "residual", "condition", "seconds", ""];
@@ -31,7 +31,7 @@ impl Stability {
         let (mut run, mut missed) = (0, Vec::new());
         let started = Stopwatch::start();
         let all = cases().map_err(|e| Failure::wrong("stability", &e))?;
-        let mut progress = Progress::new();
+        let mut progress = voice.progress("stiff and extreme cases");
         let chosen = all.iter().filter(|c| self.only.as_ref().is_none_or(|text| c.name.contains(text.as_str())));
         for case in chosen {
             let mut name = case.name.as_str();

@@ -273,8 +273,10 @@ fn highest_at(form: &ClosedForm) -> [f64; 2] {
     let within = |p: &[f64; 2], share: f64| [0, 1].map(|m| patch.centre[m] + share * (p[m] - patch.centre[m]));
     let rim = patch.boundary(LOOKS);
     let along = (0..LOOKS).map(|k| within(&rim[0], k as f64 / LOOKS as f64));
-    let around = rim.iter().map(|p| within(p, 1.0 - 1e-9));
-    let highest = along.chain(around).map(|p| (form.pressure(p[0], p[1]), p)).filter(|(p, _)| !p.is_nan());
+    // On a disc all points of the rim are one.
+    let points = if patch.is_disc() { 1 } else { rim.len() };
+    let around = rim.iter().take(points).map(|p| within(p, 1.0 - 1e-9));
+    let highest = along.chain(around).map(|p| (form.rough_pressure(p[0], p[1]), p)).filter(|(p, _)| !p.is_nan());
     highest.max_by(|a, b| a.0.total_cmp(&b.0)).map_or(patch.centre, |(_, at)| at)
 }
 

@@ -324,12 +324,19 @@ impl Contact {
         let share = |w: f64| (g.abel(r.hypot(w)).value - here) / w / w;
         let breaks: Vec<f64> =
             g.kinks.iter().filter(|&&b| b > r && b < a).map(|b| ((b - r) * (b + r)).sqrt()).chain([r]).collect();
-        let integral = if r > 0.0 {
-            adaptive(share, 0.0, width, &breaks, tolerance).value
-        } else {
-            let first = breaks.iter().copied().filter(|&b| b > 0.0).fold(width, f64::min);
-            from_zero(share, first, 0.1 * tolerance).value + adaptive(share, first, width, &breaks, tolerance).value
+        // Past a kink b, D goes like (s - b)^(1/2): smooth in v, w = w_b + v^2.
+        let past = |from: f64, to: f64| {
+            adaptive(|v| 2.0 * v * share(from + v * v), 0.0, (to - from).sqrt(), &[], tolerance).value
         };
+        let mut ends: Vec<f64> = breaks.into_iter().filter(|&b| b > 0.0 && b < width).chain([width]).collect();
+        ends.sort_by(f64::total_cmp);
+        let first = ends[0];
+        let inner = if r > 0.0 {
+            adaptive(share, 0.0, first, &[], tolerance).value
+        } else {
+            from_zero(share, first, 0.1 * tolerance).value
+        };
+        let integral = inner + ends.windows(2).map(|pair| past(pair[0], pair[1])).sum::<f64>();
         (((self.depth - here) / width) + integral) / PI
     }
 }
@@ -338,6 +345,10 @@ impl Revolution for Contact {
     /// About 1e-8 of the mean pressure.
     fn pressure(&self, r: f64) -> f64 {
         self.pressure_to(r, 1e-9)
+    }
+
+    fn rough_pressure(&self, r: f64) -> f64 {
+        self.pressure_to(r, 1e-4)
     }
 
     fn energy(&self) -> f64 {

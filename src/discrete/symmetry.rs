@@ -110,7 +110,14 @@ impl Symmetry {
     /// In words: "mirror x -> -x, half turn".
     #[must_use]
     pub fn words(&self) -> String {
-        self.images.iter().map(|i| i.words()).collect::<Vec<_>>().join(", ")
+        let mut words: Vec<&str> = Vec::new();
+        for image in &self.images {
+            // A turn to the left and one to the right have one name.
+            if !words.contains(&image.words()) {
+                words.push(image.words());
+            }
+        }
+        words.join(", ")
     }
 
     /// Groups the cells marked in `wanted`; each group shares one unknown.

@@ -38,6 +38,7 @@ mod kites;
 mod line_potential;
 mod mesh;
 mod outline;
+mod oval;
 mod pair_integral;
 mod polygon;
 mod rectilinear;
@@ -54,6 +55,7 @@ pub(crate) use annular::{Annular, Law, RadialBounds, RadialJet, Span, annular};
 pub(crate) use cells::{resample, resample_rings};
 pub(crate) use flat::{FlatStiffness, flat_stiffness};
 pub(crate) use outline::Outline;
+pub(crate) use oval::{Oval, oval};
 pub(crate) use tilted::{Given, Tilted, tilted};
 
 use crate::clock::Deadline;

@@ -91,6 +91,15 @@ impl AnyGap {
         self.through(&Transform::units(origin, length, depth))
     }
 
+    /// Turned about the origin, counter-clockwise, by an angle in radians; a gap of several parts part by part, so that those that are
+    /// drawn along the axes afterwards are known to be.
+    pub(crate) fn turned(&self, angle: f64) -> Self {
+        let each = |parts: Vec<Self>| parts.iter().map(|part| part.turned(angle)).collect();
+        let sum = self.addends().and_then(|parts| super::Sum::new(each(parts)).ok()).map(Self::new);
+        let least = || self.alternatives().and_then(|parts| super::Minimum::new(each(parts)).ok()).map(Self::new);
+        sum.or_else(least).unwrap_or_else(|| self.through(&Transform::place([0.0; 2], quarter_exact(angle))))
+    }
+
     /// The same gap seen through a transform, its own one before it.
     fn through(&self, outer: &Transform) -> Self {
         self.under(outer.after(&self.transform))
@@ -164,7 +173,12 @@ impl Gap for AnyGap {
         if self.transform.is_tilted() {
             return self.tilted_reach(depth);
         }
-        self.transform.reach_outward(self.inner.reach(self.transform.depth_inward(depth)))
+        match self.transform.reach_outward(self.inner.reach(self.transform.depth_inward(depth))) {
+            Reach::Within(rect) => {
+                Reach::Within(self.transform.within_ends(self.inner.describe().ends.as_deref(), rect))
+            }
+            other => other,
+        }
     }
 
     fn components(&self, depth: f64) -> Option<Vec<Rect>> {
@@ -313,6 +327,14 @@ impl Gap for AnyGap {
 
     fn is_composed(&self) -> bool {
         self.inner.is_composed()
+    }
+
+    fn addends(&self) -> Option<Vec<AnyGap>> {
+        let parts = self
+            .inner
+            .addends()
+            .filter(|_| !self.transform.is_tilted() && self.transform.height_outward(0.0, [0.0; 2]) == 0.0)?;
+        Some(parts.iter().map(|part| part.through(&self.transform)).collect())
     }
 
     fn alternatives(&self) -> Option<Vec<AnyGap>> {

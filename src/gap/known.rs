@@ -2,6 +2,8 @@
 //!
 //! Nothing here is sampled: a closed form, a law of similarity or a proof may rest on every entry. `None` means "not known", never "not so".
 
+use std::sync::Arc;
+
 use super::{Outline, Reach};
 use crate::numeric::geometry::Rect;
 
@@ -28,6 +30,11 @@ pub struct Known {
     pub material: Material,
     /// Whether the gap is its own image in the lines x = c and y = c through [`Known::centre`].
     pub mirrors: [bool; 2],
+    /// Corners of a polygon outside of which there is no material, where that is known of a gap that ends at straight edges.
+    pub ends: Option<Arc<[[f64; 2]]>>,
+    /// Angle of the axes that it was drawn along, radians counter-clockwise from x: those of its longest straight edge, else its own. Any
+    /// value is true; the right one saves work.
+    pub drawn_along: f64,
 }
 
 impl Known {
@@ -45,6 +52,8 @@ impl Known {
             face: None,
             material: Material::Unknown,
             mirrors: [false; 2],
+            ends: None,
+            drawn_along: 0.0,
         }
     }
 

@@ -1,6 +1,6 @@
 //! A punch with several tips: the least of several gaps.
 
-use super::sum::{common_axis, common_mirrors, tips_of};
+use super::sum::{common_axis, common_mirrors, drawn_along, tips_of};
 use super::{AnyGap, Gap, Generatrix, Growth, Known, Material, Reach, Taylor, enclosure};
 use crate::error::InputError;
 use crate::numeric::Interval;
@@ -122,6 +122,8 @@ fn known_of(parts: &[AnyGap]) -> Known {
         face: None,
         material: material.unwrap_or(Material::Unknown),
         mirrors: common_mirrors(parts, centre),
+        ends: None,
+        drawn_along: drawn_along(parts),
     }
 }
 
@@ -226,6 +228,10 @@ impl Gap for Minimum {
 
     fn is_composed(&self) -> bool {
         true
+    }
+
+    fn addends(&self) -> Option<Vec<AnyGap>> {
+        None
     }
 
     fn alternatives(&self) -> Option<Vec<AnyGap>> {

@@ -196,6 +196,11 @@ pub trait Gap: Send + Sync {
         false
     }
 
+    /// The gaps whose sum it is, when it is one of several.
+    fn addends(&self) -> Option<Vec<AnyGap>> {
+        None
+    }
+
     /// The gaps whose least it is, when it is one of several tips.
     fn alternatives(&self) -> Option<Vec<AnyGap>> {
         None

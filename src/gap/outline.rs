@@ -182,6 +182,17 @@ impl Outline {
         }
     }
 
+    /// The angle of the longest side of a polygon, radians counter-clockwise from x; 0 for an ellipse.
+    #[must_use]
+    pub fn longest_side(&self) -> f64 {
+        let along = |(a, b): ([f64; 2], [f64; 2])| [b[0] - a[0], b[1] - a[1]];
+        let length = |v: &[f64; 2]| v[0].hypot(v[1]);
+        // The first of several that differ by rounding.
+        let sides = edges(self.corners()).map(along);
+        let longest = sides.reduce(|a, b| if length(&b) > length(&a) * (1.0 + 1e-9) { b } else { a });
+        longest.map_or(0.0, |[x, y]| y.atan2(x))
+    }
+
     /// A point inside: the centroid if that is, else the middle of the longest chord along x among those half-way
     /// between the heights of neighbouring corners.
     #[must_use]

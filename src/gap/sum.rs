@@ -123,6 +123,8 @@ fn known_of(parts: &[AnyGap]) -> Known {
         face: None,
         material: material.unwrap_or(Material::Unknown),
         mirrors: common_mirrors(parts, centre),
+        ends: all().find_map(|k| k.ends.clone()),
+        drawn_along: drawn_along(parts),
     }
 }
 
@@ -144,6 +146,13 @@ pub(super) fn common_mirrors(parts: &[AnyGap], centre: [f64; 2]) -> [bool; 2] {
         .iter()
         .map(AnyGap::known)
         .fold([true; 2], |all, known| [0, 1].map(|m| all[m] && known.mirrors[m] && known.centre[m] == centre[m]))
+}
+
+/// The axes that a gap of several parts is drawn along: those of a part with straight edges, else of the first that has a direction.
+pub(super) fn drawn_along(parts: &[AnyGap]) -> f64 {
+    let all = || parts.iter().map(AnyGap::known);
+    let ended = all().find(|known| known.ends.is_some());
+    ended.or_else(|| all().find(|known| known.axis.is_none())).map_or(0.0, |known| known.drawn_along)
 }
 
 /// The axis that all parts share, and what becomes of their generatrices.
@@ -307,6 +316,10 @@ impl Gap for Sum {
 
     fn is_composed(&self) -> bool {
         self.parts.iter().any(Gap::is_composed)
+    }
+
+    fn addends(&self) -> Option<Vec<AnyGap>> {
+        Some(self.parts.clone())
     }
 
     fn alternatives(&self) -> Option<Vec<AnyGap>> {

@@ -57,7 +57,7 @@ impl Transform {
         let [a, b, c] = inner.plane;
         let slope = self.turn * Vector2::new(a, b);
         Self {
-            turn: Rotation2::from_matrix_unchecked(self.turn.matrix() * inner.turn.matrix()),
+            turn: there_and_back(self.turn.matrix() * inner.turn.matrix()),
             scale: inner.scale * self.scale,
             offset: inner.scale * self.offset + self.turn * inner.offset,
             per: inner.per * self.per,
@@ -281,10 +281,14 @@ impl Transform {
             axis: own.axis.filter(|_| !tilted).map(|axis| self.axis_outward(axis)),
             face: own.face.as_ref().filter(|_| self.scale == 1.0).map(|face| self.face_outward(face)),
             material: match own.material {
-                Material::Within(rect) => Material::Within(self.rect_outward(&rect)),
+                Material::Within(rect) => {
+                    Material::Within(self.within_ends(own.ends.as_deref(), self.rect_outward(&rect)))
+                }
                 other => other,
             },
             mirrors: [0, 1].map(|m| mirrors[m] && self.plane[m] == 0.0),
+            ends: own.ends.as_ref().map(|corners| corners.iter().map(|&corner| self.outward(corner)).collect()),
+            drawn_along: own.drawn_along + self.angle(),
         }
     }
 
@@ -335,6 +339,16 @@ impl Transform {
         }
     }
 
+    /// The part of an outer rectangle in which a gap that ends at a polygon of its own has material: the box around a turned box is
+    /// larger than that around the polygon.
+    pub fn within_ends(&self, ends: Option<&[[f64; 2]]>, rect: Rect) -> Rect {
+        if self.is_upright() {
+            return rect;
+        }
+        let held = ends.and_then(|corners| Rect::holding(corners.iter().map(|&corner| self.outward(corner))));
+        held.and_then(|held| held.intersection(&rect)).unwrap_or(rect)
+    }
+
     /// The reach in the outer frame of an untilted gap.
     pub fn reach_outward(&self, reach: Reach) -> Reach {
         match reach {
@@ -345,6 +359,13 @@ impl Transform {
             other => other,
         }
     }
+}
+
+/// The rotation of a product, exact where only rounding keeps it from a multiple of 90 degrees.
+fn there_and_back(product: Matrix2<f64>) -> Rotation2<f64> {
+    let exact = product.map(|entry| if entry.abs() < 1e-15 { 0.0 } else { entry });
+    let quarter = exact.iter().any(|entry| *entry == 0.0);
+    Rotation2::from_matrix_unchecked(if quarter { exact.map(|entry| entry.round()) } else { product })
 }
 
 /// A rotation whose sine and cosine are exact at multiples of 90 degrees, so that symmetry survives.

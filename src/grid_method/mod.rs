@@ -19,7 +19,7 @@ use self::sharp_edges::Edge;
 use self::single_grid::GridState;
 use crate::by_edges;
 use crate::consistency::{Claim, within};
-use crate::gap::AnyGap;
+use crate::gap::{AnyGap, Gap};
 use crate::numeric::geometry::Rect;
 use crate::overlap::{Overlap, Scaled};
 use crate::problem::{Contact, Method, Settings};
@@ -41,6 +41,7 @@ pub(crate) fn solution(
     settings: &Settings,
     with_matrix: bool,
 ) -> Result<Solution, Unsolved> {
+    let settings = &within_samples(overlap, settings);
     let (gap, depth, method) = (&overlap.gap, overlap.depth, method(settings));
     if let Some(rectangles) = separate::rectangles(overlap, settings) {
         return separate::solution(contact, gap, depth, tilt, settings, &rectangles, with_matrix);
@@ -63,6 +64,22 @@ pub(crate) fn solution(
         Some(short) => Err(short.with_best(solution)),
     }
 }
+
+/// No closer than the samples of a measured gap can be told from: what they leave open of the force, P' off >= P off/(d - g0) since P is
+/// convex, is stated beside the error of the grids ([`crate::acceptance::sampled`]), and where it exceeds the tolerance no finer grid helps.
+pub(crate) fn within_samples(overlap: &Overlap, settings: &Settings) -> Settings {
+    let off = if overlap.gap.is_measured() { overlap.gap.sampling_error(&overlap.reach) } else { 0.0 };
+    let open = off / overlap.deepest;
+    if !(open > settings.tolerance) || settings.cells.is_some() {
+        return *settings;
+    }
+    let tolerance = (OF_SAMPLES * open).clamp(settings.tolerance, ROUGHEST.max(settings.tolerance));
+    Settings { tolerance, ..*settings }
+}
+
+/// Share of what samples leave open that the error of the grids may be, and the largest such error.
+const OF_SAMPLES: f64 = 0.05;
+const ROUGHEST: f64 = 0.02;
 
 /// Whether the contact at this depth is solved on several grids, which [`crate::grid_method::warm_start::WarmStart`] does not do.
 pub(crate) fn on_several_grids(contact: &Contact, depth: f64, settings: &Settings) -> bool {

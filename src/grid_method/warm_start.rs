@@ -69,7 +69,7 @@ impl WarmStart {
         let Some(overlap) = Overlap::of(contact.gap(), depth)? else { return Ok(None) };
         let scaled = overlap.scaled();
         // Bounds are for the depth that is found.
-        let estimate = Settings { evidence: ErrorBar::Estimate, ..*settings };
+        let estimate = Settings { evidence: ErrorBar::Estimate, ..super::within_samples(&overlap, settings) };
         let refined = refinement::refined(&scaled, &estimate, method, None)?;
         let held = Self::grown(scaled, refined)?;
         let errors = held.stiffness().map_or(Ok(Errors::default()), |own| Errors::of(&held.refined, own))?;

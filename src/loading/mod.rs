@@ -1,5 +1,6 @@
 //! The state at a prescribed depth and tilt, by the method that the settings ask for.
 
+pub(crate) mod axes;
 pub(crate) mod engine;
 pub(crate) mod equilibrium;
 pub(crate) mod tilting;

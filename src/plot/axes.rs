@@ -1,9 +1,8 @@
-//! Scales, labels and frames that all pictures share.
+//! Scales and labels that all pictures share.
 
-use plotters::coord::Shift;
-use plotters::prelude::*;
+use plotters::prelude::RGBColor;
 
-use super::{FONT, Fault};
+use super::frame::Frame;
 use crate::numeric::geometry::Rect;
 
 /// Points of a picture for one pixel on the screen: positions are whole numbers, and lines drawn on whole pixels are ragged.
@@ -22,28 +21,33 @@ pub(super) const fn at(pixels: i32) -> i32 {
 /// Grid lines.
 pub(super) const GRID: RGBColor = RGBColor(225, 225, 225);
 
-/// Room for the title, for the labels below and on the left, and beside.
-pub(super) const TOP: u32 = px(48);
-pub(super) const BOTTOM: u32 = px(54);
-pub(super) const LEFT: u32 = px(86);
-pub(super) const RIGHT: u32 = px(24);
-/// Free space at the left edge, so that the description of the axis is not cut.
-pub(super) const EDGE: u32 = px(12);
-
-/// Size of titles and labels.
-pub(super) const TITLE: u32 = px(20);
-pub(super) const LABEL: u32 = px(16);
-
-/// The power of 1000 by which numbers up to `largest` become readable.
-pub(super) fn power_of_ten(largest: f64) -> i32 {
-    if largest > 0.0 && largest.is_finite() && !(0.01..10_000.0).contains(&largest) {
-        3 * (largest.log10() / 3.0).floor() as i32
-    } else {
-        0
+/// The power of 1000 by which numbers up to `largest` become readable in this unit: always one that has a prefix, where units have them.
+pub(super) fn power_of_ten(largest: f64, unit: &str) -> i32 {
+    if !(largest > 0.0 && largest.is_finite()) {
+        return 0;
     }
+    let power = 3 * (largest.log10() / 3.0).floor() as i32;
+    if prefixed(unit, power).is_some() || !(0.01..10_000.0).contains(&largest) { power } else { 0 }
 }
 
-/// "depth (1e-6 length)": the quantity, the power taken out, the kind of unit unless it is the quantity itself.
+/// Prefixes of the SI by powers of ten.
+const PREFIXES: [(&str, i32); 9] =
+    [("p", -12), ("n", -9), ("µ", -6), ("m", -3), ("", 0), ("k", 3), ("M", 6), ("G", 9), ("T", 12)];
+
+/// Units of the SI that take prefixes: "mm" and 3 is "m", "Pa" and 9 is "GPa"; `None` for any other label.
+fn prefixed(unit: &str, power: i32) -> Option<String> {
+    let base = ["Pa", "N", "m"].into_iter().find(|base| unit.ends_with(base))?;
+    let own = match unit.strip_suffix(base)? {
+        "u" | "\u{3bc}" => "µ",
+        own => own,
+    };
+    let (_, before) = PREFIXES.into_iter().find(|(prefix, _)| *prefix == own)?;
+    let (prefix, _) = PREFIXES.into_iter().find(|(_, p)| *p == before + power)?;
+    // Nobody measures in kilometres or megametres here.
+    (base != "m" || before + power <= 0).then(|| format!("{prefix}{base}"))
+}
+
+/// "depth (µm)", "depth (1e-6 length)": the quantity, its unit with the power taken out.
 pub(super) fn named(quantity: &str, unit: &str, power: i32) -> String {
     match (quantity == unit, power) {
         (true, 0) => quantity.to_owned(),
@@ -52,9 +56,12 @@ pub(super) fn named(quantity: &str, unit: &str, power: i32) -> String {
     }
 }
 
-/// "1e-6 length", or "length" when no power was taken out.
+/// "µm", "1e-6 length", or the unit itself when no power was taken out.
 pub(super) fn scaled(unit: &str, power: i32) -> String {
-    if power == 0 { unit.to_owned() } else { format!("1e{power} {unit}") }
+    if power == 0 {
+        return unit.to_owned();
+    }
+    prefixed(unit, power).unwrap_or_else(|| format!("1e{power} {unit}"))
 }
 
 /// A tick, without trailing noise.
@@ -64,10 +71,17 @@ pub(super) fn tick(x: f64) -> String {
     if text == "-0" { "0".to_owned() } else { text.to_owned() }
 }
 
-/// A step of 1, 2 or 5 times a power of ten that divides `largest` into three to eight.
-pub(super) fn round_step(largest: f64) -> f64 {
+/// Three or four digits, for the end of a scale.
+pub(super) fn brief(x: f64) -> String {
+    let whole = x.abs().max(f64::MIN_POSITIVE).log10().floor() as i32;
+    tick(format!("{x:.*}", (3 - whole).clamp(0, 4) as usize).parse().unwrap_or(x))
+}
+
+/// A step of 1, 2 or 5 times a power of ten that divides `largest` into at most `parts`.
+pub(super) fn round_step(largest: f64, parts: f64) -> f64 {
     let decade = 10f64.powf(largest.log10().floor());
-    [0.2, 0.5, 1.0, 2.0].map(|m| m * decade).into_iter().find(|step| largest / step <= 6.0).unwrap_or(decade)
+    let steps = [0.1, 0.2, 0.5, 1.0, 2.0, 5.0].map(|m| m * decade);
+    steps.into_iter().find(|step| largest / step <= parts).unwrap_or(10.0 * decade)
 }
 
 /// A decade of a logarithmic axis; what lies between is not written.
@@ -83,17 +97,6 @@ pub(crate) fn is_text(c: char) -> bool {
     !c.is_control() && !(0xfdd0..=0xfdef).contains(&code) && code & 0xfffe != 0xfffe
 }
 
-/// The title in the middle of the top.
-pub(super) fn title<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, text: &str) -> Result<(), Fault<DB>> {
-    let (width, _) = area.dim_in_pixel();
-    // Cut rather than run over the edge; a letter is about half as wide as it is high.
-    let most = (width as usize * 2) / TITLE as usize;
-    let text: String = text.chars().filter(|&c| is_text(c)).take(most).collect();
-    let style = (FONT, TITLE).into_font().into_text_style(area);
-    let taken = area.estimate_text_size(&text, &style)?.0;
-    area.draw_text(&text, &style, ((width.saturating_sub(taken) / 2) as i32, (TOP / 4) as i32))
-}
-
 /// A window onto the plane with equal scales along x and y.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Window {
@@ -101,38 +104,68 @@ pub(super) struct Window {
     pub extent: Rect,
     /// The power of ten taken out of both coordinates.
     pub power: i32,
-    /// Pixels of the plotting area.
+    /// Points of the plotting area.
     pub pixels: [u32; 2],
 }
 
 impl Window {
-    /// Longer side of the plotting area, pixels.
-    const LONGEST: f64 = px(560) as f64;
-
-    /// `seen` with a margin of 6 %.
-    pub fn onto(seen: &Rect) -> Self {
+    /// `seen` with a margin of 6 %, the longer side `longest` points long; lengths are labelled in `unit`.
+    pub fn onto(seen: &Rect, longest: u32, unit: &str) -> Self {
+        let longest_side = f64::from(longest);
         let seen = seen.scaled(1.12);
         let largest = seen.corners().into_iter().flatten().map(f64::abs).fold(0.0, f64::max);
-        let power = power_of_ten(largest);
+        let power = power_of_ten(largest, unit);
         let unit = 10f64.powi(power);
         let [w, h] = seen.size();
         let longest = w.max(h);
         // A very slender patch keeps an area on which it can be seen; its short side then has room to spare.
-        let side = |length: f64| (Self::LONGEST * (length / longest).max(0.3)).round();
+        let side = |length: f64| (longest_side * (length / longest).max(0.4)).round();
         let pixels = [side(w), side(h)];
-        let half = pixels.map(|p| 0.5 * p / Self::LONGEST * longest / unit);
+        let half = pixels.map(|p| 0.5 * p / longest_side * longest / unit);
         let extent = Rect::around(seen.centre().map(|c| c / unit), half);
         Self { extent, power, pixels: pixels.map(|p| p as u32) }
     }
 
-    /// Size of the picture around it; `beside` pixels more on the right.
-    pub fn size(&self, beside: u32) -> (u32, u32) {
-        (self.pixels[0] + EDGE + LEFT + RIGHT + beside, self.pixels[1] + TOP + BOTTOM)
+    /// Size of the picture around it; `beside` points more on the right, `below` more at the bottom.
+    pub fn size(&self, frame: &Frame, beside: u32, below: u32) -> (u32, u32) {
+        (
+            self.pixels[0] + frame.edge + frame.left + frame.right + beside,
+            self.pixels[1] + frame.top + frame.bottom + below,
+        )
     }
 
     /// A point in the units of the axes.
     pub fn place(&self, [x, y]: [f64; 2]) -> (f64, f64) {
         let unit = 10f64.powi(self.power);
         (x / unit, y / unit)
+    }
+
+    /// Where a picture has a point, points from its upper left corner.
+    pub fn pixel(&self, frame: &Frame, point: [f64; 2]) -> [f64; 2] {
+        let (x, y) = self.place(point);
+        let [w, h] = self.extent.size();
+        let [px, py] = self.pixels.map(f64::from);
+        [
+            f64::from(frame.edge + frame.left) + (x - self.extent.min[0]) / w * px,
+            f64::from(frame.top) + (self.extent.max[1] - y) / h * py,
+        ]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_of_the_si_take_prefixes() {
+        assert_eq!(named("x", "m", -6), "x (µm)");
+        assert_eq!(named("force", "N", 3), "force (kN)");
+        assert_eq!((scaled("mm", -3), scaled("MPa", 3), scaled("um", -3)), ("µm".into(), "GPa".into(), "nm".into()));
+        assert_eq!(scaled("lbf/in²", 3), "1e3 lbf/in²");
+        assert_eq!(named("x", "length", -6), "x (1e-6 length)");
+        assert_eq!((power_of_ten(0.012, "m"), power_of_ten(0.012, "length")), (-3, 0));
+        // No kilometres.
+        assert_eq!(power_of_ten(5e3, "m"), 0);
+        assert_eq!((brief(425.26), brief(1.18493), brief(0.01234)), ("425.3".into(), "1.185".into(), "0.0123".into()));
     }
 }

@@ -3,7 +3,8 @@
 use plotters::coord::Shift;
 use plotters::prelude::*;
 
-use super::axes::{self, BOTTOM, EDGE, LABEL, LEFT, TOP, at, px};
+use super::axes::{self, at, px};
+use super::frame::{Frame, Medium, width_of};
 use super::{COLOURS, Error, FONT, Fault, Figure, Format, render};
 use crate::compare::{Comparison, Figures};
 use crate::problem::Method;
@@ -14,6 +15,19 @@ use crate::problem::Method;
 /// # Errors
 /// When no run was solved, or drawing fails.
 pub fn error_against_time(title: &str, comparison: &Comparison, format: Format) -> Result<Vec<u8>, Error> {
+    error_against_time_on(Medium::Sheet, title, comparison, format)
+}
+
+/// As [`error_against_time`].
+///
+/// # Errors
+/// As [`error_against_time`].
+pub(crate) fn error_against_time_on(
+    medium: Medium,
+    title: &str,
+    comparison: &Comparison,
+    format: Format,
+) -> Result<Vec<u8>, Error> {
     let runs = comparison.runs.iter().filter_map(|run| Some((run.method, run.outcome.as_ref().ok()?)));
     let runs: Vec<(Method, &Figures)> = runs.filter(|(_, f)| f.error.is_finite()).collect();
     let (Some(reference), false) = (&comparison.reference, runs.is_empty()) else {
@@ -23,11 +37,15 @@ pub fn error_against_time(title: &str, comparison: &Comparison, format: Format) 
     // A decade below what can be told, or below the smallest error of a method that is not the reference itself.
     let smallest = runs.iter().map(|(_, f)| f.error.abs()).filter(|e| *e > 1e-12).fold(1.0, f64::min);
     let floor = decade_below(0.1 * smallest.max(uncertainty));
-    render(&Picture { title, runs, uncertainty, floor }, format)
+    let mut picture = Picture { frame: Frame::new(medium, title, medium.width()), runs, uncertainty, floor };
+    if medium == Medium::Sheet {
+        picture.frame = Frame::new(medium, title, picture.size().0);
+    }
+    render(&picture, format)
 }
 
 struct Picture<'a> {
-    title: &'a str,
+    frame: Frame,
     runs: Vec<(Method, &'a Figures)>,
     uncertainty: f64,
     floor: f64,
@@ -36,9 +54,6 @@ struct Picture<'a> {
 /// The order of the legend, and the colours.
 const METHODS: [Method; 6] =
     [Method::ClosedForm, Method::Fft, Method::Fabrikant, Method::Qp, Method::Auto, Method::Ritz];
-
-/// Room beside the picture for the legend.
-const BESIDE: u32 = px(170);
 
 /// Shortest run time shown, seconds: what a clock can tell.
 const SHORTEST: f64 = 1e-7;
@@ -53,22 +68,26 @@ fn decade_above(x: f64) -> f64 {
 
 impl Figure for Picture<'_> {
     fn size(&self) -> (u32, u32) {
-        (px(820), px(540))
+        let medium = self.frame.medium;
+        let legend = self.frame.legend * (self.legend().last().map_or(0, |entry| entry.line) + 1);
+        (medium.width(), medium.height(px(500)) + legend)
     }
 
     fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), Fault<DB>> {
-        axes::title(area, self.title)?;
-        let (width, _) = area.dim_in_pixel();
+        let frame = &self.frame;
+        frame.title(area)?;
+        let legend = self.legend();
+        let names = frame.legend * (legend.last().map_or(0, |entry| entry.line) + 1);
         let times = || self.runs.iter().map(|(_, f)| f.seconds.max(SHORTEST));
         let (first, last) = (times().fold(f64::INFINITY, f64::min), times().fold(0.0, f64::max));
         let highest = self.runs.iter().map(|(_, f)| f.error.abs()).fold(10.0 * self.floor, f64::max);
         // A little wider, so that rounding does not lose the label of the end.
         let (left, right) = ((1.0 - 1e-9) * decade_below(0.8 * first), (1.0 + 1e-9) * decade_above(1.25 * last));
         let top = decade_above(1.25 * highest.max(self.uncertainty));
-        let inner = area.margin(TOP, 0, EDGE, BESIDE);
+        let inner = area.margin(frame.top + names, 0, frame.edge, frame.right);
         let mut chart = ChartBuilder::on(&inner)
-            .x_label_area_size(BOTTOM)
-            .y_label_area_size(LEFT)
+            .x_label_area_size(frame.bottom)
+            .y_label_area_size(frame.left)
             .build_cartesian_2d((left..right).log_scale(), (self.floor..top).log_scale())?;
         if self.uncertainty > self.floor {
             let band = [(left, self.floor), (right, self.uncertainty)];
@@ -80,8 +99,8 @@ impl Figure for Picture<'_> {
             .y_desc("relative error of the force")
             .x_label_formatter(&axes::decade)
             .y_label_formatter(&axes::decade)
-            .label_style((FONT, LABEL))
-            .axis_desc_style((FONT, LABEL))
+            .label_style((FONT, frame.label))
+            .axis_desc_style((FONT, frame.label))
             .light_line_style(TRANSPARENT)
             .bold_line_style(axes::GRID.stroke_width(px(1)))
             .axis_style(BLACK.stroke_width(px(1)))
@@ -102,31 +121,61 @@ impl Figure for Picture<'_> {
                     chart.draw_series([Circle::new((t, e), at(8), BLACK.stroke_width(px(1)))])?;
                 }
             }
-            if !mine.is_empty() {
-                legend(area, (width - BESIDE) as i32 + at(12), k, method.name(), colour)?;
-            }
         }
-        let x = (width - BESIDE) as i32 + at(12);
-        let style = (FONT, LABEL).into_font().into_text_style(area);
-        let y = TOP as i32 + at(24) * METHODS.len() as i32 + at(16);
-        area.draw(&Circle::new((x + at(12), y), at(8), BLACK.stroke_width(px(1))))?;
-        area.draw_text("Pareto front", &style, (x + at(30), y - LABEL as i32 * 3 / 8))?;
-        area.draw(&Rectangle::new([(x, y + at(16)), (x + at(24), y + at(32))], RGBColor(232, 232, 232).filled()))?;
-        area.draw_text("uncertainty of", &style, (x + at(30), y + at(16)))?;
-        area.draw_text("the reference", &style, (x + at(30), y + at(34)))
+        for Entry { what, line, x, name } in legend {
+            let y = (frame.top + frame.legend * line + frame.legend / 2) as i32 - at(4);
+            let x = (frame.edge + frame.left) as i32 + x;
+            match what {
+                Some(method) => {
+                    let colour = METHODS.iter().position(|m| *m == method).map_or(BLACK, |k| COLOURS[k]);
+                    area.draw(&PathElement::new(vec![(x, y), (x + at(24), y)], colour.stroke_width(px(2))))?;
+                    area.draw(&Circle::new((x + at(12), y), at(4), colour.filled()))?;
+                }
+                None if name == FRONT => {
+                    area.draw(&Circle::new((x + at(12), y), at(7), BLACK.stroke_width(px(1))))?;
+                }
+                None => {
+                    let band = [(x, y - at(7)), (x + at(24), y + at(7))];
+                    area.draw(&Rectangle::new(band, RGBColor(232, 232, 232).filled()))?;
+                }
+            }
+            let style = (FONT, frame.label).into_font().into_text_style(area);
+            area.draw_text(name, &style, (x + at(30), y - frame.half()))?;
+        }
+        Ok(())
     }
 }
 
-fn legend<DB: DrawingBackend>(
-    area: &DrawingArea<DB, Shift>,
+/// Names of what is no method.
+const FRONT: &str = "Pareto front";
+const BAND: &str = "uncertainty of the reference";
+
+/// A name in the legend, in which line and how far from its beginning.
+struct Entry {
+    what: Option<Method>,
+    line: u32,
     x: i32,
-    line: usize,
-    name: &str,
-    colour: RGBColor,
-) -> Result<(), Fault<DB>> {
-    let y = TOP as i32 + at(12) + at(24) * line as i32;
-    area.draw(&PathElement::new(vec![(x, y), (x + at(24), y)], colour.stroke_width(px(2))))?;
-    area.draw(&Circle::new((x + at(12), y), at(4), colour.filled()))?;
-    let style = (FONT, LABEL).into_font().into_text_style(area);
-    area.draw_text(name, &style, (x + at(30), y - LABEL as i32 * 3 / 8))
+    name: &'static str,
+}
+
+impl Picture<'_> {
+    /// Names side by side as far as they have room.
+    fn legend(&self) -> Vec<Entry> {
+        let frame = &self.frame;
+        let room = (frame.medium.width() - frame.edge - frame.left) as i32;
+        let shown = METHODS.into_iter().filter(|m| self.runs.iter().any(|(of, _)| of == m));
+        let names = shown.map(|m| (Some(m), m.name())).chain([(None, FRONT), (None, BAND)]);
+        let (mut line, mut x) = (0, 0);
+        names
+            .map(|(what, name)| {
+                let taken = at(30) + width_of(name, frame.label) as i32 + at(8);
+                if x > 0 && x + taken > room {
+                    (line, x) = (line + 1, 0);
+                }
+                let entry = Entry { what, line, x, name };
+                x += taken + at(10);
+                entry
+            })
+            .collect()
+    }
 }

@@ -1,25 +1,46 @@
-//! Pictures, as SVG or PNG with the same look: pressure map, patch boundaries, section through gap and displacement, force
-//! against depth, error against run time, width of a bracket against cells.
+//! Pictures, as SVG or PNG with the same look: maps of the pressure and of the gap that is left, the pressure as a surface, patch
+//! boundaries, section through gap and displacement, force against depth, error against run time, width of a bracket against cells.
 //!
 //! Colours are those of Okabe & Ito (2008) for lines and viridis, light to dark, for fields: both can be told apart by the
 //! colour-blind and in a grey print. Units are the user's own: axes carry the labels given to the functions that end in
-//! `_in`, or else name the kind of unit, and the power of ten taken out.
+//! `_in` with a prefix of the SI where they have one, or else name the kind of unit and the power of ten taken out.
 
 mod axes;
 mod curve;
 mod error_time;
+mod frame;
 mod outlines;
 mod pressure;
+mod raster;
+mod scale;
 mod section;
+mod surface;
 mod width;
 
 #[cfg(feature = "scene")]
 pub(crate) use axes::is_text;
-pub use curve::{curve, curve_in, force_depth, force_depth_in};
+pub use curve::{curve, curve_in, force_depth, force_depth_in, states, states_in};
+#[cfg(feature = "scene")]
+pub(crate) use curve::{curve_on, states_on};
 pub use error_time::error_against_time;
+#[cfg(feature = "scene")]
+pub(crate) use error_time::error_against_time_on;
+#[cfg(feature = "scene")]
+pub(crate) use frame::Medium;
+#[cfg(feature = "scene")]
+pub(crate) use outlines::outlines_on;
 pub use outlines::{Outline, outlines, outlines_in};
-pub use pressure::{field_map, field_map_in, pressure_map, pressure_map_in};
+#[cfg(feature = "scene")]
+pub(crate) use pressure::{Placed, coarsened, highest, pressure_map_on};
+pub use pressure::{field_map, field_map_in, gap_map, gap_map_in, pressure_map, pressure_map_in};
+#[cfg(feature = "scene")]
+pub(crate) use raster::base64;
+#[cfg(feature = "scene")]
+pub(crate) use section::section_on;
 pub use section::{Section, section, section_in};
+pub use surface::{surface, surface_in};
+#[cfg(feature = "scene")]
+pub(crate) use width::width_against_cells_on;
 pub use width::{Refinement, width_against_cells};
 
 use std::path::Path;
@@ -30,6 +51,7 @@ use plotters::prelude::*;
 use plotters::style::register_font;
 
 use crate::error::InputError;
+use raster::Raster;
 
 /// File formats of pictures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -75,7 +97,16 @@ trait Figure {
     fn size(&self) -> (u32, u32);
 
     fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), Fault<DB>>;
+
+    /// An image and where it stands, [left, top, right, bottom]; a file of pixels has its dots drawn by `draw`, an SVG takes it whole
+    /// in place of a rectangle in the colour [`PLACE`].
+    fn image(&self) -> Option<([i32; 4], &Raster)> {
+        None
+    }
 }
+
+/// What stands for an image until it is put there: no picture has this colour otherwise.
+const PLACE: RGBColor = RGBColor(1, 2, 3);
 
 /// The name under which the font that comes with the crate is known; viewers of SVG take their own sans-serif.
 const FONT: &str = "sans-serif";
@@ -96,6 +127,21 @@ fn on_screen(svg: &str, width: u32, height: u32) -> String {
     svg.replacen(&drawn, &shown, 1).replace("<rect ", "<rect shape-rendering=\"crispEdges\" ")
 }
 
+/// The picture with an image in its place.
+fn with_image(mut svg: String, [left, top, right, bottom]: [i32; 4], png: &[u8]) -> String {
+    let mark = format!("fill=\"#{:02X}{:02X}{:02X}\"", PLACE.0, PLACE.1, PLACE.2);
+    let Some(at) = svg.find(&mark) else { return svg };
+    let (Some(from), Some(to)) = (svg[..at].rfind("<rect "), svg[at..].find("/>")) else { return svg };
+    let (width, height) = (right - left, bottom - top);
+    let image = format!(
+        "<image x=\"{left}\" y=\"{top}\" width=\"{width}\" height=\"{height}\" preserveAspectRatio=\"none\" \
+         href=\"data:image/png;base64,{}\"/>",
+        raster::base64(png)
+    );
+    svg.replace_range(from..at + to + 2, &image);
+    svg
+}
+
 /// The bytes of a file with this picture.
 fn render(figure: &impl Figure, format: Format) -> Result<Vec<u8>, Error> {
     load_font();
@@ -110,6 +156,10 @@ fn render(figure: &impl Figure, format: Format) -> Result<Vec<u8>, Error> {
                 figure.draw(&area).map_err(|e| failed(&e))?;
                 area.present().map_err(|e| failed(&e))?;
             }
+            let text = match figure.image() {
+                Some((place, image)) => with_image(text, place, &image.png().map_err(|e| failed(&e))?),
+                None => text,
+            };
             Ok(on_screen(&text, width, height).into_bytes())
         }
         Format::Png => {
@@ -161,6 +211,14 @@ fn shade(share: f64) -> RGBColor {
     let k = (at as usize).min(VIRIDIS.len() - 2);
     let mix = |m: usize| (VIRIDIS[k][m] + (at - k as f64) * (VIRIDIS[k + 1][m] - VIRIDIS[k][m])).round() as u8;
     RGBColor(mix(0), mix(1), mix(2))
+}
+
+/// Steps of the scale of colours.
+const SHADES: u32 = 48;
+
+/// The colour of a step.
+fn colour(step: u32) -> RGBColor {
+    shade((f64::from(step) + 0.5) / f64::from(SHADES))
 }
 
 #[cfg(test)]

@@ -3,7 +3,8 @@
 use plotters::coord::Shift;
 use plotters::prelude::*;
 
-use super::axes::{self, BOTTOM, EDGE, LABEL, LEFT, RIGHT, TOP, Window, at, px};
+use super::axes::{self, Window, at, px};
+use super::frame::{Frame, Medium, width_of};
 use super::{COLOURS, Error, FONT, Fault, Figure, Format, render};
 use crate::numeric::geometry::Rect;
 use crate::units::UnitLabels;
@@ -40,41 +41,66 @@ pub fn outlines(title: &str, outlines: &[Outline], format: Format) -> Result<Vec
 /// # Errors
 /// As [`outlines`].
 pub fn outlines_in(units: &UnitLabels, title: &str, outlines: &[Outline], format: Format) -> Result<Vec<u8>, Error> {
+    outlines_on(Medium::Sheet, units, title, outlines, format)
+}
+
+/// As [`outlines_in`].
+///
+/// # Errors
+/// As [`outlines`].
+pub(crate) fn outlines_on(
+    medium: Medium,
+    units: &UnitLabels,
+    title: &str,
+    outlines: &[Outline],
+    format: Format,
+) -> Result<Vec<u8>, Error> {
     let points = outlines.iter().flat_map(|o| &o.loops).flatten().copied();
     let seen = Rect::holding(points).ok_or(Error::Empty("there is no patch"))?;
-    render(&Picture { units, title, outlines, window: Window::onto(&seen) }, format)
+    let margins = Frame::new(medium, "", 0);
+    let longest = match medium {
+        Medium::Sheet => px(560),
+        Medium::Page => px(330),
+        Medium::Phone => medium.width() - margins.edge - margins.left - margins.right,
+    };
+    let window = Window::onto(&seen, longest, units.length());
+    // No name runs over the edge.
+    let names = outlines.iter().map(|o| width_of(&o.label, margins.label)).max().unwrap_or(0);
+    let wanted = margins.edge + margins.left + px(54) + names + px(8);
+    let beside = wanted.saturating_sub(window.size(&margins, 0, 0).0);
+    let frame = Frame::new(medium, title, window.size(&margins, beside, 0).0);
+    render(&Picture { units, outlines, window, frame, beside }, format)
 }
 
 struct Picture<'a> {
     units: &'a UnitLabels,
-    title: &'a str,
     outlines: &'a [Outline],
     window: Window,
+    frame: Frame,
+    /// Room on the right for names that are longer than the map is wide.
+    beside: u32,
 }
 
 /// Lengths of dash and space; no space: a full line.
 const DASHES: [[i32; 2]; 6] =
     [[at(1), 0], [at(12), at(5)], [at(3), at(4)], [at(20), at(4)], [at(6), at(6)], [at(2), at(7)]];
 
-/// Room for the names, a line each.
-const LEGEND: u32 = px(22);
-
 impl Figure for Picture<'_> {
     fn size(&self) -> (u32, u32) {
-        let (width, height) = self.window.size(0);
-        (width, height + LEGEND * self.outlines.len() as u32)
+        self.window.size(&self.frame, self.beside, self.frame.legend * self.outlines.len() as u32)
     }
 
     fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), Fault<DB>> {
-        axes::title(area, self.title)?;
-        let names = LEGEND * self.outlines.len() as u32;
-        let inner = area.margin(TOP + names, 0, EDGE, RIGHT);
+        let frame = &self.frame;
+        frame.title(area)?;
+        let names = frame.legend * self.outlines.len() as u32;
+        let inner = area.margin(frame.top + names, 0, frame.edge, frame.right + self.beside);
         let Rect { min, max } = self.window.extent;
         let mut chart = ChartBuilder::on(&inner)
-            .x_label_area_size(BOTTOM)
-            .y_label_area_size(LEFT)
+            .x_label_area_size(frame.bottom)
+            .y_label_area_size(frame.left)
             .build_cartesian_2d(min[0]..max[0], min[1]..max[1])?;
-        frame(&mut chart.configure_mesh(), self.units, self.window.power)?;
+        mesh(&mut chart.configure_mesh(), self.units, &self.window, frame)?;
         for (k, outline) in self.outlines.iter().enumerate() {
             let (colour, [dash, space]) = (COLOURS[k % COLOURS.len()], DASHES[k % DASHES.len()]);
             for points in &outline.loops {
@@ -90,23 +116,23 @@ impl Figure for Picture<'_> {
                     ))?;
                 }
             }
-            let y = (TOP + LEGEND * k as u32 + LEGEND / 2) as i32;
-            let left = (EDGE + LEFT) as i32;
+            let y = (frame.top + frame.legend * k as u32 + frame.legend / 2) as i32 - at(4);
+            let left = (frame.edge + frame.left) as i32;
             let mut x = left;
             while x < left + at(44) {
                 let end = if space == 0 { left + at(44) } else { (x + dash).min(left + at(44)) };
                 area.draw(&PathElement::new(vec![(x, y), (end, y)], colour.stroke_width(px(2))))?;
                 x = end + space.max(1);
             }
-            let style = (FONT, LABEL).into_font().into_text_style(area);
-            area.draw_text(&outline.label, &style, (left + at(54), y - LABEL as i32 * 3 / 8))?;
+            let style = (FONT, frame.label).into_font().into_text_style(area);
+            area.draw_text(&outline.label, &style, (left + at(54), y - frame.half()))?;
         }
         Ok(())
     }
 }
 
 /// The mesh of a plane with lengths along both axes.
-pub(super) fn frame<'b, DB: DrawingBackend + 'b>(
+pub(super) fn mesh<'b, DB: DrawingBackend + 'b>(
     mesh: &mut plotters::chart::MeshStyle<
         '_,
         'b,
@@ -115,16 +141,20 @@ pub(super) fn frame<'b, DB: DrawingBackend + 'b>(
         DB,
     >,
     units: &UnitLabels,
-    power: i32,
+    window: &Window,
+    frame: &Frame,
 ) -> Result<(), Fault<DB>> {
+    // As many labels as have room: eight figures along x, two lines along y.
+    let room = |points: u32, each: u32| (points / each).clamp(2, 7) as usize;
+    let power = window.power;
     mesh.x_desc(axes::named("x", units.length(), power))
         .y_desc(axes::named("y", units.length(), power))
         .x_label_formatter(&|x| axes::tick(*x))
         .y_label_formatter(&|y| axes::tick(*y))
-        .label_style((FONT, LABEL))
-        .axis_desc_style((FONT, LABEL))
-        .x_labels(7)
-        .y_labels(7)
+        .label_style((FONT, frame.label))
+        .axis_desc_style((FONT, frame.label))
+        .x_labels(room(window.pixels[0], 4 * frame.label))
+        .y_labels(room(window.pixels[1], 2 * frame.label))
         .light_line_style(TRANSPARENT)
         .bold_line_style(axes::GRID.stroke_width(px(1)))
         .axis_style(BLACK.stroke_width(px(1)))

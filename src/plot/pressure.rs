@@ -1,11 +1,14 @@
-//! The pressure as a map, with the boundary of the patch.
+//! A field as a map, with the boundary of the patch: the pressure, or the gap that is left.
 
 use plotters::coord::Shift;
 use plotters::prelude::*;
 
-use super::axes::{self, BOTTOM, EDGE, LABEL, LEFT, RIGHT, TOP, Window, at, px};
-use super::outlines::frame;
-use super::{Error, FONT, Fault, Figure, Format, render, shade};
+use super::axes::{Window, px};
+use super::frame::{Frame, Medium};
+use super::outlines::mesh;
+use super::raster::Raster;
+use super::scale::Scale;
+use super::{Error, Fault, Figure, Format, PLACE, colour, render};
 use crate::grid::{Grid, Pressure};
 use crate::numeric::geometry::Rect;
 use crate::solution::Solution;
@@ -13,9 +16,10 @@ use crate::units::UnitLabels;
 
 /// The pressure field and the patch boundary of a solution, as far as it has them (`outputs.pressure`, `outputs.patch`).
 ///
-/// Where the exact pressure is infinite the scale of colours ends at a quantile of the cells, with an arrow.
+/// The scale of colours ends at the largest pressure that the solution states. Where the exact one is infinite it ends at a quantile of
+/// the cells, with an arrow. Colours are interpolated between the centres of cells and end at the boundary.
 ///
-/// Fields of more than 140 cells along the longer side are drawn as means over blocks of cells.
+/// Fields of more than 560 cells along the longer side are drawn as means over blocks of cells.
 ///
 /// # Errors
 /// When the solution has neither field nor boundary, or drawing fails.
@@ -28,9 +32,56 @@ pub fn pressure_map(title: &str, solution: &Solution, format: Format) -> Result<
 /// # Errors
 /// As [`pressure_map`].
 pub fn pressure_map_in(units: &UnitLabels, title: &str, solution: &Solution, format: Format) -> Result<Vec<u8>, Error> {
+    pressure_map_on(Medium::Sheet, units, title, solution, format).map(|(picture, _)| picture)
+}
+
+/// Where the plane is in a picture.
+// Pages are for scenes.
+#[cfg_attr(not(feature = "scene"), allow(dead_code))]
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Placed {
+    /// Left, top, width, height of the plotting area, shares of the picture.
+    pub area: [f64; 4],
+    /// What it shows, in the units of the scene.
+    pub extent: Rect,
+}
+
+/// As [`pressure_map_in`], and where the plane is.
+///
+/// # Errors
+/// As [`pressure_map`].
+pub(crate) fn pressure_map_on(
+    medium: Medium,
+    units: &UnitLabels,
+    title: &str,
+    solution: &Solution,
+    format: Format,
+) -> Result<(Vec<u8>, Placed), Error> {
     let boundary = solution.patch.boundary.as_deref().unwrap_or_default();
     let pressure = &solution.pressure;
-    field_map_in(units, title, boundary, pressure.field.as_ref(), pressure.singular.is_some(), format)
+    let map = Map {
+        units,
+        title,
+        quantity: "pressure",
+        unit: units.pressure(),
+        boundary,
+        clip: boundary.to_vec(),
+        field: pressure.field.as_ref(),
+        highest: highest(solution),
+        without_end: pressure.singular.is_some(),
+    };
+    map.drawn(medium, format)
+}
+
+/// Where the scale of colours of a solution's pressure ends: at its largest pressure, or at a quantile of the cells where that is
+/// infinite; 0 without a field.
+pub(crate) fn highest(solution: &Solution) -> f64 {
+    let field = solution.pressure.field.as_ref();
+    let in_cells = field.map_or(0.0, |f| top(&f.values, solution.pressure.singular.is_some()));
+    match solution.pressure.max {
+        Some(max) if in_cells > 0.0 && max > 0.0 => max,
+        _ => in_cells,
+    }
 }
 
 /// A pressure field and closed polylines around where it acts, as far as they are there: as [`pressure_map`]. `without_end`: pressures
@@ -60,18 +111,46 @@ pub fn field_map_in(
     without_end: bool,
     format: Format,
 ) -> Result<Vec<u8>, Error> {
-    let field = field.map(coarsened);
-    let patch = Rect::holding(boundary.iter().flatten().copied());
-    let seen = patch.or(field.as_ref().map(|f| f.grid.extent()));
-    let seen = seen.ok_or(Error::Empty("the solution has no patch boundary and no pressure field"))?;
-    let highest = field.as_ref().map_or(0.0, |f| top(&f.values, without_end));
-    render(&Picture { units, title, boundary, field, highest, without_end, window: Window::onto(&seen) }, format)
+    let highest = field.map_or(0.0, |f| top(&f.values, without_end));
+    let (quantity, unit, clip) = ("pressure", units.pressure(), boundary.to_vec());
+    let map = Map { units, title, quantity, unit, boundary, clip, field, highest, without_end };
+    map.drawn(Medium::Sheet, format).map(|(picture, _)| picture)
 }
 
-/// Share of the loaded cells whose pressures are on a scale of colours that has no end.
+/// The gap that is left around the patch (`outputs.gap`, `outputs.patch`), nothing where there is no material. The scale of colours ends
+/// at a quantile of the cells, with an arrow.
+///
+/// # Errors
+/// When the solution has no such field, or drawing fails.
+pub fn gap_map(title: &str, solution: &Solution, format: Format) -> Result<Vec<u8>, Error> {
+    gap_map_in(&UnitLabels::kinds(), title, solution, format)
+}
+
+/// As [`gap_map`], with labels of units.
+///
+/// # Errors
+/// As [`gap_map`].
+pub fn gap_map_in(units: &UnitLabels, title: &str, solution: &Solution, format: Format) -> Result<Vec<u8>, Error> {
+    let (grid, values) = solution.pressure.gap.as_ref().ok_or(Error::Empty("the solution has no field of the gap"))?;
+    // Gaps that are rounding are closed.
+    let open = 1e-9 * values.iter().copied().filter(|g| g.is_finite()).fold(0.0, f64::max);
+    let values = values.iter().map(|&g| if g.is_finite() && g > open { g } else { 0.0 }).collect();
+    let field = Pressure { grid: *grid, values };
+    let boundary = solution.patch.boundary.as_deref().unwrap_or_default();
+    // Even-odd: around the patch, not in it.
+    let mut clip = boundary.to_vec();
+    clip.push(grid.extent().corners().to_vec());
+    let highest = top(&field.values, true);
+    let unit = units.length().to_owned();
+    let field = Some(&field);
+    let map = Map { units, title, quantity: "gap left", unit, boundary, clip, field, highest, without_end: true };
+    map.drawn(Medium::Sheet, format).map(|(picture, _)| picture)
+}
+
+/// Share of the loaded cells whose values are on a scale of colours that has no end.
 const ON_SCALE: f64 = 0.98;
 
-/// The largest pressure, or the quantile at which a scale without end is cut.
+/// The largest value, or the quantile at which a scale without end is cut.
 fn top(values: &[f64], without_end: bool) -> f64 {
     let mut loaded: Vec<f64> = values.iter().copied().filter(|p| *p > 0.0).collect();
     if loaded.is_empty() {
@@ -82,24 +161,13 @@ fn top(values: &[f64], without_end: bool) -> f64 {
     loaded[if without_end { (ON_SCALE * last as f64) as usize } else { last }]
 }
 
-struct Picture<'a> {
-    units: &'a UnitLabels,
-    title: &'a str,
-    boundary: &'a [Vec<[f64; 2]>],
-    field: Option<Pressure>,
-    highest: f64,
-    /// Whether pressures go on beyond that, to infinity.
-    without_end: bool,
-    window: Window,
-}
+/// Cells along the longer side beyond which a picture of this size shows no more.
+const MOST_CELLS: usize = 560;
 
-/// Cells along the longer side beyond which the eye gains nothing and the file grows.
-const MOST_CELLS: usize = 140;
-
-/// Means over square blocks of cells.
-pub(super) fn coarsened(field: &Pressure) -> Pressure {
+/// Means over square blocks of cells, so that there are at most `most` along the longer side.
+pub(crate) fn coarsened(field: &Pressure, most: usize) -> Pressure {
     let Grid { origin, spacing, shape } = field.grid;
-    let block = shape[0].max(shape[1]).div_ceil(MOST_CELLS).max(1);
+    let block = shape[0].max(shape[1]).div_ceil(most).max(1);
     let coarse = shape.map(|n| n.div_ceil(block));
     let mut values = vec![0.0; coarse[0] * coarse[1]];
     for (k, p) in field.values.iter().enumerate() {
@@ -109,96 +177,125 @@ pub(super) fn coarsened(field: &Pressure) -> Pressure {
     Pressure { grid: Grid { origin, spacing: spacing.map(|h| h * block as f64), shape: coarse }, values }
 }
 
-/// Room beside the map for the scale of colours.
-const BESIDE: u32 = px(150);
+/// What a map shows.
+struct Map<'a> {
+    units: &'a UnitLabels,
+    title: &'a str,
+    quantity: &'a str,
+    unit: String,
+    boundary: &'a [Vec<[f64; 2]>],
+    /// Within these (even-odd) there is colour; empty: in every cell with a value.
+    clip: Vec<Vec<[f64; 2]>>,
+    field: Option<&'a Pressure>,
+    highest: f64,
+    /// Whether values go on beyond that.
+    without_end: bool,
+}
 
-/// Steps of the colour scale.
-const SHADES: u32 = 48;
-
-impl Picture<'_> {
-    /// The step of the scale for a pressure; `None`: unloaded.
-    fn step(&self, p: f64) -> Option<u32> {
-        (p > 0.0).then(|| ((p / self.highest * f64::from(SHADES)) as u32).min(SHADES - 1))
+impl Map<'_> {
+    fn drawn(&self, medium: Medium, format: Format) -> Result<(Vec<u8>, Placed), Error> {
+        let patch = Rect::holding(self.clip.iter().flatten().copied());
+        let seen = patch.or(self.field.map(|f| f.grid.extent()));
+        let seen = seen.ok_or(Error::Empty("the solution has no patch boundary and no pressure field"))?;
+        let [beside, below] = if self.field.is_some() && self.highest > 0.0 { Scale::room(medium) } else { [0; 2] };
+        // The margins do not depend on the title's width, and the longer side not on the margins of a sheet.
+        let margins = Frame::new(medium, "", 0);
+        let longest = match medium {
+            Medium::Sheet => px(560),
+            Medium::Page | Medium::Phone => medium.width() - margins.edge - margins.left - margins.right - beside,
+        };
+        let longest = if medium == Medium::Page { longest.min(px(330)) } else { longest };
+        let window = Window::onto(&seen, longest, self.units.length());
+        // A scale below a narrow map is as wide as the page.
+        let beside = if below > 0 { medium.width().saturating_sub(window.size(&margins, 0, 0).0) } else { beside };
+        let frame = Frame::new(medium, self.title, window.size(&margins, beside, below).0);
+        let [left, top] = window.pixel(&frame, [seen.min[0], seen.max[1]]).map(|p| p.round() as i32);
+        let [right, bottom] = window.pixel(&frame, [seen.max[0], seen.min[1]]).map(|p| p.round() as i32);
+        let dots = [right - left, bottom - top].map(|points| {
+            let points = points.max(1) as usize;
+            // An SVG has two dots a pixel of the screen, a file of pixels all of its own.
+            if format == Format::Svg { (2 * points).div_ceil(3) } else { points }
+        });
+        let raster = self.field.filter(|_| self.highest > 0.0).map(|field| {
+            let field = coarsened(field, MOST_CELLS);
+            Raster::of(&field, &self.clip, &seen, dots, self.highest)
+        });
+        let place = [left, top, right, bottom];
+        let picture = Picture { map: self, window, frame, raster, place, format, beside, below };
+        let (width, height) = picture.size();
+        let [w, h] = [width, height].map(f64::from);
+        let area = [
+            f64::from(picture.frame.edge + picture.frame.left) / w,
+            f64::from(picture.frame.top) / h,
+            f64::from(window.pixels[0]) / w,
+            f64::from(window.pixels[1]) / h,
+        ];
+        let unit = 10f64.powi(window.power);
+        let extent = Rect { min: window.extent.min.map(|x| unit * x), max: window.extent.max.map(|x| unit * x) };
+        Ok((render(&picture, format)?, Placed { area, extent }))
     }
 }
 
-fn colour(step: u32) -> RGBColor {
-    shade((f64::from(step) + 0.5) / f64::from(SHADES))
+struct Picture<'a> {
+    map: &'a Map<'a>,
+    window: Window,
+    frame: Frame,
+    raster: Option<Raster>,
+    /// Left, top, right, bottom of the raster.
+    place: [i32; 4],
+    format: Format,
+    /// Room for the scale of colours.
+    beside: u32,
+    below: u32,
 }
 
 impl Figure for Picture<'_> {
     fn size(&self) -> (u32, u32) {
-        self.window.size(if self.field.is_some() { BESIDE } else { 0 })
+        self.window.size(&self.frame, self.beside, self.below)
     }
 
     fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), Fault<DB>> {
-        axes::title(area, self.title)?;
-        let beside = if self.field.is_some() { BESIDE } else { 0 };
-        let inner = area.margin(TOP, 0, EDGE, RIGHT + beside);
-        let Rect { min, max } = self.window.extent;
+        let (frame, window) = (&self.frame, &self.window);
+        frame.title(area)?;
+        let inner = area.margin(frame.top, self.below, frame.edge, frame.right + self.beside);
+        let Rect { min, max } = window.extent;
         let mut chart = ChartBuilder::on(&inner)
-            .x_label_area_size(BOTTOM)
-            .y_label_area_size(LEFT)
+            .x_label_area_size(frame.bottom)
+            .y_label_area_size(frame.left)
             .build_cartesian_2d(min[0]..max[0], min[1]..max[1])?;
-        frame(&mut chart.configure_mesh(), self.units, self.window.power)?;
-        if let Some(Pressure { grid, values }) = &self.field {
-            let [nx, ny] = grid.shape;
-            for j in 0..ny {
-                let mut i = 0;
-                while i < nx {
-                    let step = self.step(values[j * nx + i]);
-                    let from = i;
-                    while i < nx && self.step(values[j * nx + i]) == step {
-                        i += 1;
-                    }
-                    let corner = |i: usize, j: usize| {
-                        let [h, v] = grid.spacing;
-                        self.window.place([grid.origin[0] + i as f64 * h, grid.origin[1] + j as f64 * v])
-                    };
-                    if let Some(step) = step {
-                        let cells = [corner(from, j), corner(i, j + 1)];
-                        chart.draw_series([Rectangle::new(cells, colour(step).filled())])?;
-                    }
+        mesh(&mut chart.configure_mesh(), self.map.units, window, frame)?;
+        let [left, top, right, bottom] = self.place;
+        match (&self.raster, self.format) {
+            (None, _) => {}
+            (Some(_), Format::Svg) => area.draw(&Rectangle::new([(left, top), (right, bottom)], PLACE.filled()))?,
+            (Some(raster), Format::Png) => {
+                for (j, from, to, step) in raster.runs() {
+                    let y = top + j as i32;
+                    let run = [(left + from as i32, y), (left + to as i32, y + 1)];
+                    area.draw(&Rectangle::new(run, colour(u32::from(step)).filled()))?;
                 }
             }
         }
-        for points in self.boundary {
-            let closed = points.iter().chain(points.first()).map(|&p| self.window.place(p));
+        for points in self.map.boundary {
+            let closed = points.iter().chain(points.first()).map(|&p| window.place(p));
             chart.draw_series(LineSeries::new(closed, BLACK.stroke_width(px(2))))?;
         }
-        if self.highest > 0.0 { self.scale(area) } else { Ok(()) }
+        if self.raster.is_none() {
+            return Ok(());
+        }
+        let Map { quantity, unit, highest, without_end, .. } = self.map;
+        let scale = Scale { quantity, unit: unit.clone(), highest: *highest, without_end: *without_end };
+        let left = frame.edge + frame.left;
+        if self.below > 0 {
+            // Half of what is written at its end has room beside it.
+            let right = self.size().0 - px(28);
+            scale.below(area, frame, [left, right], frame.top + window.pixels[1] + frame.bottom)
+        } else {
+            scale.beside(area, frame, left + window.pixels[0], window.pixels[1])
+        }
     }
-}
 
-impl Picture<'_> {
-    /// The scale of colours on the right.
-    fn scale<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), Fault<DB>> {
-        let (width, _) = area.dim_in_pixel();
-        let (left, height) = ((width - BESIDE) as i32, self.window.pixels[1] as i32);
-        let (top, bottom) = (TOP as i32 + at(if self.without_end { 38 } else { 24 }), TOP as i32 + height);
-        let level = |k: u32| bottom - (bottom - top) * k as i32 / SHADES as i32;
-        for k in 0..SHADES {
-            area.draw(&Rectangle::new([(left, level(k + 1)), (left + at(20), level(k))], colour(k).filled()))?;
-        }
-        area.draw(&Rectangle::new([(left, top), (left + at(20), bottom)], BLACK.stroke_width(px(1))))?;
-        if self.without_end {
-            let points = vec![(left, top), (left + at(10), top - at(14)), (left + at(20), top)];
-            area.draw(&Polygon::new(points.clone(), colour(SHADES - 1).filled()))?;
-            area.draw(&PathElement::new(points, BLACK.stroke_width(px(1))))?;
-        }
-        let power = axes::power_of_ten(self.highest);
-        let style = (FONT, LABEL).into_font().into_text_style(area);
-        area.draw_text("pressure", &style, (left, TOP as i32 - at(22)))?;
-        area.draw_text(&axes::scaled(&self.units.pressure(), power), &style, (left, TOP as i32 - at(2)))?;
-        let largest = self.highest / 10f64.powi(power);
-        let step = axes::round_step(largest);
-        let mut value = 0.0;
-        while value <= largest {
-            let y = bottom - (f64::from(bottom - top) * value / largest).round() as i32;
-            area.draw(&PathElement::new(vec![(left + at(20), y), (left + at(25), y)], BLACK.stroke_width(px(1))))?;
-            area.draw_text(&axes::tick(value), &style, (left + at(30), y - LABEL as i32 * 3 / 8))?;
-            value += step;
-        }
-        Ok(())
+    fn image(&self) -> Option<([i32; 4], &Raster)> {
+        self.raster.as_ref().map(|raster| (self.place, raster))
     }
 }

@@ -3,7 +3,8 @@
 use plotters::coord::Shift;
 use plotters::prelude::*;
 
-use super::axes::{self, BOTTOM, EDGE, LABEL, LEFT, RIGHT, TOP, at, px};
+use super::axes::{self, at, px};
+use super::frame::{Frame, Medium, named_stroke, width_of};
 use super::pressure::coarsened;
 use super::{COLOURS, Error, FONT, Fault, Figure, Format, render};
 use crate::gap::Gap;
@@ -33,6 +34,9 @@ pub struct Section {
 /// Positions along the line.
 const POSITIONS: usize = 281;
 
+/// Cells along the longer side of the field that displaces the surface.
+const CELLS: usize = 140;
+
 /// The line is longer than the patch by this.
 const BEYOND: f64 = 1.7;
 
@@ -46,7 +50,7 @@ impl Section {
     /// The section of a solved state; `None` without a pressure field or without contact.
     #[must_use]
     pub fn through(contact: &Contact, solution: &Solution) -> Option<Self> {
-        let field = coarsened(solution.pressure.field.as_ref()?);
+        let field = coarsened(solution.pressure.field.as_ref()?, CELLS);
         let grid = field.grid;
         let loaded: Vec<([f64; 2], f64)> = grid.loaded(&field.values).collect();
         let total: f64 = loaded.iter().map(|(_, p)| p).sum();
@@ -124,16 +128,30 @@ pub fn section(title: &str, section: &Section, format: Format) -> Result<Vec<u8>
 /// # Errors
 /// As [`section`].
 pub fn section_in(units: &UnitLabels, title: &str, section: &Section, format: Format) -> Result<Vec<u8>, Error> {
+    section_on(Medium::Sheet, units, title, section, format)
+}
+
+/// As [`section_in`].
+///
+/// # Errors
+/// As [`section`].
+pub(crate) fn section_on(
+    medium: Medium,
+    units: &UnitLabels,
+    title: &str,
+    section: &Section,
+    format: Format,
+) -> Result<Vec<u8>, Error> {
     let deepest = section.surface.iter().copied().fold(0.0, f64::min);
     if !(deepest < 0.0) {
         return Err(Error::Empty("nothing is displaced along the section"));
     }
-    render(&Picture { units, title, section, deepest }, format)
+    render(&Picture { units, frame: Frame::new(medium, title, medium.width()), section, deepest }, format)
 }
 
 struct Picture<'a> {
     units: &'a UnitLabels,
-    title: &'a str,
+    frame: Frame,
     section: &'a Section,
     /// Lowest point of the surface.
     deepest: f64,
@@ -143,40 +161,44 @@ struct Picture<'a> {
 const HEIGHTS: u32 = px(330);
 const PRESSURES: u32 = px(170);
 
-/// Room for the legend below the title.
-const LEGEND: u32 = px(24);
-
 /// How much of the punch is seen above the undeformed surface, against the depth of the dent.
 const ABOVE: f64 = 0.5;
 
 impl Figure for Picture<'_> {
     fn size(&self) -> (u32, u32) {
-        (px(720), TOP + LEGEND + HEIGHTS + PRESSURES + BOTTOM)
+        let (frame, medium) = (&self.frame, self.frame.medium);
+        let panels = medium.height(HEIGHTS) + medium.height(PRESSURES) + frame.bottom;
+        (medium.width(), frame.top + self.legend_lines() * frame.legend + panels)
     }
 
     fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), Fault<DB>> {
-        axes::title(area, self.title)?;
+        let frame = &self.frame;
+        frame.title(area)?;
         let Section { along, punch, surface, pressure, .. } = self.section;
         let reach = along.last().copied().unwrap_or(1.0);
         let strongest = pressure.iter().copied().fold(0.0, f64::max);
-        let powers = [reach, -self.deepest, strongest].map(axes::power_of_ten);
+        let labels = [self.units.length(), self.units.length(), &self.units.pressure()];
+        let sizes = [reach, -self.deepest, strongest];
+        let powers: [i32; 3] = std::array::from_fn(|k| axes::power_of_ten(sizes[k], labels[k]));
         let [length, height, load] = powers.map(|p| 10f64.powi(p));
         let (low, high) = (1.15 * self.deepest, -ABOVE * self.deepest);
         let x = -reach / length..reach / length;
-        let (upper, lower) = area.margin(TOP + LEGEND, 0, EDGE, RIGHT).split_vertically(HEIGHTS);
+        let (upper, lower) = area
+            .margin(frame.top + self.legend_lines() * frame.legend, 0, frame.edge, frame.right)
+            .split_vertically(frame.medium.height(HEIGHTS));
 
         let mut chart = ChartBuilder::on(&upper)
-            .y_label_area_size(LEFT)
+            .y_label_area_size(frame.left)
             .margin_bottom(px(10))
             .build_cartesian_2d(x.clone(), low / height..high / height)?;
         chart
             .configure_mesh()
             .y_desc(axes::named("height", self.units.length(), powers[1]))
             .y_label_formatter(&|y| axes::tick(*y))
-            .x_labels(9)
+            .x_labels(if frame.medium == Medium::Phone { 5 } else { 9 })
             .y_labels(7)
-            .label_style((FONT, LABEL))
-            .axis_desc_style((FONT, LABEL))
+            .label_style((FONT, frame.label))
+            .axis_desc_style((FONT, frame.label))
             .light_line_style(TRANSPARENT)
             .bold_line_style(axes::GRID.stroke_width(px(1)))
             .axis_style(BLACK.stroke_width(px(1)))
@@ -207,8 +229,8 @@ impl Figure for Picture<'_> {
         }
 
         let mut chart = ChartBuilder::on(&lower)
-            .x_label_area_size(BOTTOM)
-            .y_label_area_size(LEFT)
+            .x_label_area_size(frame.bottom)
+            .y_label_area_size(frame.left)
             .build_cartesian_2d(x, 0.0..1.08 * strongest.max(f64::MIN_POSITIVE) / load)?;
         chart
             .configure_mesh()
@@ -216,10 +238,10 @@ impl Figure for Picture<'_> {
             .y_desc(axes::named("pressure", &self.units.pressure(), powers[2]))
             .x_label_formatter(&|x| axes::tick(*x))
             .y_label_formatter(&|y| axes::tick(*y))
-            .x_labels(9)
-            .y_labels(4)
-            .label_style((FONT, LABEL))
-            .axis_desc_style((FONT, LABEL - px(2)))
+            .x_labels(if frame.medium == Medium::Phone { 5 } else { 9 })
+            .y_labels(if frame.medium == Medium::Sheet { 4 } else { 3 })
+            .label_style((FONT, frame.label))
+            .axis_desc_style((FONT, frame.label))
             .light_line_style(TRANSPARENT)
             .bold_line_style(axes::GRID.stroke_width(px(1)))
             .axis_style(BLACK.stroke_width(px(1)))
@@ -234,21 +256,33 @@ impl Figure for Picture<'_> {
 }
 
 impl Picture<'_> {
+    /// What the legend names.
+    const NAMES: [&'static str; 3] = ["surface under load", "gap less approach", "gap that is left"];
+
+    /// Lines that the legend takes: one, where it fits into one.
+    fn legend_lines(&self) -> u32 {
+        let frame = &self.frame;
+        let taken: u32 = Self::NAMES.iter().map(|name| px(60) + width_of(name, frame.label)).sum();
+        if taken + frame.edge + frame.left <= frame.medium.width() { 1 } else { 3 }
+    }
+
     fn legend<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), Fault<DB>> {
-        let y = (TOP + LEGEND / 2) as i32 - at(4);
-        let style = (FONT, LABEL).into_font().into_text_style(area);
-        let mut x = (EDGE + LEFT) as i32;
-        let stroke = |x: i32| vec![(x, y), (x + at(36), y)];
-        area.draw(&PathElement::new(stroke(x), COLOURS[1].stroke_width(px(3))))?;
-        area.draw_text("surface under load", &style, (x + at(44), y - LABEL as i32 * 3 / 8))?;
-        x += at(210);
-        for piece in [x, x + at(14), x + at(28)] {
-            area.draw(&PathElement::new(vec![(piece, y), (piece + at(8), y)], COLOURS[2].stroke_width(px(2))))?;
+        let frame = &self.frame;
+        let left = (frame.edge + frame.left) as i32;
+        let mut y = (frame.top + frame.legend / 2) as i32 - at(6);
+        let mut x = left;
+        for (k, name) in Self::NAMES.into_iter().enumerate() {
+            let next = named_stroke(area, frame, [x, y], name, |area, from, to| match k {
+                0 => area.draw(&PathElement::new(vec![(from, y), (to, y)], COLOURS[1].stroke_width(px(3)))),
+                1 => [from, from + at(11), from + at(22)].into_iter().try_for_each(|piece| {
+                    let dash = vec![(piece, y), (piece + at(8), y)];
+                    area.draw(&PathElement::new(dash, COLOURS[2].stroke_width(px(2))))
+                }),
+                _ => area.draw(&Rectangle::new([(from, y - at(6)), (to, y + at(6))], RGBColor(236, 236, 236).filled())),
+            })?;
+            (x, y) = if self.legend_lines() == 1 { (next, y) } else { (left, y + frame.legend as i32) };
         }
-        area.draw_text("gap less approach", &style, (x + at(44), y - LABEL as i32 * 3 / 8))?;
-        x += at(200);
-        area.draw(&Rectangle::new([(x, y - at(7)), (x + at(30), y + at(7))], RGBColor(236, 236, 236).filled()))?;
-        area.draw_text("gap that is left", &style, (x + at(38), y - LABEL as i32 * 3 / 8))
+        Ok(())
     }
 }
 

@@ -3,7 +3,8 @@
 use plotters::coord::Shift;
 use plotters::prelude::*;
 
-use super::axes::{self, BOTTOM, EDGE, LABEL, LEFT, RIGHT, TOP, at, px};
+use super::axes::{self, at, px};
+use super::frame::{Frame, Medium};
 use super::{COLOURS, Error, FONT, Fault, Figure, Format, render};
 
 /// A line with its name: points (cells along the longer side, size relative to the force).
@@ -20,6 +21,19 @@ pub struct Refinement {
 /// # Errors
 /// When there is no point, or drawing fails.
 pub fn width_against_cells(title: &str, lines: &[Refinement], format: Format) -> Result<Vec<u8>, Error> {
+    width_against_cells_on(Medium::Sheet, title, lines, format)
+}
+
+/// As [`width_against_cells`].
+///
+/// # Errors
+/// As [`width_against_cells`].
+pub(crate) fn width_against_cells_on(
+    medium: Medium,
+    title: &str,
+    lines: &[Refinement],
+    format: Format,
+) -> Result<Vec<u8>, Error> {
     let lines: Vec<(&str, Vec<[f64; 2]>)> = lines
         .iter()
         .map(|line| {
@@ -32,24 +46,23 @@ pub fn width_against_cells(title: &str, lines: &[Refinement], format: Format) ->
     if lines.iter().all(|(_, points)| points.is_empty()) {
         return Err(Error::Empty("there is no width greater than zero"));
     }
-    render(&Picture { title, lines }, format)
+    render(&Picture { frame: Frame::new(medium, title, medium.width()), lines }, format)
 }
 
 struct Picture<'a> {
-    title: &'a str,
+    frame: Frame,
     lines: Vec<(&'a str, Vec<[f64; 2]>)>,
 }
 
-/// Room for the names, a line each.
-const LEGEND: u32 = px(22);
-
 impl Figure for Picture<'_> {
     fn size(&self) -> (u32, u32) {
-        (px(720), px(440) + LEGEND * self.lines.len() as u32)
+        let medium = self.frame.medium;
+        (medium.width(), medium.height(px(440)) + self.frame.legend * self.lines.len() as u32)
     }
 
     fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), Fault<DB>> {
-        axes::title(area, self.title)?;
+        let frame = &self.frame;
+        frame.title(area)?;
         let points = || self.lines.iter().flat_map(|(_, points)| points);
         let range = |m: usize| {
             let (low, high) = points().fold((f64::INFINITY, 0.0f64), |(low, high), p| (low.min(p[m]), high.max(p[m])));
@@ -58,20 +71,21 @@ impl Figure for Picture<'_> {
         let ((coarse, fine), (least, most)) = (range(0), range(1));
         let down = |x: f64| 10f64.powf(x.log10().floor());
         let up = |x: f64| 10f64.powf(x.log10().ceil());
-        let names = LEGEND * self.lines.len() as u32;
-        let inner = area.margin(TOP + names, 0, EDGE, RIGHT);
-        let mut chart = ChartBuilder::on(&inner).x_label_area_size(BOTTOM).y_label_area_size(LEFT).build_cartesian_2d(
-            (0.8 * coarse..1.25 * fine).log_scale().base(2.0),
-            (down(0.9 * least)..up(1.1 * most)).log_scale(),
-        )?;
+        let names = frame.legend * self.lines.len() as u32;
+        let inner = area.margin(frame.top + names, 0, frame.edge, frame.right);
+        let mut chart =
+            ChartBuilder::on(&inner).x_label_area_size(frame.bottom).y_label_area_size(frame.left).build_cartesian_2d(
+                (0.8 * coarse..1.25 * fine).log_scale().base(2.0),
+                (down(0.9 * least)..up(1.1 * most)).log_scale(),
+            )?;
         chart
             .configure_mesh()
             .x_desc("cells along the longer side")
             .y_desc("share of the force")
             .x_label_formatter(&|x| format!("{x:.0}"))
             .y_label_formatter(&axes::decade)
-            .label_style((FONT, LABEL))
-            .axis_desc_style((FONT, LABEL))
+            .label_style((FONT, frame.label))
+            .axis_desc_style((FONT, frame.label))
             .light_line_style(TRANSPARENT)
             .bold_line_style(axes::GRID.stroke_width(px(1)))
             .axis_style(BLACK.stroke_width(px(1)))
@@ -82,11 +96,14 @@ impl Figure for Picture<'_> {
             let place = || points.iter().map(|p| (p[0], p[1]));
             chart.draw_series(LineSeries::new(place(), colour.stroke_width(px(2))))?;
             chart.draw_series(place().map(|place| Circle::new(place, at(4), colour.filled())))?;
-            let (x, y) = ((EDGE + LEFT) as i32, (TOP + LEGEND * k as u32 + LEGEND / 2) as i32 - at(4));
+            let (x, y) = (
+                (frame.edge + frame.left) as i32,
+                (frame.top + frame.legend * k as u32 + frame.legend / 2) as i32 - at(4),
+            );
             area.draw(&PathElement::new(vec![(x, y), (x + at(44), y)], colour.stroke_width(px(2))))?;
             area.draw(&Circle::new((x + at(22), y), at(4), colour.filled()))?;
-            let style = (FONT, LABEL).into_font().into_text_style(area);
-            area.draw_text(label, &style, (x + at(54), y - LABEL as i32 * 3 / 8))?;
+            let style = (FONT, frame.label).into_font().into_text_style(area);
+            area.draw_text(label, &style, (x + at(54), y - frame.half()))?;
         }
         Ok(())
     }

@@ -136,6 +136,11 @@ impl Contact {
         Self { loading, ..self.clone() }
     }
 
+    /// Bodies of the same material with another gap and loading, known to be valid.
+    pub(crate) fn of_gap(&self, gap: AnyGap, loading: Loading) -> Self {
+        Self { modulus: self.modulus, gap, loading }
+    }
+
     /// E* of the pair.
     #[must_use]
     pub fn modulus(&self) -> EffectiveModulus {

@@ -109,11 +109,19 @@ pub(super) fn list<'a>(sentences: impl IntoIterator<Item = &'a str>) -> String {
     if items.is_empty() { items } else { format!("<ul>{items}</ul>\n") }
 }
 
-/// An SVG picture within the page, with its caption.
-pub(super) fn figure(svg: &[u8], caption: &str) -> String {
-    let svg = String::from_utf8_lossy(svg);
-    let named = svg.replacen("<svg ", &format!("<svg role=\"img\" aria-label=\"{}\" ", escaped(caption)), 1);
-    format!("<figure>{named}<figcaption>{}</figcaption></figure>\n", typeset(caption))
+/// An SVG picture within the page, for wide and for narrow screens, with its caption.
+pub(super) fn figure(svgs: [&[u8]; 2], caption: &str) -> String {
+    format!("<figure>{}<figcaption>{}</figcaption></figure>\n", both(svgs, caption), typeset(caption))
+}
+
+/// The same picture for wide and for narrow screens: one of them is shown.
+pub(super) fn both(svgs: [&[u8]; 2], named: &str) -> String {
+    let classes = ["page", "phone"];
+    let one = |k: usize| {
+        let tag = format!("<svg class=\"{}\" role=\"img\" aria-label=\"{}\" ", classes[k], escaped(named));
+        String::from_utf8_lossy(svgs[k]).replacen("<svg ", &tag, 1)
+    };
+    one(0) + &one(1)
 }
 
 #[cfg(test)]

@@ -12,6 +12,8 @@ pub(crate) mod npy;
 #[cfg(feature = "plot")]
 mod page;
 pub(crate) mod table;
+#[cfg(feature = "plot")]
+mod view;
 mod vti;
 #[cfg(feature = "cli")]
 pub(crate) mod write;
@@ -20,7 +22,7 @@ pub use comparison::{comparison_csv, comparison_json, comparison_table};
 pub use csv::{csv, csv_in, pieces_csv};
 pub use json::{Outcome, json};
 #[cfg(feature = "plot")]
-pub use page::{Page, page};
+pub use page::{Page, Parts, Provenance, page, page_of};
 pub use table::table;
 pub use vti::{vti, vti_of};
 

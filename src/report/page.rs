@@ -3,13 +3,15 @@
 use std::fmt::Write;
 
 use super::comparison::{COLUMNS, in_words, row};
+pub use super::evidence::Parts;
 use super::evidence::{Detail, Evidence};
 use super::html::{escaped, facts, figure as picture, list, table, typeset};
-use super::table::{facts as state_facts, figure, peak};
+use super::table::{facts as state_facts, figure, left_out, peak};
+use super::view::view;
 use super::{Step, numbers, said_once};
 use crate::bracket::Evidence as Proof;
-use crate::compare;
-use crate::plot::{self, Format, Outline, Refinement};
+use crate::compare::{self, Comparison};
+use crate::plot::{self, Format, Medium, Outline, Refinement};
 use crate::problem::{Load, Method};
 use crate::scene::Scene;
 use crate::solution::Solution;
@@ -18,14 +20,25 @@ use crate::units::UnitLabels;
 /// A page, and whether every state of the scene was solved.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Page {
-    /// The document, complete: no script, no style or picture from elsewhere.
+    /// The document, complete: no script, style or picture from elsewhere.
     pub html: String,
     /// Every state of loading has an answer.
     pub solved: bool,
 }
 
+/// Who made a page, when and how: said on it where it is known.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Provenance {
+    /// Who.
+    pub author: Option<String>,
+    /// When, in words.
+    pub written: Option<String>,
+    /// The command that writes the page again.
+    pub command: Option<String>,
+}
+
 /// Solves the scene, runs every method of `runs` on the last of its states that touches, and writes all of it down: the
-/// problem, the plan, the answers, pictures, comparison, brackets and cost. `say` hears what is going on.
+/// answers, pictures, curve, comparison, brackets, plan, cost and problem. `say` hears what is going on.
 ///
 /// ```
 /// use contact_patch::{Scene, compare, report};
@@ -37,39 +50,101 @@ pub struct Page {
 /// ```
 #[must_use]
 pub fn page(scene: &Scene, runs: &compare::Plan, say: &mut dyn FnMut(&str)) -> Page {
-    let evidence = Evidence::gather(scene, runs, say);
+    page_of(scene, runs, Parts::ALL, &Provenance::default(), say)
+}
+
+/// As [`page`], with some of its parts: those that are not asked for are left out, unless they fit into three times what the answer
+/// takes (at least a quarter of a second more, and five seconds at most); what is left out is listed.
+///
+/// ```
+/// use contact_patch::{Scene, compare, report};
+/// let scene = Scene::from_json(br#"{"effective_modulus": 1.0, "gap": {"kind": "sphere", "radius": 1.0}, "loading": {"depth": 0.01}}"#)?;
+/// let (runs, made) = (compare::Plan::new(scene.settings), report::Provenance::default());
+/// let page = report::page_of(&scene, &runs, report::Parts::default(), &made, &mut |_| ());
+/// assert!(page.html.contains("--with methods") && page.html.contains("<svg"));
+/// # Ok::<(), contact_patch::InputError>(())
+/// ```
+#[must_use]
+pub fn page_of(
+    scene: &Scene,
+    runs: &compare::Plan,
+    parts: Parts,
+    made: &Provenance,
+    say: &mut dyn FnMut(&str),
+) -> Page {
+    let evidence = Evidence::gather(scene, runs, parts, say);
+    say("the page");
     let name = escaped(scene.name.as_deref().unwrap_or("Contact without a name"));
+    let units = scene.units.as_ref();
+    let labels = units.cloned().unwrap_or_else(UnitLabels::kinds);
+    let main = main_view(&evidence, &labels);
+    let script = if main.is_empty() { "" } else { concat!("<script>\n", include_str!("page.js"), "</script>\n") };
+    // Nothing may be fetched, even by what a scene's texts might smuggle in.
     let mut html = format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+         <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<meta name=\"color-scheme\" content=\"light dark\">\n\
          <link rel=\"icon\" href=\"data:,\">\n<title>{name}</title>\n<style>\n{}</style>\n</head>\n<body>\n<main>\n",
         include_str!("page.css")
     );
-    let units = scene.units.as_ref();
-    let labels = units.cloned().unwrap_or_else(UnitLabels::kinds);
+    let comparison = evidence.detail.as_ref().and_then(|d| d.comparison.as_ref());
     let sections = [
-        head(&name, &evidence, units),
-        problem(scene),
-        plan(&evidence),
+        head(&name, &evidence, units, &main),
         result(&evidence, units),
         evidence.detail.as_ref().map_or(String::new(), |d| pictures(d, evidence.steps.len(), &labels)),
         curve(&evidence, &labels),
-        evidence.detail.as_ref().map_or(String::new(), comparison),
-        evidence.detail.as_ref().map_or(String::new(), brackets),
+        comparison.map_or(String::new(), self::comparison),
+        evidence.detail.as_ref().filter(|_| parts.bounds).map_or(String::new(), brackets),
+        plan(&evidence),
         cost(&evidence),
+        skipped(&evidence),
+        problem(scene),
+        provenance(made),
     ];
     sections.iter().for_each(|section| html.push_str(section));
     let _ = writeln!(
         html,
-        "<footer>contact-patch {}. Numbers are in the units of the scene; angles there are in degrees.</footer>\n</main>\n</body>\n\
+        "<footer>contact-patch {}. Numbers are in the units of the scene; angles there are in degrees.</footer>\n</main>\n{script}</body>\n\
          </html>",
         env!("CARGO_PKG_VERSION")
     );
     Page { html, solved: evidence.steps.iter().all(Result::is_ok) }
 }
 
-fn head(name: &str, evidence: &Evidence, units: Option<&UnitLabels>) -> String {
-    let mut html = format!("<header>\n<h1>{name}</h1>\n");
+/// The picture of the first screen, with what a script needs to answer for it; of several states force against depth.
+fn main_view(evidence: &Evidence, units: &UnitLabels) -> String {
+    match evidence.detail.as_ref().map(|detail| &detail.grid) {
+        Some(Ok(solution)) => view(solution, units).unwrap_or_default(),
+        _ => String::new(),
+    }
+}
+
+fn skipped(evidence: &Evidence) -> String {
+    if evidence.skipped.is_empty() {
+        return String::new();
+    }
+    let items = list(evidence.skipped.iter().map(String::as_str));
+    format!("<section>\n<h2>Not in this report</h2>\n{items}</section>\n")
+}
+
+fn provenance(made: &Provenance) -> String {
+    let rows: Vec<(&str, String)> = [("by", &made.author), ("written", &made.written)]
+        .into_iter()
+        .filter_map(|(name, value)| value.clone().map(|value| (name, value)))
+        .chain([("program", format!("contact-patch {}", env!("CARGO_PKG_VERSION")))])
+        .collect();
+    let rows: String = rows
+        .iter()
+        .map(|(name, value)| format!("<tr><th>{name}</th><td class=\"wrap\">{}</td></tr>\n", escaped(value)))
+        .collect();
+    let command = made.command.as_ref().map_or(String::new(), |c| format!("<pre>{}</pre>\n", escaped(c)));
+    format!(
+        "<section>\n<h2>How this page was made</h2>\n<div class=\"scroll\"><table><tbody>\n{rows}</tbody></table></div>\n{command}</section>\n"
+    )
+}
+
+fn head(name: &str, evidence: &Evidence, units: Option<&UnitLabels>, main: &str) -> String {
+    let mut html = format!("<header>\n<div class=\"answer\">\n<h1>{name}</h1>\n");
     match evidence.steps.iter().find_map(|step| step.as_ref().err()) {
         None => html.push_str("<p class=\"verdict\">solved</p>\n"),
         Some(e) => {
@@ -84,30 +159,42 @@ fn head(name: &str, evidence: &Evidence, units: Option<&UnitLabels>) -> String {
             }
         }
     }
-    if let [step] = &evidence.steps[..]
-        && let Some(s) = numbers(step)
-    {
+    let states = evidence.steps.len();
+    if let Some((k, s)) = evidence.detail.as_ref().and_then(|d| Some((d.index, numbers(&evidence.steps[d.index])?))) {
+        if states > 1 {
+            let _ = writeln!(html, "<p class=\"soft\">State {} of {states}:</p>", k + 1);
+        }
         let with = |value: String, of: fn(&UnitLabels) -> String| {
             units.map_or(value.clone(), |u| format!("{value} {}", of(u)))
         };
+        let off = |error: Option<f64>| match error {
+            Some(e) if e > 1e-12 => format!("within {e:.1e}"),
+            Some(_) => String::new(),
+            None => "error not known".to_owned(),
+        };
+        let prescribed = |own: Option<f64>, other: Option<f64>| match own {
+            Some(0.0) if other != Some(0.0) => "prescribed".to_owned(),
+            own => off(own),
+        };
         let mut keys = vec![
-            ("force", with(figure(s.force), |u| u.force().to_owned())),
-            ("depth", with(figure(s.depth), |u| u.length().to_owned())),
-            ("stiffness", with(figure(s.stiffness), UnitLabels::stiffness)),
-            ("patch area", with(figure(s.patch.area), UnitLabels::area)),
+            ("force", with(figure(s.force), |u| u.force().to_owned()), prescribed(s.force_error, s.depth_error)),
+            ("depth", with(figure(s.depth), |u| u.length().to_owned()), prescribed(s.depth_error, s.force_error)),
+            ("stiffness", with(figure(s.stiffness), UnitLabels::stiffness), off(s.stiffness_error)),
+            ("patch area", with(figure(s.patch.area), UnitLabels::area), off(s.area_error)),
         ];
-        keys.extend(peak(s).map(|p| {
-            let value = if s.pressure.singular.is_some() { p } else { with(p, UnitLabels::pressure) };
-            ("largest pressure", value)
+        keys.extend(peak(s).map(|p| match s.pressure.singular {
+            Some(_) => ("largest pressure", p, String::new()),
+            None => ("largest pressure", with(p, UnitLabels::pressure), off(s.pressure.max_error)),
         }));
-        keys.push(("method", s.method.name().to_owned()));
-        html.push_str("<ul class=\"key\">");
-        for (what, value) in keys {
-            let _ = write!(html, "<li><span>{what}</span><b>{}</b></li>", typeset(&value));
+        keys.push(("method", s.method.name().to_owned(), s.evidence().word().to_owned()));
+        html.push_str("<ul class=\"key\">\n");
+        for (what, value, error) in keys {
+            let error = if error.is_empty() { error } else { format!("<small>{}</small>", typeset(&error)) };
+            let _ = writeln!(html, "<li><span>{what}</span><b>{}</b>{error}</li>", typeset(&value));
         }
         html.push_str("</ul>\n");
     }
-    html + "</header>\n"
+    html + "</div>\n" + main + "</header>\n"
 }
 
 fn problem(scene: &Scene) -> String {
@@ -134,7 +221,7 @@ fn problem(scene: &Scene) -> String {
     };
     let document = serde_json::to_string_pretty(&scene.document).unwrap_or_default();
     format!(
-        "<section>\n<h2>Problem</h2>\n{}<pre>{}</pre>\n</section>\n",
+        "<section>\n<h2>Problem</h2>\n{}<details>\n<summary>The scene</summary>\n<pre>{}</pre>\n</details>\n</section>\n",
         facts(&[
             ("effective modulus E*", figure(scene.contact.modulus().e_star())),
             ("loading", loading),
@@ -166,11 +253,9 @@ fn result(evidence: &Evidence, units: Option<&UnitLabels>) -> String {
         steps => several(steps, units),
     };
     let remarks = said_once(&evidence.steps, |s| &s.remarks);
-    let left_out = said_once(&evidence.steps, |s| &s.left_out);
-    let left_out = if left_out.is_empty() { left_out } else { [vec!["left out: "], left_out].concat() };
-    let left_out = match left_out.split_first() {
-        Some((_, what)) => format!("<p class=\"soft\">Left out: {}.</p>\n", escaped(&what.join("; "))),
-        None => String::new(),
+    let left_out = match &left_out(&evidence.steps)[..] {
+        [] => String::new(),
+        what => format!("<p class=\"soft\">Left out: {}.</p>\n", escaped(&what.join("; "))),
     };
     if told.is_empty() {
         return String::new();
@@ -228,21 +313,26 @@ fn several(steps: &[Step], units: Option<&UnitLabels>) -> String {
     table(&heads, &rows.collect::<Vec<_>>(), |_| false)
 }
 
-/// A picture with its caption; why there is none otherwise.
-fn drawn(picture_of: Result<Vec<u8>, plot::Error>, caption: &str) -> String {
-    match picture_of {
-        Ok(svg) => picture(&svg, caption),
-        Err(e) => format!("<p class=\"soft\">{}: {}.</p>\n", escaped(caption), escaped(&e.to_string())),
+/// A picture in both widths with its caption; why there is none otherwise.
+fn drawn(picture_on: impl Fn(Medium) -> Result<Vec<u8>, plot::Error>, caption: &str) -> String {
+    match (picture_on(Medium::Page), picture_on(Medium::Phone)) {
+        (Ok(page), Ok(phone)) => picture([&page, &phone], caption),
+        (Err(e), _) | (_, Err(e)) => {
+            format!("<p class=\"soft\">{}: {}.</p>\n", escaped(caption), escaped(&e.to_string()))
+        }
     }
 }
 
 fn pictures(detail: &Detail, states: usize, units: &UnitLabels) -> String {
-    let mut html = "<section>\n<h2>Patch, pressure, section</h2>\n".to_owned();
+    let mut html = "<section>\n<h2>Patch and section</h2>\n".to_owned();
     if states > 1 {
         let _ = writeln!(html, "<p>State {} of {states}.</p>", detail.index + 1);
     }
+    if let Err(e) = &detail.grid {
+        let _ = writeln!(html, "<p class=\"soft\">No pressure map: {}.</p>", escaped(&e.to_string()));
+    }
     let called = |method: Method| match method {
-        Method::Fft => "grid",
+        Method::Fft | Method::Qp | Method::EdgeFitted => "grid",
         Method::ClosedForm => "closed form",
         Method::Fabrikant => "Fabrikant, stationary boundary",
         _ => "best ellipse",
@@ -254,43 +344,36 @@ fn pictures(detail: &Detail, states: usize, units: &UnitLabels) -> String {
         .collect();
     html.push_str("<div class=\"pair\">\n");
     html.push_str(&drawn(
-        plot::outlines_in(units, "Contact patch", &drawn_boundaries, Format::Svg),
+        |medium| plot::outlines_on(medium, units, "", &drawn_boundaries, Format::Svg),
         "The contact patch by every method that gives its boundary.",
     ));
-    match &detail.grid {
-        Ok(solution) => html.push_str(&drawn(
-            plot::pressure_map_in(units, "Pressure", solution, Format::Svg),
-            "Pressure in the cells of the grid, with the boundary of the patch.",
-        )),
-        Err(e) => {
-            let _ = writeln!(html, "<p class=\"soft\">No pressure map: {}.</p>", escaped(&e.to_string()));
-        }
-    }
-    html.push_str("</div>\n");
     if let Some(section) = &detail.section {
         let reach = section.along.last().copied().unwrap_or(0.0);
         let centre = pair(section.centre, reach);
         let angle = section.direction[1].atan2(section.direction[0]).to_degrees();
+        let angle = if angle.abs() < 0.05 { 0.0 } else { angle };
         html.push_str(&drawn(
-            plot::section_in(units, "Section", section, Format::Svg),
+            |medium| plot::section_on(medium, units, "", section, Format::Svg),
             &format!(
                 "Section through the centre of pressure {centre} at {angle:.1} degrees to x, where the pressure is spread \
                  widest. Heights count from the undeformed surface."
             ),
         ));
     }
-    html + "</section>\n"
+    html + "</div>\n</section>\n"
 }
 
 fn curve(evidence: &Evidence, units: &UnitLabels) -> String {
     let told = match &evidence.curve {
-        Ok(curve) => {
+        Some(Ok(curve)) => {
             let law = curve.power_law();
+            let within =
+                if law.error < 5e-5 { "to rounding".to_owned() } else { format!("within {:.2} %", 100.0 * law.error) };
             format!(
                 "{}<p>{} solved; error of interpolation about {}. Least squares over the range: force = {} · \
-                 overlap<sup>{:.4}</sup>, within {:.2} %.</p>\n",
+                 overlap<sup>{:.4}</sup>, {within}.</p>\n",
                 drawn(
-                    plot::curve_in(units, "Force against depth", curve, Format::Svg),
+                    |medium| plot::curve_on(medium, units, "", curve, Format::Svg),
                     "The contact as a non-linear spring; dots are states that were solved or follow from one by similarity."
                 ),
                 match curve.solves() {
@@ -300,16 +383,27 @@ fn curve(evidence: &Evidence, units: &UnitLabels) -> String {
                 typeset(&format!("{:.1e}", curve.interpolation_error())),
                 typeset(&figure(law.coefficient)),
                 law.exponent,
-                100.0 * law.error
             )
         }
-        Err(why) => format!("<p class=\"soft\">{}</p>\n", escaped(why)),
+        // The states themselves, where there are several.
+        _ if evidence.steps.len() > 1 => {
+            let states: Vec<[f64; 3]> =
+                evidence.steps.iter().filter_map(numbers).map(|s| [s.depth, s.force, s.stiffness]).collect();
+            if states.iter().all(|s| s[1] == 0.0) {
+                return String::new();
+            }
+            drawn(
+                |medium| plot::states_on(medium, units, "", &states, None, Format::Svg),
+                "Force against depth, the states of the scene.",
+            )
+        }
+        Some(Err(why)) => format!("<p class=\"soft\">{}</p>\n", escaped(why)),
+        None => return String::new(),
     };
     format!("<section>\n<h2>Force against depth</h2>\n{told}</section>\n")
 }
 
-fn comparison(detail: &Detail) -> String {
-    let comparison = &detail.comparison;
+fn comparison(comparison: &Comparison) -> String {
     let mut html = "<section>\n<h2>Every method</h2>\n".to_owned();
     if let Some(r) = &comparison.reference {
         let _ = writeln!(
@@ -331,7 +425,7 @@ fn comparison(detail: &Detail) -> String {
     );
     html.push_str(&list(comparison.remarks.iter().map(String::as_str)));
     html.push_str(&drawn(
-        plot::error_against_time("Error against run time", comparison, Format::Svg),
+        |medium| plot::error_against_time_on(medium, "", comparison, Format::Svg),
         "Relative error of the force against run time, one line a method.",
     ));
     html + "</section>\n"
@@ -358,12 +452,12 @@ fn brackets(detail: &Detail) -> String {
     };
     let mut lines =
         vec![Refinement { label: "width of the bracket".into(), points: points(&|b| b.bracket.relative_width()) }];
-    if let Some(r) = &detail.comparison.reference {
+    if let Some(r) = detail.comparison.as_ref().and_then(|c| c.reference.as_ref()) {
         let error = |b: &super::evidence::Bracketing| (b.force / r.force - 1.0).abs();
         lines.push(Refinement { label: "error of the grid's force".into(), points: points(&error) });
     }
     html.push_str(&drawn(
-        plot::width_against_cells("Bracket width against cells", &lines, Format::Svg),
+        |medium| plot::width_against_cells_on(medium, "", &lines, Format::Svg),
         "What is proved or sampled of the force narrows with the cells, behind the error itself.",
     ));
     html + "</section>\n"
@@ -375,12 +469,15 @@ fn cost(evidence: &Evidence) -> String {
     if !costs.is_empty() {
         let total = |of: fn(&crate::Cost) -> usize| costs.iter().map(of).sum::<usize>().to_string();
         let unknowns = costs.iter().map(|c| c.unknowns).max().unwrap_or(0);
-        html.push_str(&facts(&[
+        let mut rows = vec![
             ("seconds of the answer", format!("{:.2e}", costs.iter().map(|c| c.seconds).sum::<f64>())),
             ("unknowns of the largest system", unknowns.to_string()),
             ("iterations", total(|c| c.iterations)),
             ("products with the compliance operator", total(|c| c.operator_products)),
-        ]));
+        ];
+        // A formula has none of them.
+        rows.retain(|(_, value)| value != "0");
+        html.push_str(&facts(&rows));
     }
     let sum: f64 = evidence.seconds.iter().map(|(_, s)| s).sum();
     let mut rows: Vec<Vec<String>> =

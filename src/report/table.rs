@@ -4,7 +4,7 @@ use super::{Step, centre_of_pressure, numbers, said_once};
 use crate::bracket::Evidence;
 use crate::problem::{Load, Loading};
 use crate::scene::Scene;
-use crate::solution::{Singular, Solution};
+use crate::solution::{ForceEvidence, Singular, Solution};
 use crate::units::UnitLabels;
 
 /// A table of the answers: a line a quantity for one state of loading, a line a state for several.
@@ -24,9 +24,16 @@ pub fn table(scene: &Scene, steps: &[Step]) -> String {
         _ => several(scene, steps, &mut lines),
     }
     lines.extend(said_once(steps, |s| &s.remarks).iter().map(|remark| format!("note: {remark}")));
-    lines.extend(said_once(steps, |s| &s.left_out).iter().map(|what| format!("left out: {what}")));
+    lines.extend(left_out(steps).iter().map(|what| format!("left out: {what}")));
     lines.push(String::new());
     lines.join("\n")
+}
+
+/// What was left out, as far as there was any of it.
+pub(super) fn left_out(steps: &[Step]) -> Vec<&str> {
+    let mut said = said_once(steps, |s| &s.left_out);
+    said.retain(|what| !what.starts_with("0 of "));
+    said
 }
 
 /// Pieces of a patch that a table names.
@@ -39,14 +46,20 @@ pub(super) fn facts(s: &Solution, units: Option<&UnitLabels>) -> Vec<[String; 2]
     let (force, pressure) = (unit(|u| u.force().to_owned()), unit(UnitLabels::pressure));
     let size = s.patch.max_radius;
     // Rounding against the size of the patch is zero.
-    let point = |p: [f64; 2]| pair(p.map(|x| if x.abs() < 1e-9 * size { 0.0 } else { x }));
+    let point = |p: [f64; 2]| pair(p.map(|x| if x.abs() < 1e-8 * size { 0.0 } else { x }));
     let prescribed = |error: Option<f64>, other: Option<f64>| match (error, other) {
         (Some(0.0), other) if other != Some(0.0) && s.force > 0.0 => "  (prescribed)".to_owned(),
         (error, _) => off_by(error),
     };
     let mut rows: Vec<[String; 2]> = Vec::new();
     let mut row = |name: &str, value: String| rows.push([name.to_owned(), value]);
-    row("method", s.method.name().to_owned());
+    let exact = if s.evidence() == ForceEvidence::Exact { "  (exact to rounding)" } else { "" };
+    row("method", format!("{}{exact}", s.method.name()));
+    if let Some(grid) = &s.grid {
+        let [[nx, ny], [h, v]] = [grid.shape.map(|n| n as f64), grid.spacing];
+        let sides = if (h / v - 1.0).abs() < 1e-9 { figure(h) } else { format!("{} x {}", figure(h), figure(v)) };
+        row("grid", format!("{nx} x {ny} cells of {sides}{length}"));
+    }
     row("depth", format!("{}{length}{}", figure(s.depth), prescribed(s.depth_error, s.force_error)));
     if s.tilt != [0.0; 2] {
         row("tilt", pair(s.tilt));
@@ -79,20 +92,33 @@ pub(super) fn facts(s: &Solution, units: Option<&UnitLabels>) -> Vec<[String; 2]
     row("patch area", format!("{}{}{}", figure(s.patch.area), unit(UnitLabels::area), off_by(s.area_error)));
     if let (Some([a, b]), Some(angle)) = (s.patch.semi_axes, s.patch.angle) {
         let turned =
-            if a == b { String::new() } else { format!(", the longer at {:.4} degrees to x", angle.to_degrees()) };
-        row("semi-axes", format!("{} and {}{length}{turned}", figure(a), figure(b)));
+            format!(", the longer at {:.4} degrees to x", if angle.abs() < 1e-9 { 0.0 } else { angle.to_degrees() });
+        if a == b {
+            row("radius", format!("{}{length}", figure(a)));
+        } else {
+            row("semi-axes", format!("{} and {}{length}{turned}", figure(a), figure(b)));
+        }
     }
     if let Some([low, high]) = s.patch.extent() {
         row("patch extent", format!("{} to {}{length}", point(low), point(high)));
     }
-    if let Some(centroid) = s.patch.centroid {
-        row("patch centroid", format!("{}{length}", point(centroid)));
-    }
-    if let Some(centre) = centre_of_pressure(s) {
-        row("centre of pressure", format!("{}{length}", point(centre)));
+    let centres = [s.patch.centroid, centre_of_pressure(s)].map(|c| c.map(point));
+    match centres {
+        [Some(centroid), Some(centre)] if centroid == centre => {
+            row("centroid and centre of pressure", format!("{centre}{length}"));
+        }
+        [centroid, centre] => {
+            for (name, at) in [("patch centroid", centroid), ("centre of pressure", centre)] {
+                if let Some(at) = at {
+                    row(name, format!("{at}{length}"));
+                }
+            }
+        }
     }
     row("patch regions", s.patch.regions.to_string());
-    row("largest radius", format!("{}{length}", figure(s.patch.max_radius)));
+    if s.patch.semi_axes.is_none() {
+        row("largest radius", format!("{}{length}", figure(s.patch.max_radius)));
+    }
     if let Some(mean) = s.pressure.mean {
         row("mean pressure", format!("{}{pressure}", figure(mean)));
     }
@@ -119,12 +145,12 @@ pub(super) fn facts(s: &Solution, units: Option<&UnitLabels>) -> Vec<[String; 2]
     if s.patch.pieces.len() > MOST_PIECES {
         let rest: f64 = s.patch.pieces[MOST_PIECES..].iter().map(|piece| piece.force).sum();
         let count = s.patch.pieces.len() - MOST_PIECES;
-        row("other pieces", format!("{count}, with {:.2} % of the force", 100.0 * rest / s.force));
+        row("other pieces", format!("{count}, with {} % of the force", percent(rest / s.force)));
     }
     if let Some(touched) = s.touches_edge {
         let share = touched
             .share
-            .map_or(String::new(), |share| format!(", {:.2} % of the force on the cells beside it", 100.0 * share));
+            .map_or(String::new(), |share| format!(", {} % of the force on the cells beside it", percent(share)));
         row("touches the edge of the", format!("{}{share}", touched.edge.word()));
     }
     if let Some(v) = &s.validity {
@@ -137,15 +163,28 @@ pub(super) fn facts(s: &Solution, units: Option<&UnitLabels>) -> Vec<[String; 2]
         row("checks", format!("complementarity {c:.1e}, tension {t:.1e}, penetration {p:.1e}"));
     }
     let cost = &s.cost;
-    let [seconds, unknowns] = [format!("{:.3}", cost.seconds), cost.unknowns.to_string()];
-    let (iterations, products) = (cost.iterations, cost.operator_products);
-    row("cost", format!("{seconds} s, {unknowns} unknowns, {iterations} iterations, {products} products"));
+    let mut took =
+        vec![if cost.seconds < 1e-3 { "less than a millisecond".to_owned() } else { format!("{:.3} s", cost.seconds) }];
+    let counts = [(cost.unknowns, "unknowns"), (cost.iterations, "iterations"), (cost.operator_products, "products")];
+    took.extend(counts.iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{n} {what}")));
+    row("cost", took.join(", "));
     rows
 }
 
-/// The relative error of a number, in brackets; nothing where it is exactly zero or not known.
+/// A share in per cent, with no sign of what is less than is printed.
+fn percent(share: f64) -> String {
+    let share = 100.0 * share;
+    if share.abs() < 0.005 { "less than 0.01".to_owned() } else { format!("{share:.2}") }
+}
+
+/// Relative errors below this are rounding.
+const ROUNDING: f64 = 1e-12;
+
+/// The relative error of a number, in brackets; nothing where it is rounding or not known.
 fn off_by(error: Option<f64>) -> String {
-    error.filter(|error| *error > 0.0).map_or(String::new(), |error| format!("  (relative error about {error:.1e})"))
+    error
+        .filter(|error| *error > ROUNDING)
+        .map_or(String::new(), |error| format!("  (relative error about {error:.1e})"))
 }
 
 /// The largest pressure as it is printed; `None` where the method gives none.

@@ -154,6 +154,8 @@ impl Formula {
             material: Material::Within(region.bounds()),
             mirrors: if round.is_some() && at_origin { known.mirrors } else { [false; 2] },
             face,
+            ends: (round.is_none()).then(|| region.corners().into()),
+            drawn_along: region.longest_side(),
             ..known
         }
     }

@@ -1,0 +1,180 @@
+//! Oval rings: contacts along one closed strip around a point at which the bodies do not overlap, the gap mirrored in two lines through it.
+
+use std::f64::consts::FRAC_PI_2;
+
+use super::{Found, field_grid};
+use crate::edge_fitted::{Limits, Oval, oval, resample};
+use crate::gap::{AnyGap, Gap};
+use crate::numeric::geometry::Rect;
+use crate::numeric::scalar::maximum;
+use crate::overlap::{Overlap, Scaled, Units};
+use crate::problem::{Contact, Settings};
+use crate::solution::Patch;
+
+/// A strip in which the bodies overlap, in the units of the solve.
+pub(crate) struct Strip {
+    gap: AnyGap,
+    depth: f64,
+    units: Units,
+    /// Where the mirrors cross.
+    centre: [f64; 2],
+    /// The farthest that the overlap reaches.
+    farthest: f64,
+}
+
+/// Points of a ray at which the lowest gap is looked for.
+const LOOKS: usize = 48;
+
+/// Rays of a quarter between which the strip is taken to be straight.
+const RAYS: usize = 256;
+
+/// What the strip is wider by, where it is shown that the bodies overlap nowhere else.
+const ROOM: f64 = 0.3;
+
+/// Boxes that this may take.
+const MOST_BOXES: usize = 200_000;
+
+/// Strips wider than this share of their distance from the middle are left to a grid.
+const WIDEST: f64 = 0.5;
+
+impl Strip {
+    /// `None` where the overlap is no such strip, or is not known to be nowhere else.
+    pub fn of(overlap: &Overlap) -> Option<Self> {
+        let known = overlap.known();
+        if known.mirrors != [true; 2] || !overlap.certain || known.law.is_some() {
+            return None;
+        }
+        let Scaled { gap, depth, reach, units, .. } = overlap.scaled();
+        let centre = units.inward(known.centre);
+        if !(gap.gap(centre[0], centre[1]) > depth) {
+            return None;
+        }
+        let away = |p: [f64; 2]| (p[0] - centre[0]).hypot(p[1] - centre[1]);
+        let farthest = reach.corners().into_iter().map(away).fold(0.0, f64::max);
+        let strip = Self { gap, depth, units, centre, farthest };
+        let rays: Option<Vec<[f64; 2]>> = (0..=RAYS).map(|k| strip.along(FRAC_PI_2 * k as f64 / RAYS as f64)).collect();
+        let rays = rays.filter(|rays| rays.iter().all(|[a, b]| b - a < WIDEST * (a + b)))?;
+        let smooth = rays.iter().enumerate().step_by(RAYS / 8).all(|(k, [a, b])| {
+            let at = strip.on_ray(FRAC_PI_2 * k as f64 / RAYS as f64, 0.5 * (a + b));
+            strip.gap.taylor(&Rect::around(at, [0.1 * (b - a); 2])).is_some()
+        });
+        (smooth && strip.nowhere_else(&rays)).then_some(strip)
+    }
+
+    fn on_ray(&self, angle: f64, r: f64) -> [f64; 2] {
+        let (sin, cos) = angle.sin_cos();
+        [self.centre[0] + r * cos, self.centre[1] + r * sin]
+    }
+
+    /// Where along a ray the bodies overlap, if once.
+    fn along(&self, angle: f64) -> Option<[f64; 2]> {
+        let gap = |r: f64| {
+            let [x, y] = self.on_ray(angle, r);
+            self.gap.gap(x, y)
+        };
+        let lowest = maximum(|r| -gap(r), 0.0, self.farthest, LOOKS).at;
+        if !(gap(lowest) < self.depth) {
+            return None;
+        }
+        let end = |mut outside: f64| {
+            let mut inside = lowest;
+            if !(gap(outside) > self.depth) {
+                return None;
+            }
+            for _ in 0..60 {
+                let middle = 0.5 * (inside + outside);
+                if gap(middle) < self.depth { inside = middle } else { outside = middle }
+            }
+            Some(inside)
+        };
+        Some([end(0.0)?, end(1.001 * self.farthest)?])
+    }
+
+    /// Whether the bounds of the gap show that the bodies do not overlap outside of the strip, with some room.
+    fn nowhere_else(&self, rays: &[[f64; 2]]) -> bool {
+        let narrowest = rays.iter().map(|[a, b]| b - a).fold(f64::INFINITY, f64::min);
+        let mut left = vec![Rect { min: [0.0; 2], max: [self.farthest; 2] }];
+        let mut boxes = 0;
+        while let Some(own) = left.pop() {
+            boxes += 1;
+            let at = Rect {
+                min: [0, 1].map(|m| own.min[m] + self.centre[m]),
+                max: [0, 1].map(|m| own.max[m] + self.centre[m]),
+            };
+            if self.gap.bounds(&at, [0.0; 2]).is_some_and(|[low, _]| low > self.depth) || self.in_strip(&own, rays) {
+                continue;
+            }
+            if boxes > MOST_BOXES || own.size()[0] < 0.01 * narrowest {
+                return false;
+            }
+            let middle = own.centre();
+            let [x, y] = [[own.min[0], middle[0], own.max[0]], [own.min[1], middle[1], own.max[1]]];
+            for (i, j) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+                left.push(Rect { min: [x[i], y[j]], max: [x[i + 1], y[j + 1]] });
+            }
+        }
+        true
+    }
+
+    /// Whether a box of the first quarter lies in the strip with its room.
+    fn in_strip(&self, own: &Rect, rays: &[[f64; 2]]) -> bool {
+        let near = own.min[0].hypot(own.min[1]);
+        let far = own.max[0].hypot(own.max[1]);
+        let index = |y: f64, x: f64| y.atan2(x) / FRAC_PI_2 * RAYS as f64;
+        let first = index(own.min[1], own.max[0]).floor().clamp(0.0, RAYS as f64) as usize;
+        let last = index(own.max[1], own.min[0]).ceil().clamp(0.0, RAYS as f64) as usize;
+        rays[first..=last].iter().all(|[a, b]| near >= a - ROOM * (b - a) && far <= b + ROOM * (b - a))
+    }
+
+    pub fn found(&self) -> String {
+        "mirrored in two lines, and overlaps along one closed strip around their crossing".to_owned()
+    }
+
+    pub(super) fn solve(&self, contact: &Contact, settings: &Settings, limits: &Limits) -> Option<Found> {
+        let overlap = |[x, y]: [f64; 2]| self.depth - self.gap.gap(x + self.centre[0], y + self.centre[1]);
+        let found = oval(&overlap, &|angle| self.along(angle), limits)?;
+        let Oval { force, error, energy, stiffness, stiffness_error, area, area_error, cells, ends, unknowns } = found;
+        let Units { length, height, .. } = self.units;
+        let e_star = contact.modulus().e_star();
+        let unit_force = e_star * height * length;
+        let unit_pressure = e_star * height / length;
+        let outward = |p: [f64; 2]| self.units.outward([p[0] + self.centre[0], p[1] + self.centre[1]]);
+        let [inner, outer] = ends.map(|line| line.into_iter().map(outward).collect::<Vec<_>>());
+        let reference = contact.gap().known().reference;
+        let max_radius = outer.iter().map(|p| (p[0] - reference[0]).hypot(p[1] - reference[1])).fold(0.0, f64::max);
+        let (strongest, largest) = cells.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let at = outward([0, 1].map(|m| strongest.iter().map(|c| 0.25 * c[m]).sum()));
+        let field = || {
+            let all: Vec<_> = cells.iter().map(|(c, p)| (c.map(outward), p.max(0.0) * unit_pressure)).collect();
+            Some(resample(&all, field_grid(&Rect::holding(outer.iter().copied())?)))
+        };
+        let bounds = |value: f64| [value * (1.0 - error), value * (1.0 + error)];
+        let field = if settings.outputs.pressure { field() } else { None };
+        Some(Found {
+            force: bounds(force * unit_force),
+            energy: bounds(energy * unit_force * height),
+            stiffness: stiffness * e_star * length,
+            stiffness_error: Some(stiffness_error),
+            area_error: Some(area_error),
+            patch: Patch {
+                area: area * length * length,
+                centroid: Some(self.units.outward(self.centre)),
+                regions: 1,
+                max_radius,
+                boundary: Some(vec![outer, inner.into_iter().rev().collect()]),
+                pieces: Vec::new(),
+                semi_axes: None,
+                angle: None,
+            },
+            centre: self.units.outward(self.centre),
+            max: Some(largest * unit_pressure),
+            at,
+            field,
+            unknowns,
+            how: format!("the gap is {}", self.found()),
+            left_out: "the surface grid: cells along the strip are enough",
+            proved: false,
+            tilting: None,
+        })
+    }
+}

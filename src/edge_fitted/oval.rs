@@ -1,0 +1,329 @@
+//! Contacts that are closed strips with two mirrors: oval rings, on cells that follow the strip.
+//!
+//! On any set A of cells the pressure with S p = f on A has the force P_A, which is the largest, and stationary, where A is the contact
+//! (Barber 1974). Beside an end of A
+//!
+//! ```text
+//! p = C s^(1/2) + K s^(-1/2) + ...,
+//! ```
+//!
+//! and the end of the contact, where K vanishes, lies K > 0: further out, by 2 K/C to first order. Both ends of every row of cells are
+//! moved by that until it is small; what is left of it enters P_A squared. What cells across and along the strip leave is told by fewer
+//! of them.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use super::Limits;
+use super::active_set::{factor, solve_on};
+use super::compliance::Compliance;
+use super::gauss::legendre;
+use super::line_potential::Lines;
+use super::mesh::{Bilinear, Mesh, Point};
+use super::rectilinear::graded_both;
+use super::symmetry::{Isometry, Orbits};
+
+/// Grading of the cells towards the ends of the strip: those move, and p is bounded there.
+const EXPONENT: f64 = 3.0;
+
+/// Share of the half width that a straight cell may leave the curved strip by.
+const SAGITTA: f64 = 0.03;
+
+/// The contact as a share of the strip in which the bodies overlap, to begin with.
+const FIRST: [f64; 2] = [0.15, 0.85];
+
+/// Moves of the ends on one mesh, at most.
+const MOVES: usize = 10;
+
+/// Moves that are small enough, over half the width: they enter the force squared.
+const CLOSE: f64 = 0.01;
+
+/// Rounds of more cells.
+const ROUNDS: usize = 3;
+
+/// A contact along a closed strip, E* = 1.
+#[derive(Debug, Clone)]
+pub(crate) struct Oval {
+    /// The force, and an estimate of its relative error.
+    pub force: f64,
+    pub error: f64,
+    /// The stored energy.
+    pub energy: f64,
+    /// dP/dd, and an estimate of its relative error.
+    pub stiffness: f64,
+    pub stiffness_error: f64,
+    /// Area, and an estimate of its relative error.
+    pub area: f64,
+    pub area_error: f64,
+    /// Corners and pressure of all cells.
+    pub cells: Vec<([Point; 4], f64)>,
+    /// Inner and outer end, counter-clockwise.
+    pub ends: [Vec<Point>; 2],
+    /// Unknowns of the last mesh.
+    pub unknowns: usize,
+}
+
+/// Ends of the contact at the stations of a quarter, as shares of the strip in which the bodies overlap.
+#[derive(Debug, Clone)]
+struct Ends(Vec<[f64; 2]>);
+
+/// A solved mesh.
+struct State {
+    force: f64,
+    energy: f64,
+    stiffness: f64,
+    area: f64,
+    /// Moves of both ends of each row of a quarter, over half the width.
+    moves: Vec<[f64; 2]>,
+    mesh: Mesh,
+    pressure: Vec<f64>,
+    unknowns: usize,
+}
+
+impl State {
+    /// The largest move.
+    fn off(&self) -> f64 {
+        self.moves.iter().flatten().fold(0.0, |m: f64, v| m.max(v.abs()))
+    }
+}
+
+/// The contact of an overlap (`f`, about the crossing of its mirrors x = 0 and y = 0) that is positive along every ray between the
+/// distances that `strip` gives, and nowhere else. `None` where no such contact is found, and once the time is used up.
+pub(crate) fn oval(f: &dyn Fn(Point) -> f64, strip: &dyn Fn(f64) -> Option<[f64; 2]>, limits: &Limits) -> Option<Oval> {
+    let slenderness = (0..=8)
+        .map(|k| strip(FRAC_PI_2 * f64::from(k) / 8.0).map(|[a, b]| (a + b) / (0.7 * (b - a))))
+        .try_fold(0.0, |m: f64, s| s.map(|s| m.max(s)))?;
+    // What is straight instead of curved errs by the square.
+    let sagitta = SAGITTA * (limits.tolerance / 1e-3).max(1.0).sqrt();
+    let mut rows = (0.25 * PI * (0.5 * slenderness / sagitta).sqrt()).ceil().clamp(9.0, 120.0) as usize;
+    let mut half = 3;
+    let mut ends = Ends(vec![FIRST; rows + 1]);
+    let mut best: Option<Oval> = None;
+    for _ in 0..ROUNDS {
+        let problem = Problem { f, strip, limits };
+        let solved = |ends: &mut Ends, rows: usize, half: usize| problem.settled(ends, rows, half);
+        let finer = half + 2;
+        if rows * 2 * finer > limits.unknowns {
+            return best;
+        }
+        // Fewer rows first: the ends come to rest on them.
+        let fewer = (2 * rows).div_ceil(3);
+        let mut own = ends.resampled(fewer);
+        let Some(shorter) = solved(&mut own, fewer, half) else { return best };
+        ends = own.resampled(rows);
+        let Some(coarse) = solved(&mut ends, rows, half) else { return best };
+        let Some(fine) = solved(&mut ends, rows, finer) else { return best };
+        let change = |of: fn(&State) -> f64| {
+            let across = (of(&fine) / of(&coarse) - 1.0).abs();
+            let along = (of(&coarse) / of(&shorter) - 1.0).abs();
+            across + along
+        };
+        let off = fine.off().max(coarse.off());
+        let found = Oval {
+            force: fine.force,
+            error: change(|s| s.force) + 2.0 * off * off,
+            energy: fine.energy,
+            stiffness: fine.stiffness,
+            stiffness_error: change(|s| s.stiffness) + off,
+            area: fine.area,
+            area_error: change(|s| s.area) + 2.0 * off,
+            cells: (0..fine.mesh.loaded).map(|k| (fine.mesh.corners(k), fine.pressure[k])).collect(),
+            ends: problem.boundary(&ends)?,
+            unknowns: fine.unknowns,
+        };
+        let done = found.error <= limits.tolerance;
+        best = Some(found);
+        if done {
+            break;
+        }
+        let more = rows + rows / 2;
+        ends = ends.resampled(more);
+        (rows, half) = (more, half + 1);
+    }
+    best
+}
+
+struct Problem<'a> {
+    f: &'a dyn Fn(Point) -> f64,
+    strip: &'a dyn Fn(f64) -> Option<[f64; 2]>,
+    limits: &'a Limits,
+}
+
+impl Problem<'_> {
+    /// The mesh whose ends have come to rest, as far as they do.
+    fn settled(&self, ends: &mut Ends, rows: usize, half: usize) -> Option<State> {
+        let mut state = self.solve(ends, rows, half)?;
+        for _ in 0..MOVES {
+            if state.off() <= CLOSE {
+                break;
+            }
+            ends.moved(&state.moves);
+            state = self.solve(ends, rows, half)?;
+        }
+        (state.force > 0.0 && state.stiffness > 0.0 && state.off() < 0.1).then_some(state)
+    }
+
+    /// Distances of both ends at the stations of a quarter.
+    fn distances(&self, ends: &Ends) -> Option<Vec<[f64; 2]>> {
+        let rows = ends.0.len() - 1;
+        let at = |(k, shares): (usize, &[f64; 2])| {
+            let [a, b] = (self.strip)(FRAC_PI_2 * k as f64 / rows as f64)?;
+            Some(shares.map(|share| a + share * (b - a)))
+        };
+        ends.0.iter().enumerate().map(at).collect()
+    }
+
+    fn boundary(&self, ends: &Ends) -> Option<[Vec<Point>; 2]> {
+        let quarter = self.distances(ends)?;
+        let rows = quarter.len() - 1;
+        Some([0, 1].map(|m| (0..4 * rows).map(|k| point(k, rows, |i| quarter[i][m])).collect()))
+    }
+
+    fn solve(&self, ends: &Ends, rows: usize, half: usize) -> Option<State> {
+        let quarter = self.distances(ends)?;
+        let shares = graded_both(0.0, 1.0, half, EXPONENT);
+        let across = shares.len() - 1;
+        let nodes: Vec<Point> = (0..4 * rows)
+            .flat_map(|k| {
+                let quarter = &quarter;
+                shares.iter().map(move |s| point(k, rows, |i| quarter[i][0] + s * (quarter[i][1] - quarter[i][0])))
+            })
+            .collect();
+        let id = |k: usize, j: usize| (k % (4 * rows)) * (across + 1) + j;
+        let cells = (0..4 * rows)
+            .flat_map(|k| (0..across).map(move |j| [id(k, j), id(k, j + 1), id(k + 1, j + 1), id(k + 1, j)]))
+            .collect();
+        let mesh = Mesh::new(nodes, cells, Vec::new());
+        let lines = Lines::new(&mesh);
+        let orbits = Orbits::new(&mesh, &mirrors());
+        let compliance = Compliance::new(&mesh, &lines, &orbits, self.limits.deadline)?;
+        let n = orbits.loaded;
+        let of = |a: usize| (Bilinear::new(mesh.corners(orbits.representatives[a])), orbits.size[a] as f64);
+        let areas: Vec<f64> = (0..n).map(|a| of(a).1 * of(a).0.area()).collect();
+        let rhs: Vec<f64> = (0..n).map(|a| of(a).1 * integral(self.f, &of(a).0)).collect();
+        let all = vec![true; n];
+        let factored = factor(&compliance, &all)?;
+        let (p, m) = (solve_on(&factored, &all, &rhs), solve_on(&factored, &all, &areas));
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let pressure = orbits.expand(&p, mesh.loaded);
+        let moves = (0..rows)
+            .map(|k| {
+                let at = |j: usize| pressure[k * across + j];
+                let inner = further([shares[1], shares[2]], [at(0), at(1)]);
+                let outer = further([shares[1], shares[2]], [at(across - 1), at(across - 2)]);
+                [inner, outer].map(|share| 2.0 * share)
+            })
+            .collect();
+        Some(State {
+            force: dot(&p, &areas),
+            energy: 0.5 * dot(&p, &rhs),
+            stiffness: dot(&m, &areas),
+            area: areas.iter().sum(),
+            moves,
+            mesh,
+            pressure,
+            unknowns: n,
+        })
+    }
+}
+
+impl Ends {
+    /// Moved by the mean of the rows on both sides of each station, which are mirrored at the ends of the quarter.
+    fn moved(&mut self, moves: &[[f64; 2]]) {
+        let rows = moves.len();
+        for (k, [a, b]) in self.0.iter_mut().enumerate() {
+            let mean = |m: usize| 0.5 * (moves[k.saturating_sub(1)][m] + moves[k.min(rows - 1)][m]);
+            let half = 0.5 * (*b - *a);
+            // Contact ends where the bodies overlap.
+            *a = (*a - half * mean(0)).max(1e-6);
+            *b = (*b + half * mean(1)).min(1.0 - 1e-6);
+        }
+    }
+
+    /// At other stations: shares vary slowly.
+    fn resampled(&self, rows: usize) -> Self {
+        let last = self.0.len() - 1;
+        let at = |k: usize| {
+            let t = k as f64 / rows as f64 * last as f64;
+            let i = (t as usize).min(last - 1);
+            [0, 1].map(|m| self.0[i][m] + (t - i as f64) * (self.0[i + 1][m] - self.0[i][m]))
+        };
+        Self((0..=rows).map(at).collect())
+    }
+}
+
+/// 2 K/C of p = C s^(1/2) + K s^(-1/2), from its means over [0, a] and [a, b]; in the unit of a and b.
+fn further([a, b]: [f64; 2], [p, q]: [f64; 2]) -> f64 {
+    let root = |from: f64, to: f64| 2.0 / 3.0 * (to.powf(1.5) - from.powf(1.5)) / (to - from);
+    let inverse = |from: f64, to: f64| 2.0 * (to.sqrt() - from.sqrt()) / (to - from);
+    let (r0, i0, r1, i1) = (root(0.0, a), inverse(0.0, a), root(a, b), inverse(a, b));
+    let det = r0 * i1 - r1 * i0;
+    let (c, k) = ((p * i1 - q * i0) / det, (r0 * q - r1 * p) / det);
+    if c > 0.0 { (2.0 * k / c).clamp(-FARTHEST, FARTHEST) } else { FARTHEST * k.signum() }
+}
+
+/// Of the width: what is far is not of first order.
+const FARTHEST: f64 = 0.1;
+
+/// The point of station k of 4 rows, at the distance that a quarter has there; mirrored ones are mirrored exactly.
+fn point(k: usize, rows: usize, distance: impl Fn(usize) -> f64) -> Point {
+    let (i, sx, sy) = match k / rows {
+        0 => (k, 1.0, 1.0),
+        1 => (2 * rows - k, -1.0, 1.0),
+        2 => (k - 2 * rows, -1.0, -1.0),
+        _ => (4 * rows - k, 1.0, -1.0),
+    };
+    let (sin, cos) = match i {
+        0 => (0.0, 1.0),
+        i if i == rows => (1.0, 0.0),
+        i => (FRAC_PI_2 * i as f64 / rows as f64).sin_cos(),
+    };
+    let r = distance(i);
+    [sx * r * cos, sy * r * sin]
+}
+
+fn mirrors() -> [Isometry; 4] {
+    [[1.0, 1.0], [-1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]]
+        .map(|[a, b]| Isometry { centre: [0.0; 2], matrix: [[a, 0.0], [0.0, b]] })
+}
+
+/// The integral over a cell, by 3 x 3 nodes.
+fn integral(f: &dyn Fn(Point) -> f64, cell: &Bilinear) -> f64 {
+    let (x, w) = legendre(3);
+    let mut sum = 0.0;
+    for (s, ws) in x.iter().zip(w) {
+        for (t, wt) in x.iter().zip(w) {
+            sum += ws * wt * cell.jacobian(*s, *t) * f(cell.at(*s, *t));
+        }
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_narrow_round_ring_has_the_force_of_its_rings() {
+        // f = 1 - (r - 1)^2/w^2 on both, by concentric rings that are proved.
+        for w in [0.3, 0.02] {
+            let f = move |[x, y]: Point| 1.0 - ((x.hypot(y) - 1.0) / w).powi(2);
+            let strip = move |_: f64| Some([1.0 - w, 1.0 + w]);
+            let found = oval(&f, &strip, &Limits::default()).unwrap();
+            assert!(found.error <= 1e-3, "{found:?}");
+            let area: f64 = found.cells.iter().map(|(c, _)| Bilinear::new(*c).area()).sum();
+            assert!((area / found.area - 1.0).abs() < 1e-12);
+            // Thinner by half under the same overlap: 1/w scales the heights, the logarithm makes the rest.
+            assert!(found.force > 0.0 && found.stiffness * 1.0 > found.force);
+        }
+    }
+
+    #[test]
+    fn an_end_is_found_from_two_means() {
+        // p = (s + 0.02)^(1/2) about s = 0: the end lies 0.02 further.
+        let mean = |a: f64, b: f64| 2.0 / 3.0 * ((b + 0.02_f64).powf(1.5) - (a + 0.02).powf(1.5)) / (b - a);
+        let smooth = |a: f64, b: f64| 2.0 / 3.0 * (b.powf(1.5) - a.powf(1.5)) / (b - a);
+        let found = further([0.3, 0.6], [mean(0.0, 0.3), mean(0.3, 0.6)]);
+        assert!((found / 0.02 - 1.0).abs() < 0.2, "{found}");
+        assert!(further([0.3, 0.6], [smooth(0.0, 0.3), smooth(0.3, 0.6)]).abs() < 1e-12);
+    }
+}
