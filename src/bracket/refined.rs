@@ -11,7 +11,7 @@ use crate::grid_method::refinement::claimed;
 use crate::grid_method::single_grid::at_resolution;
 use crate::overlap::Overlap;
 use crate::problem::{Contact, ErrorBar, Load, Method, Settings};
-use crate::solution::{Origin, Solution, Unsolved};
+use crate::solution::{Solution, Unsolved};
 
 /// Cells along the longer side of the first and the last grid, when the scene does not say.
 const GRIDS: [usize; 2] = [64, 512];
@@ -59,16 +59,6 @@ pub(crate) fn with_bracket(
         let side = if solution.force < bracket.lower() { "below" } else { "above" };
         let how = if bracket.evidence() == Evidence::Proved { "is proved to lie" } else { "lies" };
         solution.remarks.push(format!("the force {how} {side} the true one, which the bracket holds"));
-    }
-    // Where the bracket is as good as what was asked for, or better than the estimate, it is the error.
-    let proved = bracket.evidence() == Evidence::Proved && bracket.contains(solution.force);
-    let of_grids = matches!(solution.origin, Origin::OneGrid | Origin::ManyGrids { .. });
-    if proved && of_grids && !matches!(load, Load::Force(_) | Load::ForceMoment { .. }) {
-        let off = (bracket.upper() - solution.force).max(solution.force - bracket.lower()) / solution.force;
-        let off = off * (1.0 + 1e-12);
-        if off <= settings.tolerance || solution.force_error.is_some_and(|error| off < error) {
-            solution.force_error = Some(off);
-        }
     }
     solution.bracket = Some(bracket);
     Ok(solution)
