@@ -47,20 +47,21 @@ fn a_turned_scene_has_the_answer_of_the_straight_one_turned() {
             placed["at"] = json!([0.2, -0.1]);
             let turned_states = states(&json!({"effective_modulus": 3.0, "gap": placed, "loading": loading}));
             for (a, b) in straight.iter().zip(&turned_states) {
-                assert!(
-                    (a.force / b.force - 1.0).abs() < 1e-6 && (a.depth / b.depth - 1.0).abs() < 1e-6,
-                    "{gap} {degrees}"
-                );
-                assert!((a.patch.area / b.patch.area - 1.0).abs() < 1e-3);
+                // The parts of a sum are turned one by one: a rounding may lay another grid.
+                let said = a.error().unwrap() + b.error().unwrap();
+                let [same, area, place] = if gap["kind"] == "sum" { [said, 0.03, 1e-3] } else { [1e-6, 1e-3, 1e-6] };
+                let off = (a.force / b.force - 1.0).abs().max((a.depth / b.depth - 1.0).abs());
+                assert!(off < same, "{gap} {degrees}: {off:e}");
+                assert!((a.patch.area / b.patch.area - 1.0).abs() < area);
                 let (p, q) = (a.patch.centroid.unwrap(), b.patch.centroid.unwrap());
                 let p = turned(p, degrees);
-                assert!((p[0] + 0.2 - q[0]).hypot(p[1] - 0.1 - q[1]) < 1e-6, "{p:?} {q:?}");
-                // Its rectangle holds its ends, which are lines between points a cell apart.
+                assert!((p[0] + 0.2 - q[0]).hypot(p[1] - 0.1 - q[1]) < place, "{p:?} {q:?}");
+                // Its rectangle holds its ends, but for a part of a cell.
                 let [min, max] = b.patch.extent().unwrap();
                 let [low, high] = a.patch.extent().unwrap();
                 let end = turned([0.5 * (low[0] + high[0]), high[1]], degrees);
                 let end = [end[0] + 0.2, end[1] - 0.1];
-                assert!((0..2).all(|m| min[m] - 1e-3 < end[m] && end[m] < max[m] + 1e-3), "{end:?} {min:?} {max:?}");
+                assert!((0..2).all(|m| min[m] - 2e-2 < end[m] && end[m] < max[m] + 2e-2), "{end:?} {min:?} {max:?}");
             }
         }
     }
@@ -88,11 +89,11 @@ fn a_region_that_is_drawn_turned_is_a_turned_region() {
 fn tilts_and_moments_turn_with_the_body() {
     let gap = json!({"kind": "formula", "expression": "x^2/2", "region": {"polygon": rectangle(0.9, 1.5)}});
     let tilt = [0.0, 2e-4];
-    let scene = |gap: &Value, tilt: [f64; 2], output: &[&str]| json!({"effective_modulus": 1.0, "gap": gap, "loading": {"depth": 1e-3, "tilt": tilt}, "output": output});
-    let a = states(&scene(&gap, tilt, &["patch"])).remove(0);
+    let scene = |gap: &Value, tilt: [f64; 2]| json!({"effective_modulus": 1.0, "gap": gap, "loading": {"depth": 1e-3, "tilt": tilt}, "output": ["patch"]});
+    let a = states(&scene(&gap, tilt)).remove(0);
     let mut placed = gap.clone();
     placed["rotate"] = json!(50.0);
-    let b = states(&scene(&placed, turned(tilt, 50.0), &["patch"])).remove(0);
+    let b = states(&scene(&placed, turned(tilt, 50.0))).remove(0);
     assert!((a.force / b.force - 1.0).abs() < 1e-6);
     let (m, n) = (turned(a.moment.unwrap(), 50.0), b.moment.unwrap());
     assert!((0..2).all(|k| (m[k] - n[k]).abs() < 1e-6 * a.force), "{m:?} {n:?}");
@@ -112,7 +113,7 @@ fn tilts_and_moments_turn_with_the_body() {
 fn a_field_has_its_force_along_whatever_axes() {
     let gap =
         json!({"kind": "formula", "expression": "x^2/2", "region": {"polygon": rectangle(0.9, 1.5)}, "rotate": 50.0});
-    let scene = json!({"effective_modulus": 1.0, "gap": gap, "loading": {"depth": 1e-3}, "output": ["pressure"]});
+    let scene = json!({"effective_modulus": 1.0, "gap": gap, "loading": {"depth": 1e-3}, "output": ["pressure"], "solve": {"seconds": 1}});
     let state = states(&scene).remove(0);
     let field = state.pressure.field.unwrap();
     assert!((field.force() / state.force - 1.0).abs() < 0.02);
