@@ -319,11 +319,12 @@ mod tests {
 
     #[test]
     fn an_end_is_found_from_two_means() {
-        // p = (s + 0.02)^(1/2) about s = 0: the end lies 0.02 further.
-        let mean = |a: f64, b: f64| 2.0 / 3.0 * ((b + 0.02_f64).powf(1.5) - (a + 0.02).powf(1.5)) / (b - a);
-        let smooth = |a: f64, b: f64| 2.0 / 3.0 * (b.powf(1.5) - a.powf(1.5)) / (b - a);
-        let found = further([0.3, 0.6], [mean(0.0, 0.3), mean(0.3, 0.6)]);
-        assert!((found / 0.02 - 1.0).abs() < 0.2, "{found}");
-        assert!(further([0.3, 0.6], [smooth(0.0, 0.3), smooth(0.3, 0.6)]).abs() < 1e-12);
+        // p = (s + e)^(1/2) about s = 0: the end lies e further. Its expansion in e fails within e of the end: an error of (e/a)^(1/2).
+        let mean = |e: f64, a: f64, b: f64| 2.0 / 3.0 * ((b + e).powf(1.5) - (a + e).powf(1.5)) / (b - a);
+        let found = |e: f64| further([0.3, 0.6], [mean(e, 0.0, 0.3), mean(e, 0.3, 0.6)]);
+        for e in [0.02, 5e-3, 5e-4, 1e-4] {
+            assert!((found(e) / e - 1.0).abs() < (e / 0.3_f64).sqrt(), "{} at {e}", found(e));
+        }
+        assert!(found(0.0).abs() < 1e-12);
     }
 }

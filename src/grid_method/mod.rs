@@ -41,7 +41,7 @@ pub(crate) fn solution(
     settings: &Settings,
     with_matrix: bool,
 ) -> Result<Solution, Unsolved> {
-    let settings = &within_samples(overlap, settings);
+    let (asked_for, settings) = (settings, &within_samples(overlap, settings));
     let (gap, depth, method) = (&overlap.gap, overlap.depth, method(settings));
     if let Some(rectangles) = separate::rectangles(overlap, settings) {
         return separate::solution(contact, gap, depth, tilt, settings, &rectangles, with_matrix);
@@ -59,7 +59,9 @@ pub(crate) fn solution(
     if with_matrix {
         solution = with_stiffness_matrix(contact, &scaled, &refined, solution)?;
     }
-    match refined.shortfall(settings) {
+    // What was aimed at for the samples' sake may be missed: both errors together are held against what was asked for.
+    let allowed = Settings { tolerance: settings.tolerance.max(asked_for.tolerance), ..*settings };
+    match refined.shortfall(&allowed) {
         None => Ok(solution),
         Some(short) => Err(short.with_best(solution)),
     }
@@ -70,12 +72,20 @@ pub(crate) fn solution(
 pub(crate) fn within_samples(overlap: &Overlap, settings: &Settings) -> Settings {
     let off = if overlap.gap.is_measured() { overlap.gap.sampling_error(&overlap.reach) } else { 0.0 };
     let open = off / overlap.deepest;
-    if !(open > settings.tolerance) || settings.cells.is_some() {
+    if settings.cells.is_some() || !(open > 0.0) {
         return *settings;
     }
-    let tolerance = (OF_SAMPLES * open).clamp(settings.tolerance, ROUGHEST.max(settings.tolerance));
+    let tolerance = if open > settings.tolerance {
+        (OF_SAMPLES * open).clamp(settings.tolerance, ROUGHEST.max(settings.tolerance))
+    } else {
+        // Both together are to be within it.
+        (settings.tolerance - FORCE_OF_SAMPLES * open).max(0.5 * settings.tolerance)
+    };
     Settings { tolerance, ..*settings }
 }
+
+/// What samples leave open of the force, in what they leave open of the overlap: its degree, and room.
+const FORCE_OF_SAMPLES: f64 = 2.0;
 
 /// Share of what samples leave open that the error of the grids may be, and the largest such error.
 const OF_SAMPLES: f64 = 0.05;

@@ -210,7 +210,8 @@ fn piece(inside: &dyn Fn([f64; 2]) -> bool, seed: [f64; 2]) -> Option<Rect> {
         let exits = first_exits(inside, seed);
         nearest = exits.iter().map(|exit| exit.1).fold(f64::INFINITY, f64::min);
         let &(angle, farthest) = exits.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
-        let middle = along(seed, angle, 0.5 * farthest);
+        // The last of the distances, which grow four times from one to the next, that was inside.
+        let middle = along(seed, angle, 0.25 * farthest);
         if farthest <= AT_EDGE * nearest || !inside(middle) {
             break;
         }
