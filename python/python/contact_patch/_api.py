@@ -42,7 +42,8 @@ def plan(scene: Scene) -> dict[str, Any]:
 
 
 def curve(scene: Scene, *, accuracy: float = 1e-4, threads: int = 1) -> Curve:
-    """Force over depth up to the largest load of a scene, to this relative error. Raises :class:`Unsolved` where a state is not solved."""
+    """Force over depth up to the largest load of a scene, to this relative error. Raises :class:`SceneError` for loads that make no curve,
+    :class:`Unsolved` where a state is not solved."""
     if not 0.0 < accuracy < 1.0:
         raise SceneError("accuracy", repr(accuracy), "a number greater than 0 and less than 1")
     return Curve(_core.curve(source(scene), accuracy, _threads(threads)))
