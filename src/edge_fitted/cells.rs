@@ -39,7 +39,9 @@ pub(crate) fn resample_rings(rings: &[([f64; 2], f64)], centre: Point, grid: Gri
         let near = far - norm(grid.spacing);
         let inside = |r: f64| disc_in_polygon(&corners, r);
         let meets = |ring: &&([f64; 2], f64)| ring.0[1] > near && ring.0[0] < far;
-        rings.iter().filter(meets).map(|([a, b], p)| p * (inside(*b) - inside(*a))).sum::<f64>() / grid.cell_area()
+        // What a ring shares with the cell is no less than nothing, but for rounding.
+        let shared = |[a, b]: [f64; 2]| (inside(b) - inside(a)).max(0.0);
+        rings.iter().filter(meets).map(|(radii, p)| p * shared(*radii)).sum::<f64>() / grid.cell_area()
     };
     Pressure { grid, values: (0..grid.len()).map(mean).collect() }
 }
