@@ -3,9 +3,8 @@
 use super::approximate::approximate_before;
 use crate::bracket::{self, BracketSettings, DepthBracket, Evidence, ForceBracket};
 use crate::clock::Stopwatch;
-use crate::energy::Trial;
 use crate::gap::{AnyGap, Degree};
-use crate::grid::{Grid, Kernel, Pressure};
+use crate::grid::{Grid, Pressure};
 use crate::grid_method::domain::locate;
 use crate::grid_method::refinement::claimed;
 use crate::grid_method::single_grid::at_resolution;
@@ -94,14 +93,9 @@ fn on_grids(
             }
             best.as_ref().is_some_and(|b| b.relative_width() <= settings.tolerance)
         };
-        let trial = Trial {
-            grid: &state.problem.grid,
-            pressure: &state.solution.pressure,
-            displacement: (settings.kernel == Kernel::Galerkin).then_some(state.solution.displacement.as_slice()),
-        };
         // Far cheaper, and narrower but where the pressure has no bound. Who wants no proof for the error wants that of the bracket alone.
         let wanted = settings.evidence == ErrorBar::Proof && law != Some(Degree::Flat);
-        let energy = if wanted { claimed(&scaled, law, &trial, settings.tolerance) } else { None };
+        let energy = if wanted { claimed(&scaled, law, &state.trial(), settings.tolerance) } else { None };
         let by_energy =
             energy.map(|bounds| ForceBracket::of_pressure(bounds.map(|force| force * unit_force), &pressure));
         if !by_energy.is_some_and(&mut better) {

@@ -6,7 +6,7 @@ use super::flat::Flat;
 use super::{Found, Moments, field_grid};
 use crate::edge_fitted::{Given, Limits, Tilted, resample, tilted};
 use crate::gap::Face;
-use crate::geometry::Rect;
+use crate::numeric::geometry::{Rect, convex_hull, left_of};
 use crate::problem::{Contact, Settings};
 use crate::solution::{Patch, Piece, Unsolved, Verdict};
 
@@ -142,36 +142,12 @@ pub(super) fn balances(face: &Face, force: f64, moment: [f64; 2]) -> Result<(), 
     let (sin, cos) = face.turn.sin_cos();
     let [u, v] = [x - face.at[0], y - face.at[1]];
     let corners = face.outline.corners();
-    if corners.is_empty() || contains(&hull(corners), [cos * u + sin * v, cos * v - sin * u]) {
+    if corners.is_empty() || contains(&convex_hull(corners.to_vec()), [cos * u + sin * v, cos * v - sin * u]) {
         return Ok(());
     }
     let reason =
         format!("the line of action meets the surface at ({x:e}, {y:e}), outside of the convex hull of all material");
     Err(Unsolved::new(Verdict::NoEquilibrium, reason))
-}
-
-/// The convex hull of points, counter-clockwise (Andrew 1979).
-fn hull(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
-    let mut sorted = points.to_vec();
-    sorted.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
-    let half = |points: &mut dyn Iterator<Item = [f64; 2]>| {
-        let mut chain: Vec<[f64; 2]> = Vec::new();
-        for p in points {
-            while chain.len() > 1 && left_of(chain[chain.len() - 2], chain[chain.len() - 1], p) <= 0.0 {
-                chain.pop();
-            }
-            chain.push(p);
-        }
-        chain.pop();
-        chain
-    };
-    let mut all = half(&mut sorted.iter().copied());
-    all.extend(half(&mut sorted.iter().rev().copied()));
-    all
-}
-
-fn left_of(a: [f64; 2], b: [f64; 2], p: [f64; 2]) -> f64 {
-    (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0])
 }
 
 /// Whether a point lies inside of a convex polygon.
@@ -186,7 +162,9 @@ mod tests {
     #[test]
     fn a_hull_leaves_out_what_is_inside() {
         let star = [[0.0, 0.0], [2.0, 0.0], [1.0, 0.5], [2.0, 2.0], [1.0, 1.0], [0.0, 2.0]];
-        assert_eq!(hull(&star), [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]]);
-        assert!(contains(&hull(&star), [1.9, 1.0]) && !contains(&hull(&star), [2.1, 1.0]));
+        assert_eq!(convex_hull(star.to_vec()), [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]]);
+        assert!(
+            contains(&convex_hull(star.to_vec()), [1.9, 1.0]) && !contains(&convex_hull(star.to_vec()), [2.1, 1.0])
+        );
     }
 }

@@ -12,7 +12,6 @@ use crate::compare::{Plan, compare};
 use crate::error::InputError;
 use crate::plot::{Format, error_against_time};
 use crate::report::{comparison_csv, comparison_json, comparison_table};
-use crate::scene::Json;
 use crate::scene::fields::checked_cells;
 
 /// Run every method on a scene and tabulate error and cost
@@ -75,13 +74,8 @@ impl Compare {
         let progress = voice.progress("every method, at several resolutions");
         let comparison = compare(&scene.contact, &plan);
         drop(progress);
-        let mut json = comparison_json(&scene, &comparison).map_err(|e| Failure::Message(e.to_string()))? + "\n";
-        if voice.is_pretty() {
-            let document = Json::parse(json.as_bytes()).map_err(|e| Failure::Message(e.to_string()))?;
-            let mut indented = Vec::new();
-            voice.json(&mut indented, &document)?;
-            json = String::from_utf8_lossy(&indented).into_owned();
-        }
+        let json = comparison_json(&scene, &comparison).map_err(|e| Failure::Message(e.to_string()))?;
+        let json = voice.json_text(json + "\n")?;
         let picture = match format {
             Some(format) if comparison.reference.is_some() => {
                 error_against_time(scene.name.as_deref().unwrap_or("error against run time"), &comparison, format)

@@ -12,7 +12,7 @@ use crate::curve::{About, Beyond, Curve};
 use crate::error::InputError;
 use crate::plot;
 use crate::problem::Settings;
-use crate::scene::{Json, Scene};
+use crate::scene::Scene;
 use crate::solution::Unsolved;
 use crate::units::UnitLabels;
 
@@ -133,17 +133,7 @@ impl CurveCommand {
         let about = About { scene: scene.name.as_deref(), units: scene.units.as_ref() };
         let text = match self.format {
             Format::Csv => curve.csv_in(scene.units.as_ref(), self.steps),
-            Format::Json => {
-                let text = curve.json_about(about);
-                match Json::parse(text.as_bytes()) {
-                    Ok(document) if voice.is_pretty() => {
-                        let mut indented = Vec::new();
-                        voice.json(&mut indented, &document)?;
-                        String::from_utf8_lossy(&indented).into_owned()
-                    }
-                    _ => text,
-                }
-            }
+            Format::Json => voice.json_text(curve.json_about(about))?,
             Format::Text => curve.two_columns(self.steps),
             Format::Adams => curve.adams_in(scene.units.as_ref(), self.steps, 1),
             Format::C => curve.c_header_about(about, &self.name),

@@ -1,5 +1,6 @@
 //! How a command speaks: tables on standard output, remarks on standard error, with colour on a terminal.
 
+use std::fmt::Display;
 use std::io::{self, IsTerminal, Write};
 
 use clap::Args;
@@ -8,6 +9,7 @@ use serde::Serialize;
 use super::Failure;
 use super::progress::Progress;
 use crate::report::write::Target;
+use crate::scene::Json;
 
 /// Options of every command.
 #[derive(Args, Clone, Copy, Debug, Default)]
@@ -66,9 +68,17 @@ impl Voice {
         to.write_all(b"\n")
     }
 
-    /// Whether JSON is to be indented.
-    pub fn is_pretty(self) -> bool {
-        self.json_pretty
+    /// A text that is JSON, indented where that is asked for.
+    ///
+    /// # Errors
+    /// When it is no JSON.
+    pub fn json_text(self, text: String) -> Result<String, Failure> {
+        if !self.json_pretty {
+            return Ok(text);
+        }
+        let failed = |e: &dyn Display| Failure::Message(e.to_string());
+        let document = Json::parse(text.as_bytes()).map_err(|e| failed(&e))?;
+        Ok(serde_json::to_string_pretty(&document).map_err(|e| failed(&e))? + "\n")
     }
 }
 

@@ -17,7 +17,7 @@ use crate::gap::Degree;
 use crate::solution::{Unsolved, Verdict};
 
 pub(crate) use ellipse::above_ellipse;
-pub(crate) use uncovered::nothing_left_out;
+pub(crate) use uncovered::{nothing_left_out, too_few_cells};
 
 /// The force of a contact at a depth, and its error, absolute.
 #[derive(Debug, Clone, Copy)]

@@ -7,7 +7,7 @@ use super::broken;
 use crate::gap::enclosure::{Candidate, halves};
 use crate::gap::{AnyGap, Gap};
 use crate::numeric::geometry::Rect;
-use crate::solution::Unsolved;
+use crate::solution::{Unsolved, Verdict};
 
 /// Rectangles looked at for an overlap that was left out.
 const BUDGET: usize = 400;
@@ -51,6 +51,12 @@ pub(crate) fn nothing_left_out(gap: &AnyGap, depth: f64, boxes: &[Rect], force: 
             "the bodies overlap at ({x:.3e}, {y:.3e}) by more than the pressure elsewhere can push away, and no cell is there"
         )),
     }
+}
+
+/// The verdict where the number of cells was prescribed: a contact smaller than one of them is not to be seen.
+pub(crate) fn too_few_cells(broken: &Unsolved) -> Unsolved {
+    let reason = "the prescribed cells are too large for one of the contacts";
+    Unsolved::new(Verdict::ToleranceNotReached, reason).without_numbers(broken)
 }
 
 struct Search<'a> {

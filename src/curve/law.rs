@@ -8,6 +8,7 @@
 //! first: the slopes are taken, within their doubt, where they bend the law least. The values then tell them to one another.
 
 use super::Sample;
+use crate::numeric::cubic::Cubic;
 use crate::solution::Unsolved;
 
 /// Share of a miss in the middle of an interval that is left in its halves: 1/16 where the law is smooth.
@@ -205,11 +206,8 @@ impl Law {
     fn piece(&self, k: usize, s: f64) -> [f64; 2] {
         let ([sa, pa, ma], [sb, pb, mb]) = (self.knots[k], self.knots[k + 1]);
         let (h, rise) = ((sb / sa).ln(), (pb / pa).ln());
-        let t = (s / sa).ln() / h;
-        let u = 1.0 - t;
-        let y = u * u * t * h * ma + t * t * ((1.0 + 2.0 * u) * rise - u * h * mb);
-        let m = 6.0 * t * u * rise / h + u * (u - 2.0 * t) * ma + t * (t - 2.0 * u) * mb;
-        [y, m]
+        let place = Cubic { t: (s / sa).ln() / h, h };
+        [0, 1].map(|n| place.value(n, [0.0, ma], [rise, mb]))
     }
 
     /// Overlaps of the states.

@@ -11,6 +11,7 @@
 
 use super::family::each;
 use crate::error::{InputError, finite, positive};
+use crate::numeric::cubic::Cubic;
 use crate::overlap::least;
 use crate::problem::{Contact, Load, Loading, Outputs, Settings};
 use crate::solution::{Unsolved, Verdict};
@@ -247,7 +248,7 @@ impl TiltTable {
         }
         let j = self.tilts.partition_point(|&a| a < tilt).clamp(1, self.tilts.len() - 1) - 1;
         let width = self.tilts[j + 1] - self.tilts[j];
-        let v = Cubic::at((tilt - self.tilts[j]) / width, width);
+        let v = Cubic { t: (tilt - self.tilts[j]) / width, h: width };
         let touched = |n: usize| v.value(n, self.touch[j], self.touch[j + 1]);
         let [touch, rise, bend] = [touched(0), touched(1), touched(2)];
         let s = depth - touch;
@@ -259,7 +260,7 @@ impl TiltTable {
         let beyond = s.ln() - log;
         let i = self.logs.partition_point(|&x| x < log).clamp(1, self.logs.len() - 1) - 1;
         let length = self.logs[i + 1] - self.logs[i];
-        let u = Cubic::at((log - self.logs[i]) / length, length);
+        let u = Cubic { t: (log - self.logs[i]) / length, h: length };
         let node = |i: usize, j: usize| self.nodes[j * self.logs.len() + i];
         // m-th derivative by ln s, n-th by the tilt.
         let w = |m: usize, n: usize| {
@@ -303,29 +304,6 @@ impl TiltTable {
     }
 }
 
-/// Cubic Hermite functions at a place within an interval, for values and slopes at its ends.
-struct Cubic {
-    t: f64,
-    h: f64,
-}
-
-impl Cubic {
-    fn at(t: f64, h: f64) -> Self {
-        Self { t, h }
-    }
-
-    /// The n-th derivative of the cubic with [value, slope] at both ends.
-    fn value(&self, n: usize, a: [f64; 2], b: [f64; 2]) -> f64 {
-        let Self { t, h } = *self;
-        let rise = b[0] - a[0];
-        match n {
-            0 => a[0] + t * t * (3.0 - 2.0 * t) * rise + h * t * (1.0 - t) * ((1.0 - t) * a[1] - t * b[1]),
-            1 => 6.0 * t * (1.0 - t) * rise / h + (1.0 - t) * (1.0 - 3.0 * t) * a[1] + t * (3.0 * t - 2.0) * b[1],
-            _ => 6.0 * (1.0 - 2.0 * t) * rise / (h * h) + ((6.0 * t - 4.0) * a[1] + (6.0 * t - 2.0) * b[1]) / h,
-        }
-    }
-}
-
 /// One of the old, one of the new between, and so on.
 fn woven<T: Copy>(old: &[T], new: &[T]) -> Vec<T> {
     let mut all = Vec::with_capacity(old.len() + new.len());
@@ -351,22 +329,5 @@ impl TiltRange {
             return Err(InputError::new("tilt[0]", self.tilt[0], "less than the largest"));
         }
         Ok(())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn cubics_and_their_derivatives() {
-        let (h, p) = (0.7, |x: f64| [1.0 + x * (2.0 + x * (3.0 - x)), 2.0 + x * (6.0 - 3.0 * x), 6.0 - 6.0 * x]);
-        for t in [0.0, 0.3, 1.0] {
-            for (n, truth) in p(h * t).into_iter().enumerate() {
-                let (a, b) = (p(0.0), p(h));
-                let own = Cubic::at(t, h).value(n, [a[0], a[1]], [b[0], b[1]]);
-                assert!((own - truth).abs() < 1e-12, "{n} at {t}: {own} {truth}");
-            }
-        }
     }
 }

@@ -1,6 +1,5 @@
 //! The compliance matrix of the orbits of cells: pair integrals with a bound of their error.
 
-use super::gauss::legendre;
 use super::line_potential::{Lines, Points, Scratch};
 use super::mesh::{Bilinear, Mesh, Point, cross, dot, minus, norm};
 use super::pair_integral::{polygons, rectangles};
@@ -219,7 +218,6 @@ fn relative_error(carrier: &Shape, distance: f64) -> f64 {
 /// Row a: the 3 x 3 Gauss sums over representative a of the potentials int 1/r of all cells.
 fn gauss_rows(mesh: &Mesh, lines: &Lines, orbits: &Orbits, shapes: &[Shape], deadline: Deadline) -> Option<Vec<f64>> {
     const PER_BATCH: usize = 7;
-    let (x, w) = legendre(3);
     let loaded = mesh.loaded;
     let mut rows = vec![0.0; orbits.loaded * loaded];
     let mut scratch = Scratch::default();
@@ -231,12 +229,9 @@ fn gauss_rows(mesh: &Mesh, lines: &Lines, orbits: &Orbits, shapes: &[Shape], dea
         let mut points = Points::EMPTY;
         let mut weights = Vec::with_capacity(9 * PER_BATCH);
         for &i in cells {
-            let map = &shapes[i].map;
-            for (s, ws) in x.iter().zip(w) {
-                for (t, wt) in x.iter().zip(w) {
-                    points.push(map.at(*s, *t));
-                    weights.push(ws * wt * map.jacobian(*s, *t));
-                }
+            for (point, weight) in shapes[i].map.gauss() {
+                points.push(point);
+                weights.push(weight);
             }
         }
         lines.moments(&points, &mut scratch);

@@ -2,6 +2,8 @@
 
 use std::collections::HashMap;
 
+use super::gauss::legendre;
+
 /// A point of the plane.
 pub(crate) type Point = [f64; 2];
 
@@ -139,6 +141,14 @@ impl Bilinear {
     #[inline(always)]
     pub fn jacobian(&self, s: f64, t: f64) -> f64 {
         cross(self.ds(t), self.dt(s))
+    }
+
+    /// Points and weights of an integral over the cell: 3 x 3 of Gauss.
+    pub fn gauss(&self) -> impl Iterator<Item = (Point, f64)> {
+        let (x, w) = legendre(3);
+        let rows = x.iter().zip(w);
+        let node = |s: f64, ws: f64, t: f64, wt: f64| (self.at(s, t), ws * wt * self.jacobian(s, t));
+        rows.flat_map(move |(s, ws)| x.iter().zip(w).map(move |(t, wt)| node(*s, *ws, *t, *wt)))
     }
 
     /// The part over [s0, s1] x [t0, t1].

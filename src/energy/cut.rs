@@ -33,6 +33,10 @@ pub(super) struct Cell<'a> {
     whole: Option<Piece>,
 }
 
+/// Bounds of a value of which nothing is known, and those of no value.
+const ANYTHING: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
+const NOTHING: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
+
 /// Integrals of |grad w|^2 and w^2 over a quarter or more.
 pub(super) type Integrals = [f64; 2];
 
@@ -195,10 +199,7 @@ impl<'a> Cell<'a> {
         let turned = Turned::new(self, quarter, pieces.get(0));
         let corners = turned.corners();
         let ranges = [0, 1, 2, 3].map(|square| turned.range(square, pieces.get(square), &corners));
-        // A bound that is not a number is none.
-        let low = ranges.iter().fold(f64::INFINITY, |m, r| if r[0] >= m { m } else { r[0] });
-        let high = ranges.iter().fold(f64::NEG_INFINITY, |m, r| if r[1] <= m { m } else { r[1] });
-        [low, high]
+        ranges.into_iter().fold(NOTHING, |[low, high], [a, b]| [low.min(a), high.max(b)])
     }
 
     /// What the rule may miss of the integrals over a sub-square ([`MISSED`]).
@@ -331,13 +332,16 @@ impl<'a> Turned<'a> {
     /// Bounds of r in a sub-square: from its values on the lattice, and how far it may be from bilinear functions through them.
     fn range(&self, square: usize, piece: &Piece, corners: &[Lane; CORNERS]) -> [f64; 2] {
         let (rule, cell, h) = (self.rule(), self.cell, self.rule().h);
-        let mut range = [f64::INFINITY, f64::NEG_INFINITY];
+        let mut range = NOTHING;
         let more = self.beyond_first(piece);
         for y in 2 * (square / 2)..2 * (square / 2) + 3 {
             for x in 2 * (square % 2)..2 * (square % 2) + 3 {
                 let mut r = corners[y][x];
                 if let Some(more) = &more {
                     r += more.at([LATTICE[x] * h[0], LATTICE[y] * h[1]])[0];
+                }
+                if r.is_nan() {
+                    return ANYTHING;
                 }
                 range = [range[0].min(r), range[1].max(r)];
             }
@@ -350,7 +354,7 @@ impl<'a> Turned<'a> {
             + singular
             + piece.taylor.most[0]
             + cell.most;
-        [range[0] - off, range[1] + off]
+        if off.is_nan() { ANYTHING } else { [range[0] - off, range[1] + off] }
     }
 
     /// f of a sub-square less that of the first, turned; `None` where they are the same.

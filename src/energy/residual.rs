@@ -305,10 +305,8 @@ impl Residual<'_> {
             let (i, j) = ((k % nx) as isize, (k / nx) as isize);
             let expansion = Expansions::new(field, i, j, &mut room).cell(field, i, j, 0);
             let cell = Cell::new(field, self.overlap, self.rect(i, j), expansion).with_overlap();
-            let least = (0..4).map(|q| cell.range(q)[0]).fold(f64::INFINITY, |m, r| if r >= m { m } else { r });
-            let own = -least * field.scale;
-            // Not a number: nothing is known.
-            deepest = deepest.max(if own.is_nan() { dips[k] } else { own.min(dips[k]) });
+            let least = (0..4).map(|q| cell.range(q)[0]).fold(f64::INFINITY, f64::min);
+            deepest = deepest.max((-least * field.scale).min(dips[k]));
         }
         deepest
     }

@@ -10,6 +10,7 @@ mod analytic;
 mod any;
 mod declared;
 pub(crate) mod enclosure;
+mod envelope;
 mod extremes;
 mod flat;
 #[cfg(feature = "formula")]

@@ -3,11 +3,12 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use super::analytic::slope_of;
-use super::ridges::{corner_window, face_polygon, unit};
+use super::envelope::{Lowest, least_rise};
+use super::ridges::{corner_window, unit};
 use super::{AnyGap, Degree, Gap, Growth, Known, Law, Material, Quadratic, Reach, Ridges, Taylor, mean, radial, range};
 use crate::error::{InputError, finite, positive};
 use crate::numeric::Interval;
-use crate::numeric::geometry::{Rect, centroid, clip};
+use crate::numeric::geometry::Rect;
 
 /// g = max over k of (slope_x x + slope_y y + offset): a convex polyhedron, blunt or pointed, regular or not.
 ///
@@ -15,7 +16,7 @@ use crate::numeric::geometry::{Rect, centroid, clip};
 #[derive(Debug, Clone, PartialEq)]
 pub struct Polyhedron {
     planes: Vec<[f64; 3]>,
-    apex: [f64; 2],
+    lowest: Lowest,
     /// Number of faces and slope of a pyramid, pointed or blunt: the first planes are its faces in order.
     fan: Option<(usize, f64)>,
     /// Inradius of the flat tip of a pyramid.
@@ -56,16 +57,16 @@ impl Polyhedron {
         let window = corner_window(&planes);
         let ridges = Ridges::of(&planes, &window);
         let (rise, level_direction) = least_rise(&planes);
-        let on_line = level_direction.and_then(|_| lowest_on_line(&planes));
-        let apex = on_line.map_or_else(|| lowest_point(&planes, &ridges, &window), |(_, point)| point);
-        Ok(Self { planes, apex, fan: None, flat: 0.0, level_direction, rise, window, ridges })
+        let lowest = Lowest::of(&planes, rise, level_direction);
+        Ok(Self { planes, lowest, fan: None, flat: 0.0, level_direction, rise, window, ridges })
     }
 
     /// Only some of the planes, without what the approximate methods ask for.
-    fn few(planes: Vec<[f64; 3]>, apex: [f64; 2]) -> Self {
+    fn few(planes: Vec<[f64; 3]>) -> Self {
         let (rise, level_direction) = least_rise(&planes);
-        let window = Rect::around(apex, [0.0; 2]);
-        Self { planes, apex, fan: None, flat: 0.0, level_direction, rise, window, ridges: Ridges::default() }
+        let lowest = Lowest::of(&planes, rise, level_direction);
+        let window = Rect::around(lowest.point, [0.0; 2]);
+        Self { planes, lowest, fan: None, flat: 0.0, level_direction, rise, window, ridges: Ridges::default() }
     }
 
     /// A regular pyramid of `faces` >= 2 faces, each inclined by `inclination` (radians, in (0, pi/2)); the first face
@@ -94,21 +95,15 @@ impl Polyhedron {
         let window = Rect::around([0.0; 2], [room; 2]);
         let level_direction = (faces == 2).then_some(FRAC_PI_2);
         let rise = slope * (0.5 * TAU / faces as f64).cos();
-        Self { planes, apex: [0.0; 2], fan: Some((faces, slope)), flat, level_direction, rise, window, ridges }
-    }
-
-    /// A bound below all of it; minus infinity when it falls without end.
-    fn floor(&self) -> f64 {
-        if self.fan.is_some() {
-            return 0.0;
-        }
-        let [x, y] = self.apex;
-        let size = |p: &[f64; 3]| (p[0] * x).abs() + (p[1] * y).abs() + p[2].abs();
-        let rounding = 1e-13 * self.planes.iter().map(size).fold(0.0, f64::max);
-        match self.level_direction {
-            // Convex and rising along every ray: lowest in a corner.
-            None => self.gap(x, y) - rounding,
-            Some(_) => lowest_on_line(&self.planes).map_or(f64::NEG_INFINITY, |(low, _)| low - rounding),
+        Self {
+            planes,
+            lowest: Lowest::AT_ORIGIN,
+            fan: Some((faces, slope)),
+            flat,
+            level_direction,
+            rise,
+            window,
+            ridges,
         }
     }
 
@@ -188,122 +183,6 @@ impl Polyhedron {
     }
 }
 
-/// The least height of the highest of some planes whose slopes all lie on one line through the origin, and a point where it is so;
-/// `None` when they fall without end, or for other planes.
-fn lowest_on_line(planes: &[[f64; 3]]) -> Option<(f64, [f64; 2])> {
-    let steepest = planes.iter().max_by(|a, b| a[0].hypot(a[1]).total_cmp(&b[0].hypot(b[1])))?;
-    let length = steepest[0].hypot(steepest[1]);
-    let level = planes.iter().filter(|p| p[0] == 0.0 && p[1] == 0.0).map(|p| p[2]).fold(f64::NEG_INFINITY, f64::max);
-    if length == 0.0 {
-        return Some((level, [0.0; 2]));
-    }
-    let u = [steepest[0] / length, steepest[1] / length];
-    let on_line = |p: &[f64; 3]| (p[0] * u[1] - p[1] * u[0]).abs() <= 1e-14 * p[0].hypot(p[1]);
-    if !planes.iter().all(on_line) {
-        // A level plane holds all from below.
-        return (level > f64::NEG_INFINITY).then_some((level, [0.0; 2]));
-    }
-    let slope = |p: &[f64; 3]| p[0] * u[0] + p[1] * u[1];
-    let (falling, rising): (Vec<_>, Vec<_>) = planes.iter().filter(|p| slope(p) != 0.0).partition(|p| slope(p) < 0.0);
-    // Two lines of opposite slope meet no higher than the envelope anywhere; the highest such place is its lowest point.
-    let meet = |p: &[f64; 3], q: &[f64; 3]| (p[2] * slope(q) - q[2] * slope(p)) / (slope(q) - slope(p));
-    let mut best: Option<(f64, f64)> = None;
-    for p in &falling {
-        for q in &rising {
-            let height = meet(p, q);
-            if best.is_none_or(|b| height > b.0) {
-                best = Some((height, (height - p[2]) / slope(p)));
-            }
-        }
-    }
-    match best {
-        Some((height, t)) if height >= level => Some((height, u.map(|u| u * t))),
-        _ if level > f64::NEG_INFINITY => {
-            // Somewhere on the level part: between the lines that bound it.
-            let below = |p: &[f64; 3]| (level - p[2]) / slope(p);
-            let from = falling.iter().map(&below).fold(f64::NEG_INFINITY, f64::max);
-            let to = rising.iter().map(below).fold(f64::INFINITY, f64::min);
-            let t = match (from.is_finite(), to.is_finite()) {
-                (true, true) => 0.5 * (from + to),
-                (true, false) => from,
-                (false, true) => to,
-                _ => 0.0,
-            };
-            Some((level, u.map(|u| u * t)))
-        }
-        _ => None,
-    }
-}
-
-/// Least slope of the highest of these planes along any ray far out, and the angle of a direction in which it does not rise.
-fn least_rise(planes: &[[f64; 3]]) -> (f64, Option<f64>) {
-    // The rise along a direction is that of the plane which is steepest there. It is least half-way between two neighbours of the
-    // convex hull of the slopes; a direction that no plane rises in exists when the hull does not hold the origin.
-    let mut slopes: Vec<[f64; 2]> = planes.iter().map(|p| [p[0], p[1]]).collect();
-    slopes.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
-    slopes.dedup();
-    let hull = convex_hull(&slopes);
-    let n = hull.len();
-    let mut least = f64::INFINITY;
-    if n < 3 {
-        // Slopes on a line: across it nothing rises.
-        let (a, b) = (hull[0], hull[n - 1]);
-        let along = if a == b { [-a[0], -a[1]] } else { [a[1] - b[1], b[0] - a[0]] };
-        let sense = if along[0] * a[0] + along[1] * a[1] > 0.0 { -1.0 } else { 1.0 };
-        return (0.0, Some((sense * along[1]).atan2(sense * along[0])));
-    }
-    for k in 0..n {
-        // Along the outward normal of a side of the hull both of its ends rise by the same: that of the less steep one is the better known.
-        let (a, b) = (hull[k], hull[(k + 1) % n]);
-        let (mild, steep) = if a[0].hypot(a[1]) <= b[0].hypot(b[1]) { (a, b) } else { (b, a) };
-        let normal = [b[1] - a[1], a[0] - b[0]];
-        let length = normal[0].hypot(normal[1]);
-        let rise = (normal[0] * mild[0] + normal[1] * mild[1]) / length;
-        // Its rounding, and that of the normal.
-        let rounding = 1e-15 * mild[0].hypot(mild[1]) * (steep[0].hypot(steep[1]) / length).max(1.0);
-        if !(rise > rounding) {
-            return (0.0, Some(normal[1].atan2(normal[0])));
-        }
-        least = least.min(rise);
-    }
-    (least, None)
-}
-
-/// Corners of the convex hull of sorted points, counter-clockwise (Andrew 1979).
-fn convex_hull(sorted: &[[f64; 2]]) -> Vec<[f64; 2]> {
-    let turn = |a: [f64; 2], b: [f64; 2], c: [f64; 2]| (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-    let half = |points: &mut dyn Iterator<Item = [f64; 2]>| {
-        let mut chain: Vec<[f64; 2]> = Vec::new();
-        for p in points {
-            while chain.len() >= 2 && turn(chain[chain.len() - 2], chain[chain.len() - 1], p) <= 0.0 {
-                chain.pop();
-            }
-            chain.push(p);
-        }
-        chain
-    };
-    if sorted.len() < 3 {
-        return sorted.to_vec();
-    }
-    let mut hull = half(&mut sorted.iter().copied());
-    let upper = half(&mut sorted.iter().rev().copied());
-    hull.pop();
-    hull.extend(&upper[..upper.len() - 1]);
-    hull
-}
-
-/// Where the surface is lowest; the middle of the flat if it is lowest on one.
-fn lowest_point(planes: &[[f64; 3]], ridges: &Ridges, window: &Rect) -> [f64; 2] {
-    if let Some(k) = planes.iter().position(|p| p[0] == 0.0 && p[1] == 0.0) {
-        let flat = face_polygon(planes, k, window);
-        if flat.len() >= 3 {
-            return centroid(&flat);
-        }
-    }
-    let height = |p: &[f64; 2]| planes.iter().map(|q| q[0] * p[0] + q[1] * p[1] + q[2]).fold(f64::MIN, f64::max);
-    ridges.corners.iter().copied().min_by(|a, b| height(a).total_cmp(&height(b))).unwrap_or([0.0; 2])
-}
-
 impl Gap for Polyhedron {
     fn gap(&self, x: f64, y: f64) -> f64 {
         self.highest(x, y).0
@@ -317,7 +196,7 @@ impl Gap for Polyhedron {
     fn describe(&self) -> Known {
         let pointed = self.regular().map(|_| Law { degree: Degree::Power(1.0), lowest: 0.0 });
         // Planes that all pass through one point are homogeneous about it.
-        let [x, y] = self.apex;
+        let [x, y] = self.lowest.point;
         let through = |p: &[f64; 3]| {
             p[0] * x + p[1] * y + p[2] == self.planes[0][0] * x + self.planes[0][1] * y + self.planes[0][2]
         };
@@ -332,8 +211,8 @@ impl Gap for Polyhedron {
             hessian: [0.0; 3],
         });
         Known {
-            centre: self.apex,
-            floor: self.floor(),
+            centre: self.lowest.point,
+            floor: self.lowest.floor,
             law: pointed.or_else(|| meeting().filter(|_| self.planes.len() > 1)),
             quadratic: flat,
             material: Material::Everywhere,
@@ -362,38 +241,15 @@ impl Gap for Polyhedron {
             }
             return Reach::Within(Rect::around([0.0; 2], [ridge * (1.0 + 1e-12); 2]));
         }
-        if depth <= self.floor() {
+        if depth <= self.lowest.floor {
             return Reach::Nowhere;
         }
         if let Some(along) = self.level_direction {
             // A corner below the depth, and everything beyond it in the level direction.
-            let [x, y] = self.apex;
+            let [x, y] = self.lowest.point;
             return if self.gap(x, y) < depth { Reach::Unbounded { from: [x, y], along } } else { Reach::Unknown };
         }
-        // Along every ray from the apex some plane rises by at least `rise` a unit of length: {g < depth} lies in this square; what lies
-        // above the depth is cut off it.
-        let [x, y] = self.apex;
-        let lowest = self.planes.iter().map(|p| p[0] * x + p[1] * y + p[2]).fold(f64::INFINITY, f64::min);
-        let half = 1.001 * (depth - lowest) / self.rise;
-        let window = Rect::around(self.apex, [half; 2]);
-        let mut region = window.corners().to_vec();
-        for [a, b, c] in &self.planes {
-            if !region.is_empty() {
-                region = clip(&region, *a, *b, c - depth);
-            }
-        }
-        match Rect::holding(region) {
-            Some(rect) => {
-                // Rounding of the corners: of coordinates, and of heights over the least slope.
-                let size = window.corners().into_iter().flatten().fold(0.0_f64, |m, v| m.max(v.abs()));
-                let heights = self.planes.iter().fold(depth.abs(), |m, p| m.max(p[2].abs()));
-                let margin = 1e-14 * size + 1e-14 * heights / self.rise;
-                let [w, h] = rect.size();
-                Reach::Within(Rect::around(rect.centre(), [0.5 * w + margin, 0.5 * h + margin]))
-            }
-            // Only rounding can have emptied it.
-            None => Reach::Within(window),
-        }
+        Reach::Within(self.lowest.below(&self.planes, self.rise, depth).0)
     }
 
     fn bounds(&self, rect: &Rect, slope: [f64; 2]) -> Option<[f64; 2]> {
@@ -463,7 +319,7 @@ impl Gap for Polyhedron {
             return None;
         }
         let kept = range::highest_somewhere(&self.planes, rect);
-        (2 * kept.len() <= self.planes.len()).then(|| Self::few(kept, self.apex).into_any())
+        (2 * kept.len() <= self.planes.len()).then(|| Self::few(kept).into_any())
     }
 
     fn is_composed(&self) -> bool {

@@ -228,7 +228,7 @@ fn swap((a, b): (f64, f64)) -> (f64, f64) {
 }
 
 /// Corners of the region where plane `k` is the highest, cut to `window`.
-pub(super) fn face_polygon(planes: &[[f64; 3]], k: usize, window: &Rect) -> Vec<[f64; 2]> {
+fn face_polygon(planes: &[[f64; 3]], k: usize, window: &Rect) -> Vec<[f64; 2]> {
     let own = planes[k];
     let mut polygon = window.corners().to_vec();
     for (m, other) in planes.iter().enumerate() {
@@ -246,9 +246,10 @@ pub(super) fn face_polygon(planes: &[[f64; 3]], k: usize, window: &Rect) -> Vec<
 
 /// A window that holds every corner of the surface with room to spare, from the planes alone.
 pub(super) fn corner_window(planes: &[[f64; 3]]) -> Rect {
-    let steepest = planes.iter().map(|p| p[0].hypot(p[1])).fold(0.0, f64::max);
+    let slopes = planes.iter().map(|p| p[0].hypot(p[1])).filter(|s| *s > 0.0);
+    let mildest = slopes.reduce(f64::min).unwrap_or(0.0);
     let spread = planes.iter().map(|p| p[2].abs()).fold(0.0, f64::max);
-    let scale = if spread > 0.0 && steepest > 0.0 { spread / steepest } else { 1.0 };
+    let scale = if spread > 0.0 && mildest > 0.0 { spread / mildest } else { 1.0 };
     let wide = Rect::around([0.0; 2], [1e6 * scale; 2]);
     // Second pass: the corners found in the wide window set the size of a snug one, where nothing cancels.
     match Rect::holding(corners_within(planes, &wide)) {

@@ -61,6 +61,9 @@ pub(crate) fn refined(
 /// digits.
 const WITHIN_RANGE: f64 = 1e-280;
 
+/// The same of the size of a contact: gaps are made of squares.
+const SIZES: f64 = 1e-150;
+
 /// As [`refined`], with at most `finest` cells along the longer side where their number is not prescribed: the best that
 /// can be had of them, whether or not that meets the tolerance.
 pub(crate) fn as_far_as(
@@ -71,7 +74,11 @@ pub(crate) fn as_far_as(
     law: Option<Law>,
 ) -> Result<Refined, Unsolved> {
     if !(WITHIN_RANGE..=1.0 / WITHIN_RANGE).contains(&scaled.units.height) {
-        let reason = "beyond the range of numbers (1e-308 to 1e308): the overlap of the bodies";
+        let reason = "the overlap of the bodies is beyond 1e-280 to 1e280, where numbers keep their digits";
+        return Err(Unsolved::new(Verdict::Incomplete, reason).with_hint("units in which lengths are closer to 1"));
+    }
+    if !(SIZES..=1.0 / SIZES).contains(&scaled.units.length) {
+        let reason = "the size of the contact is beyond 1e-150 to 1e150, where its square keeps its digits";
         return Err(Unsolved::new(Verdict::Incomplete, reason).with_hint("units in which lengths are closer to 1"));
     }
     let degree = law.filter(|_| settings.kernel == Kernel::Galerkin).map(|law| law.degree);
@@ -97,10 +104,10 @@ pub(crate) fn as_far_as(
         let reason = "the bodies overlap, but no cell does as a whole: the grid is too coarse to see the contact";
         Unsolved::new(Verdict::ToleranceNotReached, reason)
     })?;
-    best.is_consistent(scaled, degree).map_err(|broken| match best.shortfall(settings) {
-        Some(short) => short.without_numbers(&broken),
-        None => broken,
-    })?;
+    // What was cut short may be good by chance, and seen not to be.
+    let short = || best.shortfall(settings).or_else(|| best.stopped.clone());
+    best.is_consistent(scaled, degree)
+        .map_err(|broken| short().map_or(broken.clone(), |short| short.without_numbers(&broken)))?;
     Ok(best)
 }
 
@@ -232,7 +239,9 @@ impl Refinement<'_> {
             let state = match self.grid(nested, gap_error, best.as_ref().map(|b| &b.state)) {
                 // The grid before was the finest that this method can hold, or that there was time for.
                 Err(e) if matches!(e.verdict, Verdict::TooLarge | Verdict::TimeLimit) && best.is_some() => {
-                    return Ok(best.map(|b| Refined { stopped: Some(e), ..b }));
+                    // One step alone may be small by luck.
+                    let step = if let [before, last] = self.energies[..] { (last - before).abs() } else { 0.0 };
+                    return Ok(best.map(|b| Refined { error: b.error.max(step), stopped: Some(e), ..b }));
                 }
                 other => other?,
             };
@@ -404,15 +413,11 @@ impl Refinement<'_> {
     /// Proved bounds of the force from the energy of a grid ([`force_bounds`]); `None` where they are not asked for, or none can be had.
     fn proved(&self, state: &GridState) -> Option<[f64; 2]> {
         let degree = self.provable()?;
-        let GridState { problem, solution, .. } = state;
-        let [nx, ny] = problem.grid.shape;
+        let [nx, ny] = state.problem.grid.shape;
         if degree.is_none() && (nx.max(ny) > FINEST_PROVED || self.settings.deadline.check().is_err()) {
             return None;
         }
-        // Displacements of the quadratic programme come from a dense matrix.
-        let displacement = (self.method == Method::Fft).then_some(solution.displacement.as_slice());
-        let trial = Trial { grid: &problem.grid, pressure: &solution.pressure, displacement };
-        claimed(self.scaled, degree, &trial, self.settings.tolerance)
+        claimed(self.scaled, degree, &state.trial(), self.settings.tolerance)
     }
 
     /// How far off the other kernel makes the force on the same grid. Values at centres err by up to 1.6 times that

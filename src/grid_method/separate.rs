@@ -10,7 +10,7 @@ use super::displaced::{self, DisplacedGap};
 use super::refined::Refined;
 use super::refinement;
 use super::single_grid;
-use crate::consistency::nothing_left_out;
+use crate::consistency::{nothing_left_out, too_few_cells};
 use crate::gap::{AnyGap, Gap};
 use crate::grid::{Grid, Pressure};
 use crate::numeric::geometry::Rect;
@@ -173,15 +173,14 @@ pub(crate) fn solution(
         Some(scaled.units.rect_outward(&refined.state.problem.grid.extent()))
     };
     let boxes: Vec<Rect> = ones.iter().filter_map(extent).collect();
-    let missed_contact = nothing_left_out(gap, depth, &boxes, total(&current));
-    // A contact smaller than a cell of the grid that was prescribed, or that there was time for.
-    let short_of_cells = settings.cells.is_some() || out_of_time.is_some();
-    let fewer =
-        || Unsolved::new(Verdict::ToleranceNotReached, "the prescribed cells are too large for one of the contacts");
-    missed_contact.map_err(|broken| {
-        let short = || out_of_time.clone().unwrap_or_else(fewer);
-        if short_of_cells { short().without_numbers(&broken) } else { broken }
-    })?;
+    if let Err(broken) = nothing_left_out(gap, depth, &boxes, total(&current)) {
+        // A contact smaller than a cell of the grid that was prescribed, or that there was time for.
+        return Err(match out_of_time {
+            Some(short) => short.without_numbers(&broken),
+            None if settings.cells.is_some() => too_few_cells(&broken),
+            None => broken,
+        });
+    }
     let short = || ones.iter().filter_map(|one| one.solved.as_ref()).find_map(|refined| refined.shortfall(settings));
     let short = out_of_time.or_else(short);
     let matrix = growth(contact, &ones, gap, rectangles, with_matrix)?;

@@ -4,6 +4,7 @@ use super::domain::shape;
 use super::expansion::expanded;
 use crate::clock::Deadline;
 use crate::discrete::{Discrete, DiscreteSolution};
+use crate::energy::Trial;
 use crate::grid::{Grid, Kernel};
 use crate::matrix_free;
 use crate::numeric::geometry::Rect;
@@ -36,6 +37,15 @@ impl GridState {
 
     pub fn force(&self) -> f64 {
         self.solution.pressure.iter().sum::<f64>() * self.problem.grid.cell_area()
+    }
+
+    /// The pressure as a trial of the energy; with its displacement where that is the one of means over cells. That of the quadratic
+    /// programme comes from a dense matrix, and is worked out anew.
+    pub fn trial(&self) -> Trial<'_> {
+        let Self { method, problem, solution, .. } = self;
+        let known = problem.kernel == Kernel::Galerkin && *method == Method::Fft;
+        let displacement = known.then_some(solution.displacement.as_slice());
+        Trial { grid: &problem.grid, pressure: &solution.pressure, displacement }
     }
 
     /// U = -J = integral of p f - p u/2: the largest there is, so that what a pressure misses counts by its square alone.
@@ -117,7 +127,8 @@ pub(crate) fn other_kernel(scaled: &Scaled, state: &GridState) -> Result<f64, Un
 fn solve(scaled: &Scaled, problem: Discrete, options: GridOptions) -> Result<GridState, Unsolved> {
     let cells = problem.grid.len();
     let pruned = problem.overlap.iter().filter(|&&f| f <= 0.0).count();
-    let mut left_out = vec![format!("{pruned} of {cells} cells: the undeformed bodies do not overlap there")];
+    let pruned = (pruned > 0).then(|| format!("{pruned} of {cells} cells: the undeformed bodies do not overlap there"));
+    let mut left_out = Vec::from_iter(pruned);
     let mut remarks = Vec::new();
     let GridOptions { method, threads, deadline, tolerance, .. } = options;
     let solution = match method {

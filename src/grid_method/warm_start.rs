@@ -8,8 +8,7 @@ use super::refinement;
 use super::single_grid::{self, GridState};
 use super::unresolved;
 use crate::discrete::Discrete;
-use crate::energy::Trial;
-use crate::grid::{Grid, Kernel};
+use crate::grid::Grid;
 use crate::matrix_free;
 use crate::overlap::{Overlap, Scaled};
 use crate::patch;
@@ -65,12 +64,11 @@ impl WarmStart {
     /// # Errors
     /// As [`crate::grid_method::solution`].
     pub fn at_depth(contact: &Contact, depth: f64, settings: &Settings) -> Result<Option<Self>, Unsolved> {
-        let method = if settings.method == Method::Qp { Method::Qp } else { Method::Fft };
         let Some(overlap) = Overlap::of(contact.gap(), depth)? else { return Ok(None) };
         let scaled = overlap.scaled();
         // Bounds are for the depth that is found.
         let estimate = Settings { evidence: ErrorBar::Estimate, ..super::within_samples(&overlap, settings) };
-        let refined = refinement::refined(&scaled, &estimate, method, None)?;
+        let refined = refinement::refined(&scaled, &estimate, super::method(settings), None)?;
         let held = Self::grown(scaled, refined)?;
         let errors = held.stiffness().map_or(Ok(Errors::default()), |own| Errors::of(&held.refined, own))?;
         Ok(Some(Self { errors, ..held }))
@@ -127,13 +125,7 @@ impl WarmStart {
     /// Proved bounds of the force at a depth close by; `None` where none can be had.
     pub fn bounds_at(&self, contact: &Contact, depth: f64, settings: &Settings) -> Option<[f64; 2]> {
         let near = self.continued_to(contact, depth, settings).ok()??;
-        let GridState { problem, solution, method, .. } = &near.refined.state;
-        let known = settings.kernel == Kernel::Galerkin && *method == Method::Fft;
-        let trial = Trial {
-            grid: &problem.grid,
-            pressure: &solution.pressure,
-            displacement: known.then_some(solution.displacement.as_slice()),
-        };
+        let trial = near.refined.state.trial();
         let unit = contact.modulus().e_star() * near.scaled.units.height * near.scaled.units.length;
         let law = near.scaled.gap.known().law.map(|law| law.degree);
         let bounds = refinement::claimed(&near.scaled, law, &trial, settings.tolerance)?;

@@ -7,7 +7,6 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use crate::edge_fitted::resample;
-use crate::gap::AnyGap;
 use crate::grid::{Grid, Pressure};
 use crate::grid_method::domain::shape;
 use crate::numeric::geometry::Rect;
@@ -66,11 +65,7 @@ impl Axes {
             Loading::Single(single) => Loading::Single(load(single)),
             Loading::Steps(steps) => Loading::Steps(steps.iter().map(load).collect()),
         };
-        contact.of_gap(self.gap_inward(contact.gap()), loading)
-    }
-
-    fn gap_inward(&self, gap: &AnyGap) -> AnyGap {
-        gap.turned(-self.angle)
+        contact.of_gap(contact.gap().turned(-self.angle), loading)
     }
 
     /// What to ask for in these axes: boxes of the user's axes around the pieces take their boundaries.

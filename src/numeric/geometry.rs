@@ -133,3 +133,35 @@ fn edges_about_first(polygon: &[[f64; 2]]) -> impl Iterator<Item = ([f64; 2], [f
     let from_base = move |p: &[f64; 2]| [p[0] - base[0], p[1] - base[1]];
     polygon.iter().zip(polygon.iter().cycle().skip(1)).map(move |(p, q)| (from_base(p), from_base(q)))
 }
+/// a x b.
+pub(crate) fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
+    a[0] * b[1] - a[1] * b[0]
+}
+
+/// Twice the area of a triangle, positive where p lies left of the way from a to b.
+pub(crate) fn left_of(a: [f64; 2], b: [f64; 2], p: [f64; 2]) -> f64 {
+    cross([b[0] - a[0], b[1] - a[1]], [p[0] - a[0], p[1] - a[1]])
+}
+
+/// Corners of the convex hull of points, counter-clockwise (Andrew 1979); of points on a line its ends.
+pub(crate) fn convex_hull(mut points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
+    points.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
+    points.dedup();
+    if points.len() < 3 {
+        return points;
+    }
+    let half = |points: &mut dyn Iterator<Item = [f64; 2]>| {
+        let mut chain: Vec<[f64; 2]> = Vec::new();
+        for p in points {
+            while chain.len() > 1 && left_of(chain[chain.len() - 2], chain[chain.len() - 1], p) <= 0.0 {
+                chain.pop();
+            }
+            chain.push(p);
+        }
+        chain.pop();
+        chain
+    };
+    let mut hull = half(&mut points.iter().copied());
+    hull.extend(half(&mut points.iter().rev().copied()));
+    hull
+}

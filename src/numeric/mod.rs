@@ -1,5 +1,6 @@
 //! Numerical tools without physics: intervals, derivatives, functions of one variable, quadrature, plane geometry.
 
+pub(crate) mod cubic;
 #[cfg(feature = "formula")]
 pub(crate) mod derivatives;
 pub mod geometry;

@@ -7,6 +7,7 @@ use super::axes::{self, px};
 use super::frame::{Frame, Medium};
 use super::{COLOURS, Error, FONT, Fault, Figure, Format, render};
 use crate::curve::Curve;
+use crate::numeric::cubic::Cubic;
 use crate::units::UnitLabels;
 
 /// A solved curve: its interpolant as a line, its states as dots.
@@ -115,10 +116,7 @@ fn between(solved: &[[f64; 3]], touch: f64) -> Vec<[f64; 2]> {
         for k in 1..=BETWEEN {
             let depth = pair[0][0] + f64::from(k) / f64::from(BETWEEN) * (pair[1][0] - pair[0][0]);
             let t = ((depth - touch).ln() - from[0]) / h;
-            let u = 1.0 - t;
-            // Hermite's cubic.
-            let log = u * u * ((1.0 + 2.0 * t) * from[1] + t * h * from[2])
-                + t * t * ((1.0 + 2.0 * u) * to[1] - u * h * to[2]);
+            let log = Cubic { t, h }.value(0, [from[1], from[2]], [to[1], to[2]]);
             line.push([depth, log.exp()]);
         }
     }

@@ -6,7 +6,7 @@ use super::comparison::{COLUMNS, in_words, row};
 pub use super::evidence::Parts;
 use super::evidence::{Detail, Evidence};
 use super::html::{escaped, facts, figure as picture, list, table, typeset};
-use super::table::{facts as state_facts, figure, left_out, peak};
+use super::table::{facts as state_facts, figure, peak};
 use super::view::view;
 use super::{Step, numbers, said_once};
 use crate::bracket::Evidence as Proof;
@@ -253,7 +253,7 @@ fn result(evidence: &Evidence, units: Option<&UnitLabels>) -> String {
         steps => several(steps, units),
     };
     let remarks = said_once(&evidence.steps, |s| &s.remarks);
-    let left_out = match &left_out(&evidence.steps)[..] {
+    let left_out = match &said_once(&evidence.steps, |s| &s.left_out)[..] {
         [] => String::new(),
         what => format!("<p class=\"soft\">Left out: {}.</p>\n", escaped(&what.join("; "))),
     };

@@ -24,16 +24,9 @@ pub fn table(scene: &Scene, steps: &[Step]) -> String {
         _ => several(scene, steps, &mut lines),
     }
     lines.extend(said_once(steps, |s| &s.remarks).iter().map(|remark| format!("note: {remark}")));
-    lines.extend(left_out(steps).iter().map(|what| format!("left out: {what}")));
+    lines.extend(said_once(steps, |s| &s.left_out).iter().map(|what| format!("left out: {what}")));
     lines.push(String::new());
     lines.join("\n")
-}
-
-/// What was left out, as far as there was any of it.
-pub(super) fn left_out(steps: &[Step]) -> Vec<&str> {
-    let mut said = said_once(steps, |s| &s.left_out);
-    said.retain(|what| !what.starts_with("0 of "));
-    said
 }
 
 /// Pieces of a patch that a table names.

@@ -299,11 +299,11 @@ fn bracket(rings: &Rings, f: &dyn RadialBounds, law: Law) -> Option<Annular> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
 
     /// f = c0 + c1 r + c2 r^2.
-    struct Quadratic([f64; 3]);
+    pub struct Quadratic(pub [f64; 3]);
 
     impl RadialBounds for Quadratic {
         fn value(&self, r: f64) -> f64 {
