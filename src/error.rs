@@ -14,10 +14,17 @@ pub struct InputError {
     pub allowed: String,
 }
 
+/// Digits of a number that anybody reads.
+const LONG: usize = 30;
+
 impl InputError {
     /// An error at `path` about the value `given`.
     pub fn new(path: impl Into<String>, given: impl Display, allowed: impl Into<String>) -> Self {
-        Self { path: path.into(), given: given.to_string(), allowed: allowed.into() }
+        let given = given.to_string();
+        // A number of hundreds of digits is one for its magnitude alone.
+        let long = given.parse::<f64>().ok().filter(|v| given.len() > LONG && v.is_finite());
+        let given = long.map_or(given, |v| format!("{v:e}"));
+        Self { path: path.into(), given, allowed: allowed.into() }
     }
 
     /// The same error seen from outside: `radii[0]` within `gap` is `gap.radii[0]`.

@@ -505,7 +505,9 @@ fn states_cut_short_show_no_number_that_breaks_a_law() {
         {"kind": "paraboloid", "radii": [1.7, 3.0], "at": [-0.63, 2.04]}], "rotate": 85.0, "at": [2.0, 0.0]});
     let bowl = json!({"kind": "formula", "expression": "-x^2-y^2", "region": {"disc": 1.55}});
     let power = json!({"kind": "power", "coefficient": 1.33, "exponent": 2.085});
-    for (gap, depth) in [(tips, 0.198), (bowl, 1.0), (power, 1.0)] {
+    // So sharp a tip that two grids agree by chance.
+    let spike = json!({"kind": "power", "coefficient": 1.0, "exponent": 0.05});
+    for (gap, depth) in [(tips, 0.198), (bowl, 1.0), (power, 1.0), (spike, 0.283)] {
         for milliseconds in [2.0, 4.0, 8.0, 16.0, 32.0] {
             for method in ["auto", "fft", "qp"] {
                 let scene = json!({"effective_modulus": 1.0, "gap": gap, "loading": {"depth": depth},
@@ -516,4 +518,77 @@ fn states_cut_short_show_no_number_that_breaks_a_law() {
             }
         }
     }
+}
+
+/// Planes as steep as walls hide neither the lowest point nor a contact: the same with the wall as with the edge of the material that it
+/// stands for.
+#[test]
+fn a_wall_hides_no_contact() {
+    // x < 0 and y < 0, as walls and as a region.
+    let tip = [[-1.965, 0.831, 0.17], [-0.807, -0.58, 0.0156], [1.03, -1.0, -0.1], [0.739, -1.0, -0.0978]];
+    let walls = [[1e9, -1.0, 0.2], [-0.9, 9e9, 0.265]];
+    let walled = json!({"kind": "polyhedron", "planes": tip.iter().chain(&walls).collect::<Vec<_>>()});
+    let height = |x: f64, y: f64| tip.iter().map(|p| p[0] * x + p[1] * y + p[2]).fold(f64::MIN, f64::max);
+    let lowest = (0..=1000).map(|k| height(0.0, -1e-3 * f64::from(k))).fold(f64::MAX, f64::min);
+    let touches = |depth: f64| {
+        let scene =
+            json!({"effective_modulus": 1.0, "gap": walled, "loading": {"depth": depth}, "solve": {"tolerance": 0.02}});
+        answers(&scene, Path::new(".")).remove(0).unwrap().force > 0.0
+    };
+    assert!(!touches(lowest - 1e-3) && touches(lowest + 1e-2), "{lowest}");
+    let state = solved_in(&walled, &json!({"force": 1e-3}), Path::new(".")).remove(0);
+    assert!(state.depth > lowest && state.force == 1e-3);
+    let besides = json!({"kind": "polyhedron", "planes": [[0.84, -0.51, 0.19], [-1.0, -1.0, 0.0086], [1e-160, 1.1, -0.07],
+        [1e160, 1.2, 0.3], [4.0, 0.68, 0.25]]});
+    let without = json!({"kind": "polyhedron", "planes": [[0.84, -0.51, 0.19], [-1.0, -1.0, 0.0086], [1e-160, 1.1, -0.07],
+        [4.0, 0.68, 0.25]]});
+    assert_same(&solved(&besides, 0.05), &solved(&without, 0.05));
+}
+
+/// Energies of contacts whose numbers are near the ends of the range, and forces of contacts so far from the origin that their depth has
+/// lost digits.
+#[test]
+fn closed_forms_hold_at_the_ends_of_the_range() {
+    let one = |scene: Value| answers(&scene, Path::new(".")).remove(0);
+    let ball =
+        json!({"effective_modulus": 1e300, "gap": {"kind": "sphere", "radius": 2.78}, "loading": {"force": 0.181}});
+    let state = one(ball).unwrap();
+    assert!((state.energy.unwrap() / (0.4 * state.force * state.depth) - 1.0).abs() < 1e-12, "{state:?}");
+    let far = json!({"effective_modulus": 2.35, "loading": {"force": 1.0}, "solve": {"method": "closed_form", "tolerance": 0.05},
+        "gap": {"kind": "sum", "of": [{"kind": "paraboloid", "radii": [2.64, "flat"], "at": [530_674.6, -0.32]},
+            {"kind": "paraboloid", "radii": [1.67, 2.0], "at": [2.0, 0.8]}]}});
+    let state = one(far).unwrap();
+    assert!(state.energy_error.is_some_and(|error| error > 1e-7), "{:?}", state.energy_error);
+    let subnormal =
+        json!({"effective_modulus": 5e-324, "gap": {"kind": "sphere", "radius": 1.0}, "loading": {"depth": 0.1}});
+    let refused = Scene::from_json(subnormal.to_string().as_bytes()).unwrap_err();
+    assert!(refused.path == "effective_modulus" && refused.given == "5e-324", "{refused}");
+}
+
+/// Cells that were prescribed and are larger than a contact beside them are too few, and that is said.
+#[test]
+fn prescribed_cells_larger_than_a_contact_are_too_few() {
+    let scene = json!({"effective_modulus": 2.0, "loading": {"depth": 0.566}, "solve": {"cells": 23, "tolerance": 0.1},
+        "gap": {"kind": "min", "of": [{"kind": "pyramid", "faces": 10, "inclination": 67.4, "at": [0.319, 1.4415], "rotate": 153.3},
+            {"kind": "power", "coefficient": 5445.4, "exponent": 1.0739}]}});
+    let unsolved = answers(&scene, Path::new(".")).remove(0).unwrap_err();
+    assert!(unsolved.verdict == Verdict::ToleranceNotReached && unsolved.best.is_none(), "{unsolved}");
+}
+
+/// An approximate method ends with its time, however long the rays of a gap of many kinks take.
+#[test]
+fn approximate_methods_end_with_their_time() {
+    let outline = json!({"polygon": [[2.798, 0.0], [-1.119, 1.939], [-0.5, -0.866]]});
+    let gap = json!({"kind": "min", "of": [
+        {"kind": "revolved", "points": [[0.0, 0.0], [2.70, 0.1034], [2.715, 1.192], [4.81, 1.391], [1e160, 4.38]], "rotate": 27.8},
+        {"kind": "flat", "outline": outline}]});
+    let allowed = 0.05;
+    let scene = json!({"effective_modulus": 2.45, "gap": gap, "loading": {"depths": [1.0, 0.3]}, "output": ["energy"],
+        "solve": {"method": "ritz", "seconds": allowed, "tolerance": 1e-9}});
+    let time = || rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime).tv_sec;
+    let before = time();
+    for answer in answers(&scene, Path::new(".")) {
+        assert_eq!(answer.unwrap_err().verdict, Verdict::TimeLimit);
+    }
+    assert!(time() - before < 10);
 }

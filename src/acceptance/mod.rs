@@ -13,7 +13,7 @@ pub(crate) mod stated;
 pub(crate) mod validity;
 
 use crate::bracket::Evidence;
-use crate::consistency::{Claim, Response, nothing_left_out, within};
+use crate::consistency::{Claim, Response, nothing_left_out, too_few_cells, within};
 use crate::gap::Gap;
 use crate::overlap::least;
 use crate::problem::{Contact, Load, Settings};
@@ -31,7 +31,7 @@ pub(crate) fn accepted(
     answer: Result<Solution, Unsolved>,
 ) -> Result<Solution, Unsolved> {
     match answer {
-        Ok(state) => match (complete(contact, load, &state), short(settings, &state)) {
+        Ok(state) => match (complete(contact, load, settings, &state), short(settings, &state)) {
             (Ok(()), None) => Ok(state),
             (Ok(()), Some(reason)) => {
                 let hint = finer(settings, &state);
@@ -45,7 +45,7 @@ pub(crate) fn accepted(
             (Err(broken), _) => Err(broken),
         },
         Err(mut unsolved) => {
-            match unsolved.best.as_ref().map_or(Ok(()), |state| complete(contact, load, state)) {
+            match unsolved.best.as_ref().map_or(Ok(()), |state| complete(contact, load, settings, state)) {
                 Err(broken) if broken.verdict == Verdict::Inconsistent => unsolved = unsolved.without_numbers(&broken),
                 Err(_) => unsolved.best = None,
                 Ok(()) => {}
@@ -107,7 +107,7 @@ fn finer(settings: &Settings, state: &Solution) -> String {
 
 /// # Errors
 /// `Incomplete`, with the parts that are missing or beyond the range of numbers.
-fn complete(contact: &Contact, load: Load, state: &Solution) -> Result<(), Unsolved> {
+fn complete(contact: &Contact, load: Load, settings: &Settings, state: &Solution) -> Result<(), Unsolved> {
     let lost = lost(state);
     if !lost.is_empty() {
         let reason = format!("beyond the range of numbers (1e-308 to 1e308): {}", lost.join(", "));
@@ -123,12 +123,12 @@ fn complete(contact: &Contact, load: Load, state: &Solution) -> Result<(), Unsol
             format!("the answer, depth {:e} and force {:e}, is not that of the load", state.depth, state.force);
         return Err(Unsolved::new(Verdict::Incomplete, reason));
     }
-    consistent(contact, state)
+    consistent(contact, settings, state)
 }
 
 /// # Errors
 /// `Inconsistent`, with the law that is broken.
-fn consistent(contact: &Contact, state: &Solution) -> Result<(), Unsolved> {
+fn consistent(contact: &Contact, settings: &Settings, state: &Solution) -> Result<(), Unsolved> {
     // Approximate methods answer what they define; without a stated error nothing is claimed of the force.
     let Some(error) = state.force_error.filter(|error| *error < 1.0 && state.origin != Origin::Approximate) else {
         return Ok(());
@@ -145,7 +145,8 @@ fn consistent(contact: &Contact, state: &Solution) -> Result<(), Unsolved> {
     // Of contacts far apart the grid is that of one; they were held against the grids of all.
     let apart = matches!(state.origin, Origin::SeparateContacts { .. });
     if let Some(grid) = state.grid.filter(|_| load.is_normal() && !apart) {
-        nothing_left_out(&gap, state.depth, &[grid.extent()], load)?;
+        nothing_left_out(&gap, state.depth, &[grid.extent()], load)
+            .map_err(|broken| if settings.cells.is_some() { too_few_cells(&broken) } else { broken })?;
     }
     let known = gap.known();
     let depth = state.depth - known.law.map_or(known.floor, |law| law.lowest);

@@ -161,8 +161,8 @@ trait Revolution: Debug + Send + Sync {
     fn rough_pressure(&self, r: f64) -> f64 {
         self.pressure(r)
     }
-    /// int_0^a q^2 ds.
-    fn energy(&self) -> f64;
+    /// U/P, a length, where U alone may be beyond the range of numbers; `force`: P for E* = 1.
+    fn energy_over_force(&self, force: f64) -> f64;
     /// The largest pressure; `None` when it is infinite.
     fn peak(&self) -> Option<f64>;
 }
@@ -187,7 +187,7 @@ impl ClosedForm {
     pub fn energy(&self) -> f64 {
         match &self.pressure {
             Distribution::Hertz { energy, .. } | Distribution::Punch { energy, .. } => *energy,
-            Distribution::Revolution(shape) => self.e_star * shape.energy(),
+            Distribution::Revolution(shape) => self.force * shape.energy_over_force(self.force / self.e_star),
         }
     }
 

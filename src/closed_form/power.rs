@@ -161,9 +161,10 @@ impl Revolution for Contact {
         n * depth / (PI * a) * integral
     }
 
-    fn energy(&self) -> f64 {
-        let Self { a, depth, exponent: n } = *self;
-        n / (2.0 * n + 1.0) * (2.0 * n / (n + 1.0)) * a * depth * depth
+    /// d/(2 + 1/k), k the exponent.
+    fn energy_over_force(&self, _: f64) -> f64 {
+        let Self { depth, exponent: n, .. } = *self;
+        n / (2.0 * n + 1.0) * depth
     }
 
     fn peak(&self) -> Option<f64> {

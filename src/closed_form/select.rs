@@ -54,8 +54,16 @@ fn refused(error: impl std::fmt::Display) -> Unsolved {
     Unsolved::new(Verdict::NoClosedForm, error.to_string())
 }
 
-/// A form counts depth from its own first touch; the user from the reference point of the gap.
+/// Roundings of a depth and of the lowest point of a gap.
+const ROUNDINGS: f64 = 4.0 * f64::EPSILON;
+
+/// A form counts depth from its own first touch; the user from the reference point of the gap. What that difference of large numbers
+/// leaves of their digits enters the force by the exponent of the depth, d S/P.
 fn formula(mut contact: ClosedForm, depth: f64, found: String, left_out: &str) -> Formula {
+    let overlap = contact.depth;
+    let exponent = contact.stiffness / contact.force * overlap;
+    let lost = ROUNDINGS * (depth.abs() + (depth - overlap).abs()) / overlap;
+    contact.error = contact.error.max(exponent * lost);
     contact.depth = depth;
     Formula { contact, found, left_out: vec![left_out.to_owned()] }
 }

@@ -351,9 +351,10 @@ impl Revolution for Contact {
         self.pressure_to(r, 1e-4)
     }
 
-    fn energy(&self) -> f64 {
+    /// int_0^a q^2 ds/P.
+    fn energy_over_force(&self, force: f64) -> f64 {
         let (g, d, a) = (&self.generatrix, self.depth, self.a);
-        let q2 = |s: f64| (d - g.abel(s).value).powi(2);
+        let q2 = |s: f64| (1.0 - g.abel(s).value / d).powi(2);
         let mut ends: Vec<f64> = g.kinks.iter().copied().filter(|&b| b < a).collect();
         ends.push(a);
         let first = from_zero(q2, ends[0], 1e-11).value;
@@ -362,7 +363,8 @@ impl Revolution for Contact {
             let share = |w: f64| q2(b.hypot(w)) * w / b.hypot(w);
             adaptive(share, 0.0, ((end - b) * (end + b)).sqrt(), &[], 1e-11).value
         };
-        first + ends.windows(2).map(|pair| past(pair[0], pair[1])).sum::<f64>()
+        let sum = first + ends.windows(2).map(|pair| past(pair[0], pair[1])).sum::<f64>();
+        d * (d / force * sum)
     }
 
     fn peak(&self) -> Option<f64> {

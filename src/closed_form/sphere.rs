@@ -120,13 +120,13 @@ impl Revolution for Contact {
         (adaptive(first, 0.0, width, &[], 1e-13).value + second) / PI
     }
 
-    /// int_0^a (d - D)^2 ds with s = R tanh v = R tanh(y t): d^2 R y int_0^1 (1 - v tanh v/(y tanh y))^2 sech^2 v dt.
-    fn energy(&self) -> f64 {
+    /// int_0^a (d - D)^2 ds/P with s = R tanh v = R tanh(y t): d^2 R y int_0^1 (1 - v tanh v/(y tanh y))^2 sech^2 v dt/P.
+    fn energy_over_force(&self, _: f64) -> f64 {
         let (y, depth) = (self.y, self.y * self.y.tanh());
         let integrand = |t: f64| ((1.0 - t * (y * t).tanh() / y.tanh()) / (y * t).cosh()).powi(2);
         // sech^2 v is below 1e-30 from 36 on.
         let integral = adaptive(integrand, 0.0, (36.0 / y).min(1.0), &[], 1e-13).value;
-        (self.radius * depth) * (self.radius * depth) * (self.radius * (y * integral))
+        self.radius * (depth * (depth * y / force(y)) * integral)
     }
 
     fn peak(&self) -> Option<f64> {

@@ -220,19 +220,19 @@ impl Revolution for FlatContact {
         self.slope / PI * (first + second)
     }
 
-    /// d^2 b + int_b^a (d - t s arccos(b/s))^2 ds, s = b/cos v.
-    fn energy(&self) -> f64 {
+    /// [d^2 b + int_b^a (d - t s arccos(b/s))^2 ds]/P, s = b/cos v.
+    fn energy_over_force(&self, force: f64) -> f64 {
         let (b, t, d) = (self.flat, self.slope, self.depth);
         let integrand = |v: f64| {
             let s = b / v.cos();
-            (d - t * s * v).powi(2) * s * v.tan()
+            (1.0 - t * s * v / d).powi(2) * s * v.tan()
         };
         // b/cos loses the digits of s near pi/2; there s itself is the variable.
         let middle = self.phi.min(1.0);
         let near = adaptive(integrand, 0.0, middle, &[], 1e-13).value;
-        let outer = |s: f64| (d - t * s * (((s - b) * (s + b)).sqrt()).atan2(b)).powi(2);
+        let outer = |s: f64| (1.0 - t * s * (((s - b) * (s + b)).sqrt()).atan2(b) / d).powi(2);
         let far = if self.phi > middle { adaptive(outer, b / middle.cos(), self.a, &[], 1e-13).value } else { 0.0 };
-        d * d * b + near + far
+        d * (d / force * (b + near + far))
     }
 
     fn peak(&self) -> Option<f64> {
@@ -284,9 +284,12 @@ impl Revolution for RoundedContact {
         (2.0 * self.slope * (tip / b) + flank) / PI
     }
 
-    fn energy(&self) -> f64 {
-        let q2 = |s: f64| (self.depth - self.abel(s)).powi(2);
-        adaptive(q2, 0.0, self.a, &[self.rim, (2.0 * self.rim).min(0.5 * (self.a + self.rim))], 1e-12).value
+    /// int_0^a q^2 ds/P.
+    fn energy_over_force(&self, force: f64) -> f64 {
+        let d = self.depth;
+        let q2 = |s: f64| (1.0 - self.abel(s) / d).powi(2);
+        let corners = [self.rim, (2.0 * self.rim).min(0.5 * (self.a + self.rim))];
+        d * (d / force * adaptive(q2, 0.0, self.a, &corners, 1e-12).value)
     }
 
     fn peak(&self) -> Option<f64> {

@@ -9,8 +9,15 @@ use crate::numeric::geometry::Rect;
 /// Room for the rounding of a radius.
 const ROUNDING: f64 = 1.0 + 1e-14;
 
+/// A radius beyond the range of numbers is none.
 fn disc(radius: f64) -> Reach {
-    if radius > 0.0 { Reach::Within(Rect::around([0.0; 2], [radius * ROUNDING; 2])) } else { Reach::Nowhere }
+    if radius == f64::INFINITY {
+        Reach::Unbounded { from: [0.0; 2], along: 0.0 }
+    } else if radius > 0.0 {
+        Reach::Within(Rect::around([0.0; 2], [radius * ROUNDING; 2]))
+    } else {
+        Reach::Nowhere
+    }
 }
 
 /// What bodies of revolution about the origin that rise from 0 there have in common.

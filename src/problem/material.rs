@@ -89,9 +89,14 @@ impl EffectiveModulus {
     /// A number that is E* already, greater than zero.
     ///
     /// # Errors
-    /// When it is not a finite number greater than zero.
+    /// When it is not a finite number greater than zero, or so small that it has lost digits.
     pub fn from_e_star(e_star: f64) -> Result<Self, InputError> {
-        positive("effective_modulus", e_star).map(Self)
+        let e_star = positive("effective_modulus", e_star)?;
+        if e_star < f64::MIN_POSITIVE {
+            let allowed = "a number of at least 2.3e-308, which has all its digits";
+            return Err(InputError::new("effective_modulus", e_star, allowed));
+        }
+        Ok(Self(e_star))
     }
 
     /// E*, in units of stress.

@@ -133,6 +133,7 @@ pub(super) fn shrink_until_loaded(
         if let Some(found) = disc.climb(e, circles) {
             return Ok(found);
         }
+        disc.overlap.deadline.check()?;
         // The means of a smooth gap tell the way even where the force is negative.
         let means = disc.means(e, disc.rule());
         match hertz(e, &means, circles) {

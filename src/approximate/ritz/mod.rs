@@ -98,6 +98,7 @@ fn best(
     let settings = settings.checked()?;
     let circles = family == Family::Circle;
     let problem = Problem::new(gap, modulus, depth)?.before(settings.deadline);
+    settings.deadline.check().map_err(Unsolved::from)?;
     let tolerance: f64 = settings.tolerance;
     if let Some(mut ridged) = Ridged::of(&problem.overlap) {
         let peak = polyhedral(&mut ridged, circles, tolerance)?;
@@ -188,6 +189,7 @@ fn settle(disc: &mut Disc, start: Ellipse, circles: bool, settings: &Settings) -
             continue;
         }
         let mut errors = errors;
+        disc.overlap.deadline.check()?;
         if disc.out_of_budget() {
             if residual > CUT_SHORT {
                 let reason = format!(

@@ -60,12 +60,15 @@ pub struct Heights {
     uncertainty: Option<Vec<f64>>,
 }
 
+/// The largest height: squares of larger ones are beyond the range of numbers.
+const HIGHEST: f64 = 1e150;
+
 impl Heights {
     /// Heights by rows, `shape` = number along x and along y, `spacing` = steps along x and y.
     ///
     /// # Errors
     /// Names `shape` when it has less than two nodes a side or does not fit the number of values, `spacing` when it is
-    /// not positive, `values[k]` when it is infinite.
+    /// not positive, `values[k]` when it is infinite or larger than 1e150.
     pub fn new(values: Vec<f64>, shape: [usize; 2], spacing: [f64; 2]) -> Result<Self, InputError> {
         positive("spacing[0]", spacing[0])?;
         positive("spacing[1]", spacing[1])?;
@@ -76,8 +79,9 @@ impl Heights {
         if shape[0].checked_mul(shape[1]) != Some(values.len()) {
             return Err(InputError::new("shape", given, format!("a shape that holds the {} values", values.len())));
         }
-        if let Some(k) = values.iter().position(|v| v.is_infinite()) {
-            return Err(InputError::new(format!("values[{k}]"), values[k], "a finite height, or NaN for a hole"));
+        if let Some(k) = values.iter().position(|v| v.abs() > HIGHEST) {
+            let allowed = format!("a height of at most {HIGHEST:e} in size, or NaN for a hole");
+            return Err(InputError::new(format!("values[{k}]"), values[k], allowed));
         }
         let origin = [0, 1].map(|m| -0.5 * (shape[m] - 1) as f64 * spacing[m]);
         finite("spacing[0]", origin[0])?;
