@@ -19,24 +19,32 @@ use crate::numeric::geometry::{Rect, clip};
 use crate::overlap::Overlap;
 use crate::problem::{Contact, Settings};
 
-/// A flat with flanks.
+/// A flat with flanks, small beside its flat as far as the contact goes.
 pub(crate) struct Layer {
     flat: Flat,
     /// d/h.
     growth: f64,
 }
 
+/// The highest of several planes where one of them is level and lowest.
+pub(super) struct FlatTip {
+    /// Corners of the flat about `middle`, counter-clockwise.
+    pub face: Vec<[f64; 2]>,
+    pub middle: [f64; 2],
+    /// The height of the flat.
+    pub level: f64,
+    /// The other planes about `middle`, less that height.
+    pub flanks: Vec<[f64; 3]>,
+    /// d/h.
+    pub growth: f64,
+}
+
 /// The part of the tolerance that the growth of the contact may take.
 const SHARE: f64 = 0.8;
 
-impl Layer {
-    /// `None` where the gap has no level plane below all others somewhere, or the growth alone exceeds the tolerance.
-    pub fn of(overlap: &Overlap, tolerance: f64) -> Option<Self> {
-        Self::up_to(overlap, 4.0 * SHARE * tolerance)
-    }
-
-    /// The same where the contact passes the flat by at most `most` of its size.
-    pub(super) fn up_to(overlap: &Overlap, most: f64) -> Option<Self> {
+impl FlatTip {
+    /// `None` where the gap has no level plane below all others somewhere.
+    pub fn of(overlap: &Overlap) -> Option<Self> {
         let planes = overlap.gap.planes().filter(|planes| planes.len() <= MOST_CORNERS)?;
         let level = planes.iter().filter(|p| p[0] == 0.0 && p[1] == 0.0).map(|p| p[2]).reduce(f64::max)?;
         let flanks: Vec<[f64; 3]> = planes.into_iter().filter(|p| p[0] != 0.0 || p[1] != 0.0).collect();
@@ -60,9 +68,19 @@ impl Layer {
         };
         let rounding = 16.0 * f64::EPSILON * relative.iter().map(size).fold(level.abs(), f64::max);
         let growth = depth / (least - rounding);
-        if !(growth > 0.0 && growth <= most) {
-            return None;
-        }
+        (growth > 0.0).then_some(Self { face, middle, level, flanks: relative, growth })
+    }
+}
+
+impl Layer {
+    /// `None` where the gap has no level plane below all others somewhere, or the growth alone exceeds the tolerance.
+    pub fn of(overlap: &Overlap, tolerance: f64) -> Option<Self> {
+        Self::up_to(overlap, 4.0 * SHARE * tolerance)
+    }
+
+    /// The same where the contact passes the flat by at most `most` of its size.
+    pub(super) fn up_to(overlap: &Overlap, most: f64) -> Option<Self> {
+        let FlatTip { face, middle, level, growth, .. } = FlatTip::of(overlap).filter(|tip| tip.growth <= most)?;
         let flat = Flat::polygon(&face, middle, [1.0, 0.0], level)?;
         Some(Self { flat, growth })
     }

@@ -5,9 +5,11 @@
 //! | a level face in a polygon, nothing outside | the flat punch | E* K d, the bracket of K |
 //! | a tilted face in a polygon | the cells that stay in contact | the bracket of its own, where it touches everywhere |
 //! | the highest of several planes, one of them level | the flat punch under that one | E* K d to E* K d (1 + s/2): see [`layer`] |
+//! | the same, where the contact passes it by more | the flat and a strip of its flanks | an estimate |
 //! | an axis, bounds along the radius | rings | the bracket of the force |
 //! | two mirrors, one closed strip around them | cells along the strip | an estimate |
 
+mod flanked;
 mod flat;
 mod layer;
 mod oval;
@@ -31,6 +33,7 @@ pub(crate) enum Route {
     Flat(flat::Flat),
     Tilted(tilted::Tilting),
     Layer(layer::Layer),
+    Flanked(flanked::FlankedTip),
     Rings(rings::Section),
     Oval(oval::Strip),
 }
@@ -88,6 +91,9 @@ impl Route {
         if let Some(layer) = layer::Layer::of(overlap, settings.tolerance) {
             return Some(Self::Layer(layer));
         }
+        if let Some(tip) = flanked::FlankedTip::of(overlap) {
+            return Some(Self::Flanked(tip));
+        }
         match known.axis {
             Some(axis) => rings::Section::of(overlap, axis).map(Self::Rings),
             None => oval::Strip::of(overlap).map(Self::Oval),
@@ -100,6 +106,7 @@ impl Route {
             Self::Flat(flat) => flat.found(),
             Self::Tilted(tilting) => tilting.found(),
             Self::Layer(layer) => layer.found(),
+            Self::Flanked(tip) => tip.found(),
             Self::Rings(section) => section.found(),
             Self::Oval(strip) => strip.found(),
         }
@@ -111,6 +118,7 @@ impl Route {
             Self::Flat(flat) => flat.solve(contact, depth, settings, &limits),
             Self::Tilted(tilting) => tilting.at(contact, depth, settings, &limits),
             Self::Layer(layer) => layer.solve(contact, depth, settings, &limits),
+            Self::Flanked(tip) => tip.solve(contact, settings, &limits),
             Self::Rings(section) => section.solve(contact, settings, &limits),
             Self::Oval(strip) => strip.solve(contact, settings, &limits),
         }

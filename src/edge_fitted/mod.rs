@@ -30,6 +30,7 @@ mod cholesky;
 mod compliance;
 mod discrete;
 mod fade;
+mod flanked;
 mod flat;
 mod gauss;
 mod integrand;
@@ -53,6 +54,7 @@ mod tilted_mesh;
 
 pub(crate) use annular::{Annular, Law, RadialBounds, RadialJet, Span, annular};
 pub(crate) use cells::{resample, resample_rings};
+pub(crate) use flanked::{Flanked, Flat as FlankedFlat, flanked};
 pub(crate) use flat::{FlatStiffness, flat_stiffness};
 pub(crate) use outline::Outline;
 pub(crate) use oval::{Oval, oval};

@@ -1,0 +1,345 @@
+//! A flat polygon with flanks: a worn indenter, a truncated pyramid. The contact passes the edges of the flat by a strip, on which it ends
+//! where the pressure vanishes.
+//!
+//! Cells follow the polygon: inside by its own shape from the centre outwards, on the flanks by their level lines; both are graded to the
+//! edge, where the slope of the gap jumps and the pressure is infinite like a logarithm, and along it to the corners. The strip is wider
+//! than the contact; the active set finds its end. On any set of cells the force of S p = f is stationary where the set is the contact
+//! (Barber 1974), so that the end, known to a cell, enters squared. What cells across and along the edges leave is told by fewer of them.
+
+use super::Limits;
+use super::active_set::{factor, solve, solve_on};
+use super::compliance::Compliance;
+use super::line_potential::Lines;
+use super::mesh::{Bilinear, Mesh, Point};
+use super::polygon::symmetries;
+use super::rectilinear::{graded, graded_both};
+use super::symmetry::Orbits;
+
+/// A flat of depth 1 below first touch of nothing else: E* = 1.
+pub(crate) struct Flat<'a> {
+    /// Corners of a convex polygon, counter-clockwise.
+    pub corners: &'a [Point],
+    /// What each corner moves by where the gap rises by 1.
+    pub drift: &'a [Point],
+    /// The largest share of its size that the polygon grows by for that.
+    pub growth: f64,
+    /// Whether the gap has the symmetries of the polygon.
+    pub symmetric: bool,
+    /// The overlap.
+    pub overlap: &'a dyn Fn(Point) -> f64,
+}
+
+/// A contact on a flat and its flanks.
+#[derive(Debug, Clone)]
+pub(crate) struct Flanked {
+    /// The force, and an estimate of its relative error.
+    pub force: f64,
+    pub error: f64,
+    /// The stored energy.
+    pub energy: f64,
+    /// dP/dd, and an estimate of its relative error.
+    pub stiffness: f64,
+    pub stiffness_error: f64,
+    /// Area, and an estimate of its relative error.
+    pub area: f64,
+    pub area_error: f64,
+    /// Corners and pressure of the cells in contact.
+    pub cells: Vec<([Point; 4], f64)>,
+    /// The end of the contact, counter-clockwise.
+    pub end: Vec<Point>,
+    /// Unknowns of the last mesh.
+    pub unknowns: usize,
+}
+
+/// Cells: from the centre to the edge before it is graded further, half along an edge, across the strip.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Counts {
+    inside: usize,
+    along: usize,
+    strip: usize,
+}
+
+/// The first mesh at a tolerance of 1e-3.
+const FIRST: Counts = Counts { inside: 7, along: 6, strip: 6 };
+
+/// Rounds of more cells.
+const ROUNDS: usize = 4;
+
+/// Grading to the edge from inside, along it to its ends, and to it from the strip.
+const EXPONENTS: [f64; 3] = [4.0, 3.0, 1.5];
+
+/// What the innermost cells at the edge shrink by from one to the next.
+const RATIO: f64 = 4.0;
+
+/// Width of the strip over what the surface beside a flat punch asks for: 8/pi^2 of the depth times the growth.
+const ROOM: f64 = 3.0;
+
+/// Times that the strip is doubled.
+const MOST_DOUBLINGS: usize = 6;
+
+/// What is left of a force over what it changes by with fewer cells, at most: 0.9 measured on 3 to 12 sides, growths of 1e-3 to 0.3.
+const SCATTER: f64 = 1.5;
+
+/// What the end of the contact leaves of the force, over the square of what it may be off by.
+const OF_END: f64 = 0.5;
+
+/// Where a smaller tolerance asks for more cells than one of 1e-3: errors fall with this power of their number.
+const ORDER: f64 = 2.5;
+
+/// A solved mesh.
+struct State {
+    force: f64,
+    energy: f64,
+    stiffness: f64,
+    area: f64,
+    mesh: Mesh,
+    pressure: Vec<f64>,
+    unknowns: usize,
+    layout: Layout,
+}
+
+/// Lines of a mesh.
+struct Layout {
+    /// Shares of the way from the centre to the edge.
+    inside: Vec<f64>,
+    /// Heights of the level lines on the flanks, without the edge.
+    heights: Vec<f64>,
+    /// Shares along each edge.
+    along: Vec<f64>,
+}
+
+/// The contact of a flat with flanks. `None` where it cannot be solved on as many cells, and once the time is used up.
+pub(crate) fn flanked(flat: &Flat, limits: &Limits) -> Option<Flanked> {
+    let more = (1e-3 / limits.tolerance).powf(1.0 / ORDER).clamp(0.7, 4.0);
+    let scaled = |c: Counts, by: f64| {
+        let times = |n: usize| ((n as f64 * by).ceil() as usize).max(3);
+        Counts { inside: times(c.inside), along: times(c.along), strip: times(c.strip) }
+    };
+    let mut counts = scaled(FIRST, more);
+    let mut width = (ROOM * flat.growth).min(1.0);
+    let mut best: Option<Flanked> = None;
+    for _ in 0..ROUNDS {
+        let Some(fine) = wide_enough(flat, counts, &mut width, limits) else { return best };
+        let fewer = scaled(counts, 2.0 / 3.0);
+        let across = solved(flat, Counts { along: counts.along, ..fewer }, width, limits)?;
+        let along = solved(flat, Counts { along: fewer.along, ..counts }, width, limits)?;
+        let change =
+            |of: fn(&State) -> f64| (of(&across) / of(&fine) - 1.0).abs() + (of(&along) / of(&fine) - 1.0).abs();
+        // The end of the contact is known to half a cell of the strip.
+        let cell = 0.5 * flat.growth * fine.thickness_at_end();
+        let found = Flanked {
+            force: fine.force,
+            error: SCATTER * change(|s| s.force) + OF_END * cell * cell,
+            energy: fine.energy,
+            stiffness: fine.stiffness,
+            stiffness_error: change(|s| s.stiffness) + cell,
+            area: fine.area,
+            area_error: change(|s| s.area) + 2.0 * cell,
+            end: fine.end(),
+            cells: (0..fine.mesh.loaded)
+                .filter(|&k| fine.pressure[k] > 0.0)
+                .map(|k| (fine.mesh.corners(k), fine.pressure[k]))
+                .collect(),
+            unknowns: fine.unknowns,
+        };
+        let missed = found.error / limits.tolerance;
+        best = Some(found);
+        if missed <= 1.0 {
+            break;
+        }
+        counts = scaled(counts, (1.2 * missed.powf(1.0 / ORDER)).clamp(1.25, 2.0));
+    }
+    best
+}
+
+/// The mesh with a strip wider than the contact.
+fn wide_enough(flat: &Flat, counts: Counts, width: &mut f64, limits: &Limits) -> Option<State> {
+    for _ in 0..MOST_DOUBLINGS {
+        let state = solved(flat, counts, *width, limits)?;
+        if *width == 1.0 || !state.reaches_its_border() {
+            return Some(state);
+        }
+        *width = (2.0 * *width).min(1.0);
+    }
+    None
+}
+
+fn solved(flat: &Flat, counts: Counts, width: f64, limits: &Limits) -> Option<State> {
+    let layout = Layout::new(counts, width, flat.growth);
+    let n = flat.corners.len();
+    let cells = n * (layout.along.len() - 1) * layout.rows();
+    let group = if flat.symmetric { symmetries(flat.corners) } else { Vec::new() };
+    if cells > limits.cells || cells / group.len().max(1) > limits.unknowns {
+        return None;
+    }
+    let mesh = layout.mesh(flat);
+    let lines = Lines::new(&mesh);
+    let orbits = Orbits::new(&mesh, &group);
+    if orbits.loaded > limits.unknowns {
+        return None;
+    }
+    let compliance = Compliance::new(&mesh, &lines, &orbits, limits.deadline)?;
+    let of = |a: usize| (Bilinear::new(mesh.corners(orbits.representatives[a])), orbits.size[a] as f64);
+    let areas: Vec<f64> = (0..orbits.loaded).map(|a| of(a).1 * of(a).0.area()).collect();
+    let integral = |(cell, size): (Bilinear, f64)| size * cell.gauss().map(|(p, w)| w * (flat.overlap)(p)).sum::<f64>();
+    let rhs: Vec<f64> = (0..orbits.loaded).map(|a| integral(of(a))).collect();
+    let p = solve(&compliance, &rhs);
+    let contact: Vec<bool> = p.iter().map(|p| *p > 0.0).collect();
+    let m = solve_on(&factor(&compliance, &contact)?, &contact, &areas);
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let (force, stiffness) = (dot(&p, &areas), dot(&m, &areas));
+    let pressure = orbits.expand(&p, mesh.loaded);
+    (force > 0.0 && stiffness > 0.0).then(|| State {
+        force,
+        energy: 0.5 * dot(&p, &rhs),
+        stiffness,
+        area: areas.iter().zip(&contact).filter(|(_, touches)| **touches).map(|(a, _)| a).sum(),
+        mesh,
+        pressure,
+        unknowns: orbits.loaded,
+        layout,
+    })
+}
+
+impl Layout {
+    fn new(counts: Counts, width: f64, growth: f64) -> Self {
+        let mut heights = graded(width, 0.0, counts.strip, EXPONENTS[2]);
+        heights.reverse();
+        heights.remove(0);
+        // At the edge cells are as thin on both of its sides.
+        let mut inside = graded(0.0, 1.0, counts.inside, EXPONENTS[0]);
+        let thinnest = heights[0] * growth;
+        let mut last = 1.0 - inside[counts.inside - 1];
+        while last > RATIO * thinnest {
+            last /= RATIO;
+            inside.insert(inside.len() - 1, 1.0 - last);
+        }
+        Self { inside, heights, along: graded_both(0.0, 1.0, counts.along, EXPONENTS[1]) }
+    }
+
+    /// Cells from the centre to the end of the strip.
+    fn rows(&self) -> usize {
+        self.inside.len() - 1 + self.heights.len()
+    }
+
+    /// Lines around the centre, which is no line itself: the corners of each.
+    fn rings<'a>(&'a self, flat: &'a Flat) -> impl Iterator<Item = Vec<Point>> + 'a {
+        let inside = self.inside[1..].iter().map(|share| flat.corners.iter().map(|c| c.map(|x| share * x)).collect());
+        let outside = self.heights.iter().map(|height| {
+            flat.corners.iter().zip(flat.drift).map(|(c, v)| [0, 1].map(|m| c[m] + height * v[m])).collect()
+        });
+        inside.chain(outside)
+    }
+
+    /// Cells by sectors, in each from the centre outwards.
+    fn mesh(&self, flat: &Flat) -> Mesh {
+        let (corners, along) = (flat.corners.len(), self.along.len() - 1);
+        let around = corners * along;
+        let mut nodes = vec![[0.0; 2]];
+        for ring in self.rings(flat) {
+            for k in 0..corners {
+                let (a, b) = (ring[k], ring[(k + 1) % corners]);
+                // From the nearer end: mirrored edges have mirrored nodes.
+                nodes.extend(self.along[..along].iter().map(|&t| {
+                    [0, 1].map(|m| if t <= 0.5 { a[m] + t * (b[m] - a[m]) } else { b[m] + (1.0 - t) * (a[m] - b[m]) })
+                }));
+            }
+        }
+        let id = |row: usize, j: usize| if row == 0 { 0 } else { 1 + (row - 1) * around + j % around };
+        let cells = (0..around)
+            .flat_map(|j| {
+                (0..self.rows()).map(move |row| [id(row, j), id(row + 1, j), id(row + 1, j + 1), id(row, j + 1)])
+            })
+            .collect();
+        Mesh::new(nodes, cells, Vec::new())
+    }
+}
+
+impl State {
+    fn reaches_its_border(&self) -> bool {
+        let rows = self.layout.rows();
+        self.pressure.chunks(rows).any(|column| column[rows - 1] > 0.0)
+    }
+
+    /// The largest thickness of a last cell in contact of all sectors, as a height of the flank; of the next one where contact ends on the
+    /// flat.
+    fn thickness_at_end(&self) -> f64 {
+        let (rows, inside) = (self.layout.rows(), self.layout.inside.len() - 1);
+        let heights = &self.layout.heights;
+        let thickness = |column: &[f64]| {
+            let last = column.iter().rposition(|p| *p > 0.0).map_or(0, |row| (row + 1).saturating_sub(inside));
+            let next = last.min(heights.len() - 1);
+            heights[next] - next.checked_sub(1).map_or(0.0, |before| heights[before])
+        };
+        self.pressure.chunks(rows).map(thickness).fold(0.0, f64::max)
+    }
+
+    /// The middle of the outer side of the last cell in contact, of every sector.
+    fn end(&self) -> Vec<Point> {
+        let rows = self.layout.rows();
+        let columns = self.pressure.chunks(rows).enumerate();
+        columns
+            .filter_map(|(j, column)| {
+                let last = column.iter().rposition(|p| *p > 0.0)?;
+                let c = self.mesh.corners(j * rows + last);
+                Some([0, 1].map(|m| 0.5 * (c[1][m] + c[2][m])))
+            })
+            .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A pyramid of n faces, inradius 1, at a depth of `growth` times the height of its missing tip.
+    fn pyramid(n: usize, growth: f64, tolerance: f64) -> Flanked {
+        let half = std::f64::consts::PI / n as f64;
+        let corner = |k: usize| {
+            let (sin, cos) = (half * (2 * k + 1) as f64).sin_cos();
+            [cos / half.cos(), sin / half.cos()]
+        };
+        let corners: Vec<Point> = (0..n).map(corner).collect();
+        let drift: Vec<Point> = corners.iter().map(|c| c.map(|x| growth * x)).collect();
+        let overlap = |p: Point| {
+            let along = |k: usize| {
+                let (sin, cos) = (2.0 * half * k as f64).sin_cos();
+                p[0] * cos + p[1] * sin
+            };
+            let farthest = (0..n).map(along).fold(f64::MIN, f64::max);
+            1.0 - ((farthest - 1.0) / growth).max(0.0)
+        };
+        let flat = Flat { corners: &corners, drift: &drift, growth, symmetric: true, overlap: &overlap };
+        flanked(&flat, &Limits { tolerance, ..Limits::default() }).unwrap()
+    }
+
+    /// Of very many faces: the truncated cone in closed form.
+    #[test]
+    fn many_faces_are_a_truncated_cone() {
+        use crate::EffectiveModulus;
+        use crate::closed_form::FlatEndedCone;
+        let modulus = EffectiveModulus::from_e_star(1.0).unwrap();
+        for growth in [1e-3, 1e-2, 0.1] {
+            let found = pyramid(48, growth, 1e-3);
+            // The circle of the same area.
+            let radius = (48.0 * (std::f64::consts::PI / 48.0).tan() / std::f64::consts::PI).sqrt();
+            let cone = FlatEndedCone::new(modulus, radius, 1.0 / growth).unwrap().at_depth(1.0).unwrap();
+            assert!(found.error <= 1e-3, "{growth}: {}", found.error);
+            let off = found.force / cone.force - 1.0;
+            assert!(off.abs() < found.error + 3e-4, "{growth}: off {off:e}, stated {:e}", found.error);
+        }
+    }
+
+    /// P between the flat's and that of the flat enlarged; dP/dd the stiffness; finer cells within the stated errors.
+    #[test]
+    fn forces_of_truncated_pyramids() {
+        for n in [3, 4] {
+            for growth in [3e-3, 0.03, 0.3] {
+                let (rough, fine) = (pyramid(n, growth, 1e-3), pyramid(n, growth, 2e-4));
+                assert!(rough.error <= 1e-3 && fine.error <= 3e-4, "{n} {growth}: {} {}", rough.error, fine.error);
+                let off = (rough.force / fine.force - 1.0).abs();
+                assert!(off <= rough.error + fine.error, "{n} {growth}: {off:e} {} {}", rough.error, fine.error);
+            }
+        }
+    }
+}
