@@ -137,7 +137,10 @@ fn at_depth(
     // One state alone serves no other.
     let several = contact.loading().loads().len() > 1;
     if let Some(law) = contact.gap().known().law.filter(|_| several) {
-        *similar = Similar::of(answer.clone(), law).ok().filter(|all| all.state.force > 0.0);
+        // Numbers near the end of the range have lost digits.
+        let whole = |x: f64| (f64::MIN_POSITIVE / f64::EPSILON..=f64::MAX).contains(&x);
+        let serves = |s: &Solution| [s.force, s.stiffness, s.patch.area].into_iter().chain(s.energy).all(whole);
+        *similar = Similar::of(answer.clone(), law).ok().filter(|all| serves(&all.state));
     }
     answer
 }
@@ -161,8 +164,10 @@ fn at_force(
     }
     let scaled = |all: &Similar| {
         let mut state = all.at(gap, all.depth_for(force));
-        // What rounding leaves of the force is that of its bounds, too.
-        state.scale_bracket(force / state.force);
+        // What rounding leaves of the force is that of its bounds and its pieces, too.
+        let rounding = force / state.force;
+        state.scale_bracket(rounding);
+        state.patch.pieces.iter_mut().for_each(|piece| piece.force *= rounding);
         Solution { force, ..state }
     };
     if let Some(all) = similar {

@@ -37,7 +37,10 @@ pub fn approximate(gap: impl Into<AnyGap>, modulus: EffectiveModulus, depth: f64
     approximate_before(&gap.into(), modulus, depth, Deadline::NEVER)
 }
 
-/// As [`approximate`], with what is found until the deadline.
+/// As [`approximate`].
+///
+/// # Errors
+/// `TimeLimit`, too.
 pub(super) fn approximate_before(
     gap: &AnyGap,
     modulus: EffectiveModulus,
@@ -53,11 +56,13 @@ pub(super) fn approximate_before(
     let lower = found.as_ref().and_then(|e| e.lower_bound.map(|b| e.force - DOUBT * (e.force - b.force())));
     let middle = found.as_ref().map_or(gap.known().centre, |e| e.centroid);
     let comparisons = Comparisons { gap, modulus, depth, reach, certain };
+    deadline.check()?;
     let ellipse = lower.unwrap_or(0.0).max(inscribed(&comparisons));
     let fabrikant = [fabrikant::Family::Stationary, fabrikant::Family::PlanForm]
         .into_iter()
         .find_map(|family| solve(gap, modulus, depth, family, &settings).ok())
         .map_or(0.0, |found| measure::corrected_fabrikant(gap, modulus, depth, &found.boundary));
+    deadline.check()?;
     let below = Side {
         force: ellipse.max(fabrikant),
         theorem: if fabrikant > ellipse { Theorem::CorrectedFabrikant } else { Theorem::Ellipse },

@@ -21,7 +21,7 @@ const ORDER: f64 = 1.4;
 /// The solution with a bracket on its force, and on its depth where the force was prescribed.
 ///
 /// # Errors
-/// Those of the grid solves and of the bracket.
+/// None: a bracket that cannot be had is said in a remark.
 pub(crate) fn with_bracket(
     contact: &Contact,
     load: Load,
@@ -36,20 +36,21 @@ pub(crate) fn with_bracket(
     let narrow =
         |b: &mut ForceBracket| b.evidence() == Evidence::Proved && b.relative_width() <= 2.0 * settings.tolerance;
     let before = solution.bracket.clone().filter(|_| settings.evidence == ErrorBar::Proof);
-    let bracket = match (solution.bracket.take_if(narrow), settings.method) {
-        (Some(narrow), _) => narrow,
+    let found = match (solution.bracket.take_if(narrow), settings.method) {
+        (Some(narrow), _) => Ok(Some(narrow)),
         (None, Method::Ritz | Method::Fabrikant) => {
-            approximate_before(&gap, contact.modulus(), solution.depth, settings.deadline)?
+            approximate_before(&gap, contact.modulus(), solution.depth, settings.deadline).map(Some)
         }
-        (None, _) => match on_grids(contact, &gap, before, &mut solution, settings) {
-            Ok(Some(bracket)) => bracket,
-            Ok(None) => return Ok(solution),
-            Err(e) => {
-                // The state is solved all the same.
-                solution.remarks.push(format!("no bracket: {}", e.reason));
-                return Ok(solution);
-            }
-        },
+        (None, _) => on_grids(contact, &gap, before, &mut solution, settings),
+    };
+    let bracket = match found {
+        Ok(Some(bracket)) => bracket,
+        Ok(None) => return Ok(solution),
+        Err(e) => {
+            // The state is solved all the same.
+            solution.remarks.push(format!("no bracket: {}", e.reason));
+            return Ok(solution);
+        }
     };
     if let Load::Force(force) = load {
         solution.depth_bracket = Some(DepthBracket::under(&gap, solution.depth, force, &bracket));

@@ -144,8 +144,25 @@ pub(crate) fn tilted(outline: &Outline, given: Given, limits: &Limits) -> Option
         let growth = (next * next) as f64 / (n * n) as f64;
         let left = limits.deadline.remaining();
         let too_many = next <= n;
+        let last = width <= limits.tolerance || too_many || (before - left) * growth > left;
+        if last && width > limits.tolerance && found.everywhere {
+            // More than can be proved can be told.
+            let again = || {
+                let coarser = ((BEFORE * n as f64) as usize).max(COARSEST);
+                let other = punch(coarser, FINE * size / coarser as f64)?.answer(given, outline.displaced())?;
+                Some((coarser, other))
+            };
+            if let Some((coarser, other)) = best.take().or_else(again).filter(|(coarser, _)| *coarser < n) {
+                let mut told = found.clone();
+                told.estimate(n, Some((coarser, &other)));
+                told.proved = false;
+                if told.force[1] - told.force[0] <= limits.tolerance * (told.force[0] + told.force[1]) {
+                    return Some(told);
+                }
+            }
+        }
         best = Some((n, found));
-        if width <= limits.tolerance || too_many || (before - left) * growth > left {
+        if last {
             return best.map(|(_, best)| best);
         }
         (n, before) = (next, left);

@@ -281,8 +281,8 @@ impl Refinement<'_> {
             }
             // One step alone may be small by luck.
             let close = error <= tolerance * value && three;
-            let ends = edge == Some(Edge::End);
-            let aligned = ends && CutCells::of(self.scaled, &state).aligned;
+            let cut = (edge == Some(Edge::End)).then(|| CutCells::of(self.scaled, &state));
+            let (ends, aligned) = (cut.is_some(), cut.is_some_and(|cut| cut.aligned));
             let good = close && (aligned || !ends);
             if !good && ends {
                 return match self.at_sharp_edges(aligned) {

@@ -123,28 +123,32 @@ impl CutCells {
             } else {
                 continue;
             };
-            let share = share_of_material(scaled, &grid.cell(k % nx, k / nx));
-            border.aligned &= share == whole;
+            let [material, share] = shares_of_material(scaled, &grid.cell(k % nx, k / nx));
+            border.aligned &= material == whole;
             border.left_out += (share - whole) * grid.cell_area();
         }
         border
     }
 }
 
-/// Share of a cell in which there is material that the depth reaches.
-fn share_of_material(scaled: &Scaled, cell: &Rect) -> f64 {
+/// Shares of a cell in which there is material, and in which the depth reaches it.
+fn shares_of_material(scaled: &Scaled, cell: &Rect) -> [f64; 2] {
     let size = cell.size();
     let at = |n: usize| INSET + (1.0 - 2.0 * INSET) * n as f64 / (POINTS - 1) as f64;
     // The trapezium rule: points on the rim stand for half a cell of the lattice each way.
     let weight = |n: usize| if n == 0 || n == POINTS - 1 { 0.5 } else { 1.0 };
-    let (mut inside, mut all) = (0.0, 0.0);
+    let (mut material, mut reached, mut all) = (0.0, 0.0, 0.0);
     for (i, j) in (0..POINTS * POINTS).map(|k| (k % POINTS, k / POINTS)) {
         all += weight(i) * weight(j);
-        if Gap::gap(&scaled.gap, cell.min[0] + at(i) * size[0], cell.min[1] + at(j) * size[1]) < scaled.depth {
-            inside += weight(i) * weight(j);
+        let gap = Gap::gap(&scaled.gap, cell.min[0] + at(i) * size[0], cell.min[1] + at(j) * size[1]);
+        if gap < f64::INFINITY {
+            material += weight(i) * weight(j);
+        }
+        if gap < scaled.depth {
+            reached += weight(i) * weight(j);
         }
     }
-    inside / all
+    [material / all, reached / all]
 }
 
 /// The longer side of the cells, and the area they leave out: what an [`Intercept`] asks of a grid.
