@@ -383,12 +383,23 @@ fn the_command_writes_every_form() {
     let csv = text("csv", "oval.csv");
     assert_eq!(
         csv.lines().next(),
-        Some("depth,force,stiffness,area,pressure_max,centre_x,centre_y,force_error,stiffness_error")
+        Some(
+            "depth,force,stiffness,area,pressure_max,centre_x,centre_y,force_error,stiffness_error,contact_depth,pressure_mean,beta,\
+             semi_axis_major,semi_axis_minor"
+        )
     );
     assert_eq!(csv.lines().count(), 51);
     let last: Vec<&str> = csv.lines().last().unwrap().split(',').collect();
     assert!(near(last[0], 0.5) && near(last[1], state.force) && near(last[2], state.stiffness), "{last:?}");
     assert!(near(last[3], state.patch.area) && near(last[4], state.pressure.max.unwrap()), "{last:?}");
+
+    // The contact depth of a paraboloid is half its depth; the patch is no disc, so that beta is a little more than 1.
+    let axes = state.patch.semi_axes.unwrap();
+    assert!(near(last[9], 0.25) && near(last[10], state.pressure.mean.unwrap()), "{last:?}");
+    assert!(
+        (1.0..1.05).contains(&last[11].parse::<f64>().unwrap()) && near(last[12], axes[0]) && near(last[13], axes[1]),
+        "{last:?}"
+    );
 
     let json: Value = serde_json::from_str(&text("json", "oval.out")).unwrap();
     // Homogeneous: P ~ d^(3/2), one solve.

@@ -14,6 +14,9 @@ pub struct About<'a> {
     pub units: Option<&'a UnitLabels>,
 }
 
+/// epsilon of Oliver & Pharr (1992): what the surface sinks in outside of the contact, over P/S; of a paraboloid.
+const SINK_IN: f64 = 0.75;
+
 impl Curve {
     /// Depth and force at `steps` equal steps from first touch to the largest depth, both ends included.
     #[must_use]
@@ -28,7 +31,9 @@ impl Curve {
     /// Comma-separated values: a header, then `steps` equal steps of depth, first touch left out. Force and stiffness are the
     /// interpolant's; area, largest pressure and centre are interpolated between solved states (powers and lines), and empty below
     /// the first of them and where the method does not give them. The relative errors of force and stiffness are those of
-    /// [`Curve::errors_at`].
+    /// [`Curve::errors_at`]. For indentation: the depth of contact, s - 0.75 P/S with s the depth below first touch (Oliver & Pharr 1992; exact
+    /// for paraboloids), the mean pressure (hardness), beta = S sqrt(pi/A)/(2 E*) (1 for bodies of revolution), and the semi-axes of
+    /// elliptical patches.
     #[must_use]
     pub fn csv(&self, steps: usize) -> String {
         self.csv_in(None, steps)
@@ -37,30 +42,46 @@ impl Curve {
     /// As [`Curve::csv`], with units in the heads of the columns: `depth [mm]`.
     #[must_use]
     pub fn csv_in(&self, units: Option<&UnitLabels>, steps: usize) -> String {
-        let mut text = match units {
-            None => {
-                "depth,force,stiffness,area,pressure_max,centre_x,centre_y,force_error,stiffness_error\n".to_owned()
-            }
-            Some(u) => {
-                let (l, f, s, a, p) = (u.length(), u.force(), u.stiffness(), u.area(), u.pressure());
-                format!(
-                    "depth [{l}],force [{f}],stiffness [{s}],area [{a}],pressure_max [{p}],centre_x [{l}],centre_y [{l}],force_error,stiffness_error\n"
-                )
-            }
-        };
+        let unit = |of: fn(&UnitLabels) -> String| units.map_or(String::new(), |u| format!(" [{}]", of(u)));
+        let (length, pressure) = (unit(|u| u.length().to_owned()), unit(UnitLabels::pressure));
+        let head = [
+            ("depth", &length),
+            ("force", &unit(|u| u.force().to_owned())),
+            ("stiffness", &unit(UnitLabels::stiffness)),
+            ("area", &unit(UnitLabels::area)),
+            ("pressure_max", &pressure),
+            ("centre_x", &length),
+            ("centre_y", &length),
+            ("force_error", &String::new()),
+            ("stiffness_error", &String::new()),
+            ("contact_depth", &length),
+            ("pressure_mean", &pressure),
+            ("beta", &String::new()),
+            ("semi_axis_major", &length),
+            ("semi_axis_minor", &length),
+        ];
+        let mut text = head.map(|(name, unit)| format!("{name}{unit}")).join(",") + "\n";
         let number = |x: Option<f64>| x.filter(|x| x.is_finite()).map_or(String::new(), |x| format!("{x:e}"));
         for [depth, force] in self.table(steps).into_iter().skip(1) {
             let between = |of: &dyn Fn(&Sample) -> Option<f64>, power: bool| self.between(depth, of, power);
+            let (stiffness, area) = (self.stiffness(depth), between(&|s| Some(s.area), true));
+            let contact_depth = stiffness.map(|s| depth - self.first_touch - SINK_IN * force / s);
+            let beta = stiffness.zip(area).map(|(s, a)| s * (std::f64::consts::PI / a).sqrt() / (2.0 * self.e_star));
             let line = [
                 number(Some(depth)),
                 number(Some(force)),
-                number(self.stiffness(depth)),
-                number(between(&|s| Some(s.area), true)),
+                number(stiffness),
+                number(area),
                 number(between(&|s| s.max_pressure, true)),
                 number(between(&|s| s.centre.map(|c| c[0]), false)),
                 number(between(&|s| s.centre.map(|c| c[1]), false)),
                 number(self.errors_at(depth).map(|e| e[0])),
                 number(self.errors_at(depth).map(|e| e[1])),
+                number(contact_depth),
+                number(area.map(|a| force / a)),
+                number(beta),
+                number(between(&|s| s.semi_axes.map(|axes| axes[0]), true)),
+                number(between(&|s| s.semi_axes.map(|axes| axes[1]), true)),
             ];
             // Writing to a string does not fail.
             let _ = writeln!(text, "{}", line.join(","));
@@ -102,9 +123,12 @@ impl Curve {
             .iter()
             .map(|s| {
                 let singular = s.singular.map_or("null".to_owned(), |s| format!("\"{}\"", s.word()));
-                let centre = s.centre.map_or("null".to_owned(), |[x, y]| format!("[{}, {}]", number(x), number(y)));
+                let pair = |of: Option<[f64; 2]>| {
+                    of.map_or("null".to_owned(), |[x, y]| format!("[{}, {}]", number(x), number(y)))
+                };
+                let (centre, axes) = (pair(s.centre), pair(s.semi_axes));
                 format!(
-                    "{{\"depth\": {}, \"force\": {}, \"force_error\": {}, \"stiffness\": {}, \"area\": {}, \"pressure_max\": {}, \"centre\": {centre}, \
+                    "{{\"depth\": {}, \"force\": {}, \"force_error\": {}, \"stiffness\": {}, \"area\": {}, \"pressure_max\": {}, \"centre\": {centre}, \"semi_axes\": {axes}, \
                      \"energy\": {}, \"pressure_singular\": {singular}, \"pressure_max_error\": {}, \"stiffness_error\": {}, \
                      \"area_error\": {}, \"energy_error\": {}, \"map_error\": {}}}",
                     number(s.depth),

@@ -177,6 +177,7 @@ fn sample(contact: &Contact, state: &Solution) -> Sample {
         area_error: state.area_error,
         energy_error: state.energy_error,
         centre: centre.filter(|c| c.iter().all(|c| c.is_finite())),
+        semi_axes: state.patch.semi_axes,
         energy: state.energy,
         map_error: sampled::share(contact, state),
     }

@@ -60,6 +60,8 @@ pub struct Sample {
     pub energy_error: Option<f64>,
     /// Centre of pressure.
     pub centre: Option<[f64; 2]>,
+    /// Half the axes of an elliptical patch, the longer one first.
+    pub semi_axes: Option<[f64; 2]>,
     /// Stored energy.
     pub energy: Option<f64>,
     /// Share of the force that the samples of a measured gap leave open, on top of `force_error`; `None` for gaps that are no
