@@ -394,8 +394,11 @@ fn a_truncated_pyramid_is_its_flat_where_that_is_enough() {
     // Placed and turned, the same force.
     let placed = pyramid().placed([3.0, 4.0], 0.3).unwrap();
     within(&fitted(1.0, placed, Load::Depth(5e-5), &Settings::default()), 1.152_298 * 5e-5, 5e-5);
+    // Deeper: cells on its flanks too.
+    let deep = fitted(1.0, pyramid(), Load::Depth(0.05), &Settings::default());
+    assert!(deep.force * (1.0 + deep.force_error.unwrap()) > 1.152_298 * 0.05 && deep.patch.area > 1.0);
     // Too deep, or too sharp a question: a grid is solved.
-    for (depth, tolerance) in [(0.05, 1e-3), (5e-5, 2e-5)] {
+    for (depth, tolerance) in [(0.4, 1e-3), (5e-5, 5e-6)] {
         let settings = Settings { tolerance, ..Settings::default() };
         let deep = contact(1.0, pyramid(), Loading::depth(depth));
         assert_eq!(plan(&deep, &settings).unwrap().method, Some(Method::Fft));
@@ -421,4 +424,43 @@ fn a_tolerance_out_of_reach_keeps_its_number() {
     let short = solve(&square, &settings).remove(0).unwrap_err();
     assert_eq!(short.verdict, Verdict::ToleranceNotReached);
     within(&short.best.unwrap(), 1.152_298, 1e-6);
+}
+
+/// Worn indenters: between the flat punch alone and the flat enlarged to the end of the overlap; dP/dd the stiffness; the same however they
+/// are placed and written, and within the errors of both what a grid finds.
+#[test]
+fn worn_indenters_at_depths_beyond_their_flats() {
+    for (faces, flat_stiffness) in [(3, 2.730), (4, 2.304_596)] {
+        let slope = 20f64.to_radians().tan();
+        let tip = || Polyhedron::truncated_pyramid(faces, 20f64.to_radians(), 1.0).unwrap();
+        for growth in [0.01, 0.08, 0.25] {
+            let depth = growth * slope;
+            let state = fitted(1.0, tip(), Load::Depth(depth), &Settings::default());
+            let error = state.force_error.unwrap();
+            let least = flat_stiffness * depth;
+            assert!(state.force * (1.0 + error) >= least * (1.0 - 2e-4), "{faces} {growth}: {}", state.force / depth);
+            assert!(state.force * (1.0 - error) <= least * (1.0 + 0.5 * growth) * (1.0 + 2e-4), "{faces} {growth}");
+            let placed = tip().placed([3.0, 4.0], 0.3).unwrap();
+            let placed = fitted(1.0, placed, Load::Depth(depth), &Settings::default());
+            assert!((placed.force / state.force - 1.0).abs() < 1e-8);
+            // Written as planes, one of them in another order.
+            let mut planes = tip().planes().to_vec();
+            planes.rotate_left(2);
+            let planes = fitted(1.0, Polyhedron::new(planes).unwrap(), Load::Depth(depth), &Settings::default());
+            assert!((planes.force / state.force - 1.0).abs() < error + planes.force_error.unwrap());
+            let under = fitted(1.0, tip(), Load::Force(state.force), &Settings::default());
+            assert!((under.depth / depth - 1.0).abs() < 2e-3, "{faces} {growth}: {} {depth}", under.depth);
+            let steeper = fitted(1.0, tip(), Load::Depth(1.02 * depth), &Settings::default());
+            let rate = (steeper.force - state.force) / (0.02 * depth);
+            assert!((rate / state.stiffness - 1.0).abs() < 0.05, "{faces} {growth}: {rate} {}", state.stiffness);
+        }
+    }
+    // The same tip on a grid.
+    let settings = Settings { method: Method::Fft, tolerance: 2e-3, ..Settings::default() };
+    let tip = || Polyhedron::truncated_pyramid(4, 20f64.to_radians(), 1.0).unwrap();
+    let depth = 0.25 * 20f64.to_radians().tan();
+    let grid = solve(&contact(1.0, tip(), Loading::depth(depth)), &settings).remove(0).unwrap();
+    let state = fitted(1.0, tip(), Load::Depth(depth), &Settings::default());
+    let off = (grid.force / state.force - 1.0).abs();
+    assert!(off <= grid.force_error.unwrap() + state.force_error.unwrap(), "{off:e}");
 }

@@ -33,10 +33,9 @@ const MOST_SIDES: usize = 12;
 const CLOSE: f64 = 1e-9;
 
 impl FlankedTip {
-    /// `None` where there is no such flat, or the contact is not small beside it.
-    pub fn of(overlap: &Overlap) -> Option<Self> {
-        let FlatTip { face, middle, level, flanks, growth } =
-            FlatTip::of(overlap).filter(|tip| tip.growth <= MOST_GROWTH)?;
+    /// `None` where there is no such flat, the contact is not small beside it, or the tolerance asks for too many cells.
+    pub fn of(overlap: &Overlap, tolerance: f64) -> Option<Self> {
+        let FlatTip { face, middle, level, flanks, .. } = FlatTip::of(overlap)?;
         let about = centroid(&face);
         let [w, h] = Rect::holding(face.iter().copied())?.size();
         let (length, depth) = (0.5 * w.max(h), overlap.depth - level);
@@ -46,8 +45,10 @@ impl FlankedTip {
             .iter()
             .map(|[a, b, c]| [a * length, b * length, c + a * about[0] + b * about[1]].map(|v| v / depth))
             .collect();
+        // Of the flanks about the centroid: d/h.
+        let growth = planes.iter().map(|[_, _, c]| -1.0 / c).fold(0.0, f64::max);
         let n = corners.len();
-        if !(3..=MOST_SIDES).contains(&n) {
+        if !((3..=MOST_SIDES).contains(&n) && planes.iter().all(|p| p[2] < 0.0) && growth <= MOST_GROWTH) {
             return None;
         }
         // The plane that begins at each side.
@@ -67,7 +68,13 @@ impl FlankedTip {
             })
             .collect();
         let centre = [0, 1].map(|m| middle[m] + about[m]);
-        Some(Self { corners, drift, complete: planes.len() == n, planes, growth, centre, length, depth })
+        let tip = Self { corners, drift, complete: planes.len() == n, planes, growth, centre, length, depth };
+        tip.flat(&|_| 0.0).fits(&Limits { tolerance, ..Limits::default() }).then_some(tip)
+    }
+
+    fn flat<'a>(&'a self, overlap: &'a dyn Fn([f64; 2]) -> f64) -> FlankedFlat<'a> {
+        let Self { corners, drift, growth, complete, .. } = self;
+        FlankedFlat { corners, drift, growth: *growth, symmetric: *complete, overlap }
     }
 
     pub fn found(&self) -> String {
@@ -76,14 +83,8 @@ impl FlankedTip {
 
     pub(super) fn solve(&self, contact: &Contact, settings: &Settings, limits: &Limits) -> Option<Found> {
         let highest = |p: [f64; 2]| self.planes.iter().map(|[a, b, c]| a * p[0] + b * p[1] + c).fold(0.0, f64::max);
-        let flat = FlankedFlat {
-            corners: &self.corners,
-            drift: &self.drift,
-            growth: self.growth,
-            symmetric: self.complete,
-            overlap: &|p| 1.0 - highest(p),
-        };
-        let found = flanked(&flat, limits)?;
+        let overlap = |p: [f64; 2]| 1.0 - highest(p);
+        let found = flanked(&self.flat(&overlap), limits)?;
         let Flanked { force, error, energy, stiffness, stiffness_error, cells, end, unknowns, .. } = found;
         let e_star = contact.modulus().e_star();
         let unit_force = e_star * self.depth * self.length;

@@ -91,7 +91,7 @@ impl Route {
         if let Some(layer) = layer::Layer::of(overlap, settings.tolerance) {
             return Some(Self::Layer(layer));
         }
-        if let Some(tip) = flanked::FlankedTip::of(overlap) {
+        if let Some(tip) = flanked::FlankedTip::of(overlap, settings.tolerance) {
             return Some(Self::Flanked(tip));
         }
         match known.axis {

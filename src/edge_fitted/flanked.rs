@@ -13,7 +13,7 @@ use super::line_potential::Lines;
 use super::mesh::{Bilinear, Mesh, Point};
 use super::polygon::symmetries;
 use super::rectilinear::{graded, graded_both};
-use super::symmetry::Orbits;
+use super::symmetry::{Isometry, Orbits};
 
 /// A flat of depth 1 below first touch of nothing else: E* = 1.
 pub(crate) struct Flat<'a> {
@@ -110,12 +110,7 @@ struct Layout {
 
 /// The contact of a flat with flanks. `None` where it cannot be solved on as many cells, and once the time is used up.
 pub(crate) fn flanked(flat: &Flat, limits: &Limits) -> Option<Flanked> {
-    let more = (1e-3 / limits.tolerance).powf(1.0 / ORDER).clamp(0.7, 4.0);
-    let scaled = |c: Counts, by: f64| {
-        let times = |n: usize| ((n as f64 * by).ceil() as usize).max(3);
-        Counts { inside: times(c.inside), along: times(c.along), strip: times(c.strip) }
-    };
-    let mut counts = scaled(FIRST, more);
+    let mut counts = first(limits);
     let mut width = (ROOM * flat.growth).min(1.0);
     let mut best: Option<Flanked> = None;
     for _ in 0..ROUNDS {
@@ -157,6 +152,33 @@ pub(crate) fn flanked(flat: &Flat, limits: &Limits) -> Option<Flanked> {
     best
 }
 
+fn scaled(c: Counts, by: f64) -> Counts {
+    let times = |n: usize| ((n as f64 * by).ceil() as usize).max(3);
+    Counts { inside: times(c.inside), along: times(c.along), strip: times(c.strip) }
+}
+
+/// The cells to begin with.
+fn first(limits: &Limits) -> Counts {
+    scaled(FIRST, (1e-3 / limits.tolerance).powf(1.0 / ORDER).max(0.7))
+}
+
+impl Flat<'_> {
+    /// Whether the cells that the tolerance asks for are not too many.
+    pub fn fits(&self, limits: &Limits) -> bool {
+        let layout = Layout::new(first(limits), (ROOM * self.growth).min(1.0), self.growth);
+        self.holds(&layout, &self.group(), limits)
+    }
+
+    fn group(&self) -> Vec<Isometry> {
+        if self.symmetric { symmetries(self.corners) } else { Vec::new() }
+    }
+
+    fn holds(&self, layout: &Layout, group: &[Isometry], limits: &Limits) -> bool {
+        let cells = self.corners.len() * (layout.along.len() - 1) * layout.rows();
+        cells <= limits.cells && cells / group.len().max(1) <= limits.unknowns
+    }
+}
+
 /// The mesh with a strip wider than the contact.
 fn wide_enough(flat: &Flat, counts: Counts, width: &mut f64, limits: &Limits) -> Option<State> {
     for _ in 0..MOST_DOUBLINGS {
@@ -171,10 +193,8 @@ fn wide_enough(flat: &Flat, counts: Counts, width: &mut f64, limits: &Limits) ->
 
 fn solved(flat: &Flat, counts: Counts, width: f64, limits: &Limits) -> Option<State> {
     let layout = Layout::new(counts, width, flat.growth);
-    let n = flat.corners.len();
-    let cells = n * (layout.along.len() - 1) * layout.rows();
-    let group = if flat.symmetric { symmetries(flat.corners) } else { Vec::new() };
-    if cells > limits.cells || cells / group.len().max(1) > limits.unknowns {
+    let group = flat.group();
+    if !flat.holds(&layout, &group, limits) {
         return None;
     }
     let mesh = layout.mesh(flat);
