@@ -1,12 +1,12 @@
 //! A flat with flanks at a depth at which the contact passes the flat by more than the tolerance, and by less than its size.
 
+use super::Found;
+use super::estimated::in_users_units;
 use super::layer::FlatTip;
-use super::{Found, field_grid};
-use crate::edge_fitted::{Flanked, FlankedFlat, Limits, flanked, resample};
-use crate::numeric::geometry::{Rect, area, centroid, convex_hull, cross};
-use crate::overlap::Overlap;
+use crate::edge_fitted::{FlankedFlat, Limits, flanked};
+use crate::numeric::geometry::{Rect, area, centroid, convex_hull, meeting};
+use crate::overlap::Units;
 use crate::problem::{Contact, Settings};
-use crate::solution::Patch;
 
 /// A convex polygon with a flank at each of its sides, in units of its own: lengths about its centroid, over half the longer side of its box;
 /// heights over the depth.
@@ -17,10 +17,7 @@ pub(crate) struct FlankedTip {
     growth: f64,
     /// Whether every flank begins at a side of the flat.
     complete: bool,
-    /// The centroid and the unit of length, in the user's.
-    centre: [f64; 2],
-    length: f64,
-    depth: f64,
+    units: Units,
 }
 
 /// Growth of the contact over the size of the flat up to which cells are fitted to the flat.
@@ -34,11 +31,11 @@ const CLOSE: f64 = 1e-9;
 
 impl FlankedTip {
     /// `None` where there is no such flat, the contact is not small beside it, or the tolerance asks for too many cells.
-    pub fn of(overlap: &Overlap, tolerance: f64) -> Option<Self> {
-        let FlatTip { face, middle, level, flanks, .. } = FlatTip::of(overlap)?;
-        let about = centroid(&face);
+    pub(super) fn of(tip: &FlatTip, tolerance: f64) -> Option<Self> {
+        let FlatTip { face, middle, depth, flanks, .. } = tip;
+        let about = centroid(face);
         let [w, h] = Rect::holding(face.iter().copied())?.size();
-        let (length, depth) = (0.5 * w.max(h), overlap.depth - level);
+        let length = 0.5 * w.max(h);
         let inward = |p: &[f64; 2]| [0, 1].map(|m| (p[m] - about[m]) / length);
         let corners = convex_hull(distinct(face.iter().map(inward).collect()));
         let planes: Vec<[f64; 3]> = flanks
@@ -60,15 +57,9 @@ impl FlankedTip {
         };
         let sides: Vec<[f64; 3]> = (0..n).map(|k| side(k).copied()).collect::<Option<_>>()?;
         // A corner moves with both of its sides: a . v = 1.
-        let drift = (0..n)
-            .map(|k| {
-                let (a, b) = (sides[(k + n - 1) % n], sides[k]);
-                let det = cross([a[0], a[1]], [b[0], b[1]]);
-                [(b[1] - a[1]) / det, (a[0] - b[0]) / det]
-            })
-            .collect();
-        let centre = [0, 1].map(|m| middle[m] + about[m]);
-        let tip = Self { corners, drift, complete: planes.len() == n, planes, growth, centre, length, depth };
+        let drift = (0..n).map(|k| meeting([sides[(k + n - 1) % n], sides[k]].map(|[a, b, _]| [a, b, -1.0]))).collect();
+        let units = Units { origin: [0, 1].map(|m| middle[m] + about[m]), length, height: *depth };
+        let tip = Self { corners, drift, complete: planes.len() == n, planes, growth, units };
         tip.flat(&|_| 0.0).fits(&Limits { tolerance, ..Limits::default() }).then_some(tip)
     }
 
@@ -85,51 +76,19 @@ impl FlankedTip {
         let highest = |p: [f64; 2]| self.planes.iter().map(|[a, b, c]| a * p[0] + b * p[1] + c).fold(0.0, f64::max);
         let overlap = |p: [f64; 2]| 1.0 - highest(p);
         let found = flanked(&self.flat(&overlap), limits)?;
-        let Flanked { force, error, energy, stiffness, stiffness_error, cells, end, unknowns, .. } = found;
-        let e_star = contact.modulus().e_star();
-        let unit_force = e_star * self.depth * self.length;
-        let unit_pressure = e_star * self.depth / self.length;
-        let outward = |p: [f64; 2]| [0, 1].map(|m| self.centre[m] + self.length * p[m]);
-        let boundary: Vec<[f64; 2]> = end.into_iter().map(outward).collect();
-        let reference = contact.gap().known().reference;
-        let away = |p: &[f64; 2]| (p[0] - reference[0]).hypot(p[1] - reference[1]);
-        let (strongest, _) = cells.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
-        let at = outward([0, 1].map(|m| strongest.iter().map(|c| 0.25 * c[m]).sum()));
         let (mut load, mut first) = (0.0, [0.0; 2]);
-        for (corners, p) in &cells {
+        for (corners, p) in &found.cells {
             let (own, at) = (p * area(corners), centroid(corners));
             load += own;
             first = [0, 1].map(|m| first[m] + own * at[m]);
         }
-        let field = || {
-            let all: Vec<_> = cells.iter().map(|(c, p)| (c.map(outward), p * unit_pressure)).collect();
-            Some(resample(&all, field_grid(&Rect::holding(boundary.iter().copied())?)))
-        };
-        let field = if settings.outputs.pressure { field() } else { None };
-        let bounds = |value: f64| [value * (1.0 - error), value * (1.0 + error)];
+        let about = [centroid(&found.ends[0]), first.map(|x| x / load)];
         Some(Found {
-            force: bounds(force * unit_force),
-            energy: bounds(energy * unit_force * self.depth),
-            stiffness: stiffness * e_star * self.length,
-            stiffness_error: Some(stiffness_error),
-            area_error: Some(found.area_error),
-            patch: Patch {
-                area: found.area * self.length * self.length,
-                centroid: Some(centroid(&boundary)),
-                regions: 1,
-                max_radius: boundary.iter().map(away).fold(0.0, f64::max),
-                boundary: Some(vec![boundary.clone()]),
-                ..Patch::default()
-            },
-            centre: outward(first.map(|x| x / load)),
+            // Infinite along the edges of the flat.
             max: None,
-            at,
-            field,
-            unknowns,
             how: format!("the gap is {}", self.found()),
             left_out: "the surface grid: cells follow the edges of the flat",
-            proved: false,
-            tilting: None,
+            ..in_users_units(found, &self.units, about, contact, settings)?
         })
     }
 }

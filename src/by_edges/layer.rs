@@ -31,8 +31,9 @@ pub(super) struct FlatTip {
     /// Corners of the flat about `middle`, counter-clockwise.
     pub face: Vec<[f64; 2]>,
     pub middle: [f64; 2],
-    /// The height of the flat.
+    /// The height of the flat, and the depth below it.
     pub level: f64,
+    pub depth: f64,
     /// The other planes about `middle`, less that height.
     pub flanks: Vec<[f64; 3]>,
     /// d/h.
@@ -68,21 +69,24 @@ impl FlatTip {
         };
         let rounding = 16.0 * f64::EPSILON * relative.iter().map(size).fold(level.abs(), f64::max);
         let growth = depth / (least - rounding);
-        (growth > 0.0).then_some(Self { face, middle, level, flanks: relative, growth })
+        (growth > 0.0).then_some(Self { face, middle, level, depth, flanks: relative, growth })
     }
 }
 
 impl Layer {
-    /// `None` where the gap has no level plane below all others somewhere, or the growth alone exceeds the tolerance.
-    pub fn of(overlap: &Overlap, tolerance: f64) -> Option<Self> {
-        Self::up_to(overlap, 4.0 * SHARE * tolerance)
+    /// `None` where the growth alone exceeds the tolerance.
+    pub(super) fn of(tip: &FlatTip, tolerance: f64) -> Option<Self> {
+        Self::up_to(tip, 4.0 * SHARE * tolerance)
     }
 
     /// The same where the contact passes the flat by at most `most` of its size.
-    pub(super) fn up_to(overlap: &Overlap, most: f64) -> Option<Self> {
-        let FlatTip { face, middle, level, growth, .. } = FlatTip::of(overlap).filter(|tip| tip.growth <= most)?;
-        let flat = Flat::polygon(&face, middle, [1.0, 0.0], level)?;
-        Some(Self { flat, growth })
+    pub(super) fn up_to(tip: &FlatTip, most: f64) -> Option<Self> {
+        let FlatTip { face, middle, level, growth, .. } = tip;
+        if *growth > most {
+            return None;
+        }
+        let flat = Flat::polygon(face, *middle, [1.0, 0.0], *level)?;
+        Some(Self { flat, growth: *growth })
     }
 
     pub fn found(&self) -> String {

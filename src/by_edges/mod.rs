@@ -9,6 +9,7 @@
 //! | an axis, bounds along the radius | rings | the bracket of the force |
 //! | two mirrors, one closed strip around them | cells along the strip | an estimate |
 
+mod estimated;
 mod flanked;
 mod flat;
 mod layer;
@@ -88,11 +89,12 @@ impl Route {
         if with_matrix {
             return None;
         }
-        if let Some(layer) = layer::Layer::of(overlap, settings.tolerance) {
-            return Some(Self::Layer(layer));
-        }
-        if let Some(tip) = flanked::FlankedTip::of(overlap, settings.tolerance) {
-            return Some(Self::Flanked(tip));
+        if let Some(tip) = layer::FlatTip::of(overlap) {
+            let layer = layer::Layer::of(&tip, settings.tolerance).map(Self::Layer);
+            let route = layer.or_else(|| flanked::FlankedTip::of(&tip, settings.tolerance).map(Self::Flanked));
+            if route.is_some() {
+                return route;
+            }
         }
         match known.axis {
             Some(axis) => rings::Section::of(overlap, axis).map(Self::Rings),
@@ -142,7 +144,7 @@ pub(crate) fn force_bounds(overlap: &Overlap, settings: &Settings) -> Option<[f6
         let depth = overlap.depth - flat.value;
         return Some(flat.punch(&limits)?.stiffness.map(|k| k * depth));
     }
-    layer::Layer::up_to(overlap, THIN)?.force(overlap.depth, &limits)
+    layer::Layer::up_to(&layer::FlatTip::of(overlap)?, THIN)?.force(overlap.depth, &limits)
 }
 
 /// Whether the settings leave the choice of cells to the program and ask for nothing that only a grid gives.

@@ -2,14 +2,14 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use super::{Found, field_grid};
-use crate::edge_fitted::{Limits, Oval, oval, resample};
+use super::Found;
+use super::estimated::in_users_units;
+use crate::edge_fitted::{Limits, oval};
 use crate::gap::{AnyGap, Gap};
 use crate::numeric::geometry::Rect;
 use crate::numeric::scalar::maximum;
 use crate::overlap::{Overlap, Scaled, Units};
 use crate::problem::{Contact, Settings};
-use crate::solution::Patch;
 
 /// A strip in which the bodies overlap, in the units of the solve.
 pub(crate) struct Strip {
@@ -133,48 +133,11 @@ impl Strip {
     pub(super) fn solve(&self, contact: &Contact, settings: &Settings, limits: &Limits) -> Option<Found> {
         let overlap = |[x, y]: [f64; 2]| self.depth - self.gap.gap(x + self.centre[0], y + self.centre[1]);
         let found = oval(&overlap, &|angle| self.along(angle), limits)?;
-        let Oval { force, error, energy, stiffness, stiffness_error, area, area_error, cells, ends, unknowns } = found;
-        let Units { length, height, .. } = self.units;
-        let e_star = contact.modulus().e_star();
-        let unit_force = e_star * height * length;
-        let unit_pressure = e_star * height / length;
-        let outward = |p: [f64; 2]| self.units.outward([p[0] + self.centre[0], p[1] + self.centre[1]]);
-        let [inner, outer] = ends.map(|line| line.into_iter().map(outward).collect::<Vec<_>>());
-        let reference = contact.gap().known().reference;
-        let max_radius = outer.iter().map(|p| (p[0] - reference[0]).hypot(p[1] - reference[1])).fold(0.0, f64::max);
-        let (strongest, largest) = cells.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
-        let at = outward([0, 1].map(|m| strongest.iter().map(|c| 0.25 * c[m]).sum()));
-        let field = || {
-            let all: Vec<_> = cells.iter().map(|(c, p)| (c.map(outward), p.max(0.0) * unit_pressure)).collect();
-            Some(resample(&all, field_grid(&Rect::holding(outer.iter().copied())?)))
-        };
-        let bounds = |value: f64| [value * (1.0 - error), value * (1.0 + error)];
-        let field = if settings.outputs.pressure { field() } else { None };
+        let units = Units { origin: self.units.outward(self.centre), ..self.units };
         Some(Found {
-            force: bounds(force * unit_force),
-            energy: bounds(energy * unit_force * height),
-            stiffness: stiffness * e_star * length,
-            stiffness_error: Some(stiffness_error),
-            area_error: Some(area_error),
-            patch: Patch {
-                area: area * length * length,
-                centroid: Some(self.units.outward(self.centre)),
-                regions: 1,
-                max_radius,
-                boundary: Some(vec![outer, inner.into_iter().rev().collect()]),
-                pieces: Vec::new(),
-                semi_axes: None,
-                angle: None,
-            },
-            centre: self.units.outward(self.centre),
-            max: Some(largest * unit_pressure),
-            at,
-            field,
-            unknowns,
             how: format!("the gap is {}", self.found()),
             left_out: "the surface grid: cells along the strip are enough",
-            proved: false,
-            tilting: None,
+            ..in_users_units(found, &units, [[0.0; 2]; 2], contact, settings)?
         })
     }
 }

@@ -43,7 +43,7 @@ impl Curve {
     #[must_use]
     pub fn csv_in(&self, units: Option<&UnitLabels>, steps: usize) -> String {
         let unit = |of: fn(&UnitLabels) -> String| units.map_or(String::new(), |u| format!(" [{}]", of(u)));
-        let (length, pressure) = (unit(|u| u.length().to_owned()), unit(UnitLabels::pressure));
+        let (length, pressure, none) = (unit(|u| u.length().to_owned()), unit(UnitLabels::pressure), String::new());
         let head = [
             ("depth", &length),
             ("force", &unit(|u| u.force().to_owned())),
@@ -52,11 +52,11 @@ impl Curve {
             ("pressure_max", &pressure),
             ("centre_x", &length),
             ("centre_y", &length),
-            ("force_error", &String::new()),
-            ("stiffness_error", &String::new()),
+            ("force_error", &none),
+            ("stiffness_error", &none),
             ("contact_depth", &length),
             ("pressure_mean", &pressure),
-            ("beta", &String::new()),
+            ("beta", &none),
             ("semi_axis_major", &length),
             ("semi_axis_minor", &length),
         ];

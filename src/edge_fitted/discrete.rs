@@ -13,9 +13,9 @@ pub(crate) struct Discretisation {
     pub mesh: Mesh,
     pub orbits: Orbits,
     lines: Lines,
-    compliance: Compliance,
+    pub compliance: Compliance,
     /// Area of each orbit of loaded cells.
-    areas: Vec<f64>,
+    pub areas: Vec<f64>,
     deadline: Deadline,
 }
 
@@ -30,8 +30,16 @@ pub(crate) struct Stiffness {
 impl Discretisation {
     /// `group`: symmetries of the outline; those of the mesh among them are used. `None` once the time is used up.
     pub fn new(mesh: Mesh, group: &[Isometry], deadline: Deadline) -> Option<Self> {
+        Self::within(mesh, group, usize::MAX, deadline)
+    }
+
+    /// The same with at most so many unknowns.
+    pub fn within(mesh: Mesh, group: &[Isometry], unknowns: usize, deadline: Deadline) -> Option<Self> {
         let lines = Lines::new(&mesh);
         let orbits = Orbits::new(&mesh, group);
+        if orbits.loaded > unknowns {
+            return None;
+        }
         let compliance = Compliance::new(&mesh, &lines, &orbits, deadline)?;
         let areas = (0..orbits.loaded)
             .map(|a| orbits.size[a] as f64 * Bilinear::new(mesh.corners(orbits.representatives[a])).area())

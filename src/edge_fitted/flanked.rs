@@ -7,15 +7,13 @@
 //! (Barber 1974), so that the end, known to a cell, enters squared. What cells across and along the edges leave is told by fewer of them.
 
 use super::Limits;
-use super::active_set::{factor, solve, solve_on};
-use super::compliance::Compliance;
-use super::line_potential::Lines;
-use super::mesh::{Bilinear, Mesh, Point};
+use super::estimated::{Estimated, Solved, Touching};
+use super::mesh::{Mesh, Point};
 use super::polygon::symmetries;
 use super::rectilinear::{graded, graded_both};
-use super::symmetry::{Isometry, Orbits};
+use super::symmetry::Isometry;
 
-/// A flat of depth 1 below first touch of nothing else: E* = 1.
+/// A flat that is pressed in by 1, about its centroid.
 pub(crate) struct Flat<'a> {
     /// Corners of a convex polygon, counter-clockwise.
     pub corners: &'a [Point],
@@ -27,28 +25,6 @@ pub(crate) struct Flat<'a> {
     pub symmetric: bool,
     /// The overlap.
     pub overlap: &'a dyn Fn(Point) -> f64,
-}
-
-/// A contact on a flat and its flanks.
-#[derive(Debug, Clone)]
-pub(crate) struct Flanked {
-    /// The force, and an estimate of its relative error.
-    pub force: f64,
-    pub error: f64,
-    /// The stored energy.
-    pub energy: f64,
-    /// dP/dd, and an estimate of its relative error.
-    pub stiffness: f64,
-    pub stiffness_error: f64,
-    /// Area, and an estimate of its relative error.
-    pub area: f64,
-    pub area_error: f64,
-    /// Corners and pressure of the cells in contact.
-    pub cells: Vec<([Point; 4], f64)>,
-    /// The end of the contact, counter-clockwise.
-    pub end: Vec<Point>,
-    /// Unknowns of the last mesh.
-    pub unknowns: usize,
 }
 
 /// Cells: from the centre to the edge before it is graded further, half along an edge, across the strip.
@@ -88,13 +64,7 @@ const ORDER: f64 = 2.5;
 
 /// A solved mesh.
 struct State {
-    force: f64,
-    energy: f64,
-    stiffness: f64,
-    area: f64,
-    mesh: Mesh,
-    pressure: Vec<f64>,
-    unknowns: usize,
+    solved: Solved,
     layout: Layout,
 }
 
@@ -109,38 +79,36 @@ struct Layout {
 }
 
 /// The contact of a flat with flanks. `None` where it cannot be solved on as many cells, and once the time is used up.
-pub(crate) fn flanked(flat: &Flat, limits: &Limits) -> Option<Flanked> {
+pub(crate) fn flanked(flat: &Flat, limits: &Limits) -> Option<Estimated> {
     let mut counts = first(limits);
     let mut width = (ROOM * flat.growth).min(1.0);
-    let mut best: Option<Flanked> = None;
+    let mut best: Option<Estimated> = None;
     for _ in 0..ROUNDS {
         let Some(fine) = wide_enough(flat, counts, &mut width, limits) else { return best };
         let fewer = scaled(counts, 2.0 / 3.0);
         // One after the other: what they change the force by may cancel.
-        let with = |counts: Counts| solved(flat, counts, width, limits);
         let others = [
-            with(Counts { inside: fewer.inside, ..counts })?,
-            with(Counts { along: fewer.along, ..counts })?,
-            with(Counts { strip: fewer.strip, ..counts })?,
+            Counts { inside: fewer.inside, ..counts },
+            Counts { along: fewer.along, ..counts },
+            Counts { strip: fewer.strip, ..counts },
         ];
+        let others: Option<Vec<State>> = others.into_iter().map(|counts| solved(flat, counts, width, limits)).collect();
+        let (Some(others), State { solved: own, .. }) = (others, &fine) else { return best };
         let change =
-            |of: fn(&State) -> f64| others.iter().map(|other| (of(other) / of(&fine) - 1.0).abs()).sum::<f64>();
+            |of: fn(&Solved) -> f64| others.iter().map(|other| (of(&other.solved) / of(own) - 1.0).abs()).sum::<f64>();
         // The end of the contact is known to half a cell of the strip.
         let cell = 0.5 * flat.growth * fine.thickness_at_end();
-        let found = Flanked {
-            force: fine.force,
+        let found = Estimated {
+            force: own.force,
             error: SCATTER * change(|s| s.force) + OF_END * cell * cell,
-            energy: fine.energy,
-            stiffness: fine.stiffness,
+            energy: own.energy,
+            stiffness: own.stiffness,
             stiffness_error: change(|s| s.stiffness) + cell,
-            area: fine.area,
+            area: own.area,
             area_error: change(|s| s.area) + 2.0 * cell,
-            end: fine.end(),
-            cells: (0..fine.mesh.loaded)
-                .filter(|&k| fine.pressure[k] > 0.0)
-                .map(|k| (fine.mesh.corners(k), fine.pressure[k]))
-                .collect(),
-            unknowns: fine.unknowns,
+            ends: vec![fine.end()],
+            cells: own.cells(Touching::Some),
+            unknowns: own.unknowns,
         };
         let missed = found.error / limits.tolerance;
         best = Some(found);
@@ -197,33 +165,8 @@ fn solved(flat: &Flat, counts: Counts, width: f64, limits: &Limits) -> Option<St
     if !flat.holds(&layout, &group, limits) {
         return None;
     }
-    let mesh = layout.mesh(flat);
-    let lines = Lines::new(&mesh);
-    let orbits = Orbits::new(&mesh, &group);
-    if orbits.loaded > limits.unknowns {
-        return None;
-    }
-    let compliance = Compliance::new(&mesh, &lines, &orbits, limits.deadline)?;
-    let of = |a: usize| (Bilinear::new(mesh.corners(orbits.representatives[a])), orbits.size[a] as f64);
-    let areas: Vec<f64> = (0..orbits.loaded).map(|a| of(a).1 * of(a).0.area()).collect();
-    let integral = |(cell, size): (Bilinear, f64)| size * cell.gauss().map(|(p, w)| w * (flat.overlap)(p)).sum::<f64>();
-    let rhs: Vec<f64> = (0..orbits.loaded).map(|a| integral(of(a))).collect();
-    let p = solve(&compliance, &rhs);
-    let contact: Vec<bool> = p.iter().map(|p| *p > 0.0).collect();
-    let m = solve_on(&factor(&compliance, &contact)?, &contact, &areas);
-    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-    let (force, stiffness) = (dot(&p, &areas), dot(&m, &areas));
-    let pressure = orbits.expand(&p, mesh.loaded);
-    (force > 0.0 && stiffness > 0.0).then(|| State {
-        force,
-        energy: 0.5 * dot(&p, &rhs),
-        stiffness,
-        area: areas.iter().zip(&contact).filter(|(_, touches)| **touches).map(|(a, _)| a).sum(),
-        mesh,
-        pressure,
-        unknowns: orbits.loaded,
-        layout,
-    })
+    let solved = Solved::new(layout.mesh(flat), &group, flat.overlap, Touching::Some, limits)?;
+    (solved.force > 0.0 && solved.stiffness > 0.0).then_some(State { solved, layout })
 }
 
 impl Layout {
@@ -283,7 +226,7 @@ impl Layout {
 impl State {
     fn reaches_its_border(&self) -> bool {
         let rows = self.layout.rows();
-        self.pressure.chunks(rows).any(|column| column[rows - 1] > 0.0)
+        self.solved.pressure.chunks(rows).any(|column| column[rows - 1] > 0.0)
     }
 
     /// The largest thickness of a last cell in contact of all sectors, as a height of the flank; of the next one where contact ends on the
@@ -296,17 +239,17 @@ impl State {
             let next = last.min(heights.len() - 1);
             heights[next] - next.checked_sub(1).map_or(0.0, |before| heights[before])
         };
-        self.pressure.chunks(rows).map(thickness).fold(0.0, f64::max)
+        self.solved.pressure.chunks(rows).map(thickness).fold(0.0, f64::max)
     }
 
     /// The middle of the outer side of the last cell in contact, of every sector.
     fn end(&self) -> Vec<Point> {
         let rows = self.layout.rows();
-        let columns = self.pressure.chunks(rows).enumerate();
+        let columns = self.solved.pressure.chunks(rows).enumerate();
         columns
             .filter_map(|(j, column)| {
                 let last = column.iter().rposition(|p| *p > 0.0)?;
-                let c = self.mesh.corners(j * rows + last);
+                let c = self.solved.mesh.corners(j * rows + last);
                 Some([0, 1].map(|m| 0.5 * (c[1][m] + c[2][m])))
             })
             .collect()
@@ -318,7 +261,7 @@ mod tests {
     use super::*;
 
     /// A pyramid of n faces, inradius 1, at a depth of `growth` times the height of its missing tip.
-    fn pyramid(n: usize, growth: f64, tolerance: f64) -> Flanked {
+    fn pyramid(n: usize, growth: f64, tolerance: f64) -> Estimated {
         let half = std::f64::consts::PI / n as f64;
         let corner = |k: usize| {
             let (sin, cos) = (half * (2 * k + 1) as f64).sin_cos();

@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use super::gauss::legendre;
+pub(crate) use crate::numeric::geometry::cross;
 
 /// A point of the plane.
 pub(crate) type Point = [f64; 2];
@@ -88,12 +89,6 @@ pub(crate) fn minus(a: Point, b: Point) -> Point {
 #[inline(always)]
 pub(crate) fn dot(a: Point, b: Point) -> f64 {
     a[0] * b[0] + a[1] * b[1]
-}
-
-/// The component of a x b.
-#[inline(always)]
-pub(crate) fn cross(a: Point, b: Point) -> f64 {
-    a[0] * b[1] - a[1] * b[0]
 }
 
 /// The length.

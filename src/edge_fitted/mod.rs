@@ -29,6 +29,7 @@ mod cells;
 mod cholesky;
 mod compliance;
 mod discrete;
+mod estimated;
 mod fade;
 mod flanked;
 mod flat;
@@ -54,10 +55,11 @@ mod tilted_mesh;
 
 pub(crate) use annular::{Annular, Law, RadialBounds, RadialJet, Span, annular};
 pub(crate) use cells::{resample, resample_rings};
-pub(crate) use flanked::{Flanked, Flat as FlankedFlat, flanked};
+pub(crate) use estimated::Estimated;
+pub(crate) use flanked::{Flat as FlankedFlat, flanked};
 pub(crate) use flat::{FlatStiffness, flat_stiffness};
 pub(crate) use outline::Outline;
-pub(crate) use oval::{Oval, oval};
+pub(crate) use oval::oval;
 pub(crate) use tilted::{Given, Tilted, tilted};
 
 use crate::clock::Deadline;

@@ -14,12 +14,10 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::Limits;
-use super::active_set::{factor, solve_on};
-use super::compliance::Compliance;
-use super::line_potential::Lines;
-use super::mesh::{Bilinear, Mesh, Point};
+use super::estimated::{Estimated, Solved, Touching};
+use super::mesh::{Mesh, Point};
 use super::rectilinear::graded_both;
-use super::symmetry::{Isometry, Orbits};
+use super::symmetry::Isometry;
 
 /// Grading of the cells towards the ends of the strip: those move, and p is bounded there.
 const EXPONENT: f64 = 3.0;
@@ -39,43 +37,15 @@ const CLOSE: f64 = 0.01;
 /// Rounds of more cells.
 const ROUNDS: usize = 3;
 
-/// A contact along a closed strip, E* = 1.
-#[derive(Debug, Clone)]
-pub(crate) struct Oval {
-    /// The force, and an estimate of its relative error.
-    pub force: f64,
-    pub error: f64,
-    /// The stored energy.
-    pub energy: f64,
-    /// dP/dd, and an estimate of its relative error.
-    pub stiffness: f64,
-    pub stiffness_error: f64,
-    /// Area, and an estimate of its relative error.
-    pub area: f64,
-    pub area_error: f64,
-    /// Corners and pressure of all cells.
-    pub cells: Vec<([Point; 4], f64)>,
-    /// Inner and outer end, counter-clockwise.
-    pub ends: [Vec<Point>; 2],
-    /// Unknowns of the last mesh.
-    pub unknowns: usize,
-}
-
 /// Ends of the contact at the stations of a quarter, as shares of the strip in which the bodies overlap.
 #[derive(Debug, Clone)]
 struct Ends(Vec<[f64; 2]>);
 
 /// A solved mesh.
 struct State {
-    force: f64,
-    energy: f64,
-    stiffness: f64,
-    area: f64,
+    solved: Solved,
     /// Moves of both ends of each row of a quarter, over half the width.
     moves: Vec<[f64; 2]>,
-    mesh: Mesh,
-    pressure: Vec<f64>,
-    unknowns: usize,
 }
 
 impl State {
@@ -87,7 +57,11 @@ impl State {
 
 /// The contact of an overlap (`f`, about the crossing of its mirrors x = 0 and y = 0) that is positive along every ray between the
 /// distances that `strip` gives, and nowhere else. `None` where no such contact is found, and once the time is used up.
-pub(crate) fn oval(f: &dyn Fn(Point) -> f64, strip: &dyn Fn(f64) -> Option<[f64; 2]>, limits: &Limits) -> Option<Oval> {
+pub(crate) fn oval(
+    f: &dyn Fn(Point) -> f64,
+    strip: &dyn Fn(f64) -> Option<[f64; 2]>,
+    limits: &Limits,
+) -> Option<Estimated> {
     let slenderness = (0..=8)
         .map(|k| strip(FRAC_PI_2 * f64::from(k) / 8.0).map(|[a, b]| (a + b) / (0.7 * (b - a))))
         .try_fold(0.0, |m: f64, s| s.map(|s| m.max(s)))?;
@@ -96,7 +70,7 @@ pub(crate) fn oval(f: &dyn Fn(Point) -> f64, strip: &dyn Fn(f64) -> Option<[f64;
     let mut rows = (0.25 * PI * (0.5 * slenderness / sagitta).sqrt()).ceil().clamp(9.0, 120.0) as usize;
     let mut half = 3;
     let mut ends = Ends(vec![FIRST; rows + 1]);
-    let mut best: Option<Oval> = None;
+    let mut best: Option<Estimated> = None;
     for _ in 0..ROUNDS {
         let problem = Problem { f, strip, limits };
         let solved = |ends: &mut Ends, rows: usize, half: usize| problem.settled(ends, rows, half);
@@ -111,23 +85,24 @@ pub(crate) fn oval(f: &dyn Fn(Point) -> f64, strip: &dyn Fn(f64) -> Option<[f64;
         ends = own.resampled(rows);
         let Some(coarse) = solved(&mut ends, rows, half) else { return best };
         let Some(fine) = solved(&mut ends, rows, finer) else { return best };
-        let change = |of: fn(&State) -> f64| {
-            let across = (of(&fine) / of(&coarse) - 1.0).abs();
-            let along = (of(&coarse) / of(&shorter) - 1.0).abs();
+        let own = &fine.solved;
+        let change = |of: fn(&Solved) -> f64| {
+            let across = (of(own) / of(&coarse.solved) - 1.0).abs();
+            let along = (of(&coarse.solved) / of(&shorter.solved) - 1.0).abs();
             across + along
         };
         let off = fine.off().max(coarse.off());
-        let found = Oval {
-            force: fine.force,
+        let found = Estimated {
+            force: own.force,
             error: change(|s| s.force) + 2.0 * off * off,
-            energy: fine.energy,
-            stiffness: fine.stiffness,
+            energy: own.energy,
+            stiffness: own.stiffness,
             stiffness_error: change(|s| s.stiffness) + off,
-            area: fine.area,
+            area: own.area,
             area_error: change(|s| s.area) + 2.0 * off,
-            cells: (0..fine.mesh.loaded).map(|k| (fine.mesh.corners(k), fine.pressure[k])).collect(),
+            cells: own.cells(Touching::All),
             ends: problem.boundary(&ends)?,
-            unknowns: fine.unknowns,
+            unknowns: own.unknowns,
         };
         let done = found.error <= limits.tolerance;
         best = Some(found);
@@ -158,7 +133,8 @@ impl Problem<'_> {
             ends.moved(&state.moves);
             state = self.solve(ends, rows, half)?;
         }
-        (state.force > 0.0 && state.stiffness > 0.0 && state.off() < 0.1).then_some(state)
+        let Solved { force, stiffness, .. } = state.solved;
+        (force > 0.0 && stiffness > 0.0 && state.off() < 0.1).then_some(state)
     }
 
     /// Distances of both ends at the stations of a quarter.
@@ -171,10 +147,12 @@ impl Problem<'_> {
         ends.0.iter().enumerate().map(at).collect()
     }
 
-    fn boundary(&self, ends: &Ends) -> Option<[Vec<Point>; 2]> {
+    /// The outer end and the inner one, contact on their left.
+    fn boundary(&self, ends: &Ends) -> Option<Vec<Vec<Point>>> {
         let quarter = self.distances(ends)?;
         let rows = quarter.len() - 1;
-        Some([0, 1].map(|m| (0..4 * rows).map(|k| point(k, rows, |i| quarter[i][m])).collect()))
+        let line = |m: usize| (0..4 * rows).map(|k| point(k, rows, |i| quarter[i][m])).collect::<Vec<_>>();
+        Some(vec![line(1), line(0).into_iter().rev().collect()])
     }
 
     fn solve(&self, ends: &Ends, rows: usize, half: usize) -> Option<State> {
@@ -192,19 +170,8 @@ impl Problem<'_> {
             .flat_map(|k| (0..across).map(move |j| [id(k, j), id(k, j + 1), id(k + 1, j + 1), id(k + 1, j)]))
             .collect();
         let mesh = Mesh::new(nodes, cells, Vec::new());
-        let lines = Lines::new(&mesh);
-        let orbits = Orbits::new(&mesh, &mirrors());
-        let compliance = Compliance::new(&mesh, &lines, &orbits, self.limits.deadline)?;
-        let n = orbits.loaded;
-        let of = |a: usize| (Bilinear::new(mesh.corners(orbits.representatives[a])), orbits.size[a] as f64);
-        let areas: Vec<f64> = (0..n).map(|a| of(a).1 * of(a).0.area()).collect();
-        let rhs: Vec<f64> =
-            (0..n).map(|a| of(a).1 * of(a).0.gauss().map(|(p, w)| w * (self.f)(p)).sum::<f64>()).collect();
-        let all = vec![true; n];
-        let factored = factor(&compliance, &all)?;
-        let (p, m) = (solve_on(&factored, &all, &rhs), solve_on(&factored, &all, &areas));
-        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-        let pressure = orbits.expand(&p, mesh.loaded);
+        let solved = Solved::new(mesh, &mirrors(), self.f, Touching::All, self.limits)?;
+        let pressure = &solved.pressure;
         let moves = (0..rows)
             .map(|k| {
                 let at = |j: usize| pressure[k * across + j];
@@ -213,16 +180,7 @@ impl Problem<'_> {
                 [inner, outer].map(|share| 2.0 * share)
             })
             .collect();
-        Some(State {
-            force: dot(&p, &areas),
-            energy: 0.5 * dot(&p, &rhs),
-            stiffness: dot(&m, &areas),
-            area: areas.iter().sum(),
-            moves,
-            mesh,
-            pressure,
-            unknowns: n,
-        })
+        Some(State { solved, moves })
     }
 }
 
@@ -289,6 +247,7 @@ fn mirrors() -> [Isometry; 4] {
 #[cfg(test)]
 mod tests {
     use super::super::annular::tests::Quadratic;
+    use super::super::mesh::Bilinear;
     use super::super::{Law, Span, annular};
     use super::*;
 

@@ -1,7 +1,7 @@
 //! The upper envelope of planes: where it is lowest, how steeply it rises, and where it lies below a height.
 
 use crate::numeric::Interval;
-use crate::numeric::geometry::{Rect, centroid, clip, convex_hull, cross};
+use crate::numeric::geometry::{Rect, centroid, clip, convex_hull, cross, meeting};
 
 /// The lowest point of the highest of some planes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -49,9 +49,7 @@ impl Lowest {
         });
         let Some(three) = found else { return Self::guess(planes) };
         let point = three.meeting();
-        let size = |p: &[f64; 3]| (p[0] * point[0]).abs() + (p[1] * point[1]).abs() + p[2].abs();
-        let [rounding, highest] = [planes.iter().map(size).fold(0.0, f64::max) * ROUNDING, height(planes, point)];
-        let floor = three.floor().unwrap_or(highest - rounding);
+        let floor = three.floor().unwrap_or_else(|| height(planes, point) - rounding(planes, point));
         let tip = Self { floor, point, three: Some(three) };
         match level(planes) {
             // On the flat, which bounds all from below.
@@ -68,27 +66,22 @@ impl Lowest {
     /// Of planes that do not rise in some direction.
     fn of_level(planes: &[[f64; 3]]) -> Self {
         lowest_on_line(planes).map_or_else(
-            || Self { floor: f64::NEG_INFINITY, ..Self::guess(planes) },
-            |(low, point)| {
-                let size = |p: &[f64; 3]| (p[0] * point[0]).abs() + (p[1] * point[1]).abs() + p[2].abs();
-                Self { floor: low - ROUNDING * planes.iter().map(size).fold(0.0, f64::max), point, three: None }
-            },
+            || Self { floor: f64::NEG_INFINITY, ..Self::AT_ORIGIN },
+            |(low, point)| Self { floor: low - rounding(planes, point), point, three: None },
         )
     }
 
     /// Of planes of which nothing is known.
     fn guess(planes: &[[f64; 3]]) -> Self {
-        let point = [0.0; 2];
-        Self { floor: level(planes).unwrap_or(f64::NEG_INFINITY), point, three: None }
+        Self { floor: level(planes).unwrap_or(f64::NEG_INFINITY), ..Self::AT_ORIGIN }
     }
 
     /// What lies below a height where the planes rise by at least `rise` a unit of length in every direction: a rectangle that holds it, and
     /// its corners to rounding.
     pub fn below(&self, planes: &[[f64; 3]], rise: f64, level: f64) -> (Rect, Vec<[f64; 2]>) {
-        let [x, y] = self.point;
         let heights = planes.iter().fold(level.abs(), |m, p| m.max(p[2].abs()));
         let mut window = self.three.and_then(|three| three.below(level)).unwrap_or_else(|| {
-            let lowest = planes.iter().map(|p| p[0] * x + p[1] * y + p[2]).fold(f64::INFINITY, f64::min);
+            let lowest = planes.iter().map(|p| at(p, self.point)).fold(f64::INFINITY, f64::min);
             Rect::around(self.point, [1.001 * (level - lowest) / rise; 2])
         });
         loop {
@@ -117,8 +110,23 @@ impl Lowest {
     }
 }
 
-fn height(planes: &[[f64; 3]], [x, y]: [f64; 2]) -> f64 {
-    planes.iter().map(|p| p[0] * x + p[1] * y + p[2]).fold(f64::NEG_INFINITY, f64::max)
+/// The height of one plane.
+fn at(plane: &[f64; 3], [x, y]: [f64; 2]) -> f64 {
+    plane[0] * x + plane[1] * y + plane[2]
+}
+
+/// The size of the terms that make it up.
+fn size(plane: &[f64; 3], [x, y]: [f64; 2]) -> f64 {
+    (plane[0] * x).abs() + (plane[1] * y).abs() + plane[2].abs()
+}
+
+fn height(planes: &[[f64; 3]], point: [f64; 2]) -> f64 {
+    planes.iter().map(|p| at(p, point)).fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// What rounding leaves of it.
+fn rounding(planes: &[[f64; 3]], point: [f64; 2]) -> f64 {
+    ROUNDING * planes.iter().map(|p| size(p, point)).fold(0.0, f64::max)
 }
 
 /// Height of the highest level plane.
@@ -163,14 +171,7 @@ impl Three {
         let Self(mut p) = *self;
         // Differences to the least steep one lose the fewest digits.
         p.sort_by(|a, b| a[0].hypot(a[1]).total_cmp(&b[0].hypot(b[1])));
-        let row = |k: usize| {
-            let [a, b, c] = [0, 1, 2].map(|m| p[k][m] - p[0][m]);
-            let size = a.abs().max(b.abs());
-            [a / size, b / size, c / size]
-        };
-        let (a, b) = (row(1), row(2));
-        let det = cross([a[0], a[1]], [b[0], b[1]]);
-        [(b[2] * a[1] - a[2] * b[1]) / det, (a[2] * b[0] - b[2] * a[0]) / det]
+        meeting([1, 2].map(|k| [0, 1, 2].map(|m| p[k][m] - p[0][m])))
     }
 
     /// A rectangle around what lies below a height on all three; `None` where they do not close well.
@@ -181,34 +182,26 @@ impl Three {
             return None;
         }
         let Self(three) = self;
-        let row = |p: &[f64; 3]| {
-            let size = p[0].abs().max(p[1].abs());
-            [p[0] / size, p[1] / size, (p[2] - level) / size]
-        };
-        let corner = |k: usize| {
-            let (a, b) = (row(&three[k]), row(&three[(k + 1) % 3]));
-            let det = cross([a[0], a[1]], [b[0], b[1]]);
-            [(b[2] * a[1] - a[2] * b[1]) / det, (a[2] * b[0] - b[2] * a[0]) / det]
-        };
-        let corners = [0, 1, 2].map(corner);
+        let corners = [0, 1, 2].map(|k| meeting([three[k], three[(k + 1) % 3]].map(|[a, b, c]| [a, b, c - level])));
         let size = corners.iter().flatten().fold(0.0_f64, |m, x| m.max(x.abs()));
-        let [w, h] = Rect::holding(corners)?.size();
+        let held = Rect::holding(corners)?;
+        let [w, h] = held.size();
         let margin = 1e-3 * (w + h) + 1e-9 * size;
-        let around = Rect::around(Rect::holding(corners)?.centre(), [0.5 * w + margin, 0.5 * h + margin]);
+        let around = Rect::around(held.centre(), [0.5 * w + margin, 0.5 * h + margin]);
         around.size().iter().all(|s| s.is_finite()).then_some(around)
     }
 
     /// The same with the plane that is highest above their meeting; `None` where there is none.
     fn with_highest(&self, planes: &[[f64; 3]]) -> Option<Self> {
         let Self(three) = self;
-        let [x, y] = self.meeting();
-        let at = |p: &[f64; 3]| p[0] * x + p[1] * y + p[2];
-        let size = |p: &[f64; 3]| (p[0] * x).abs() + (p[1] * y).abs() + p[2].abs();
+        let point = self.meeting();
         let weights = self.weights();
         let sum: f64 = weights.iter().sum();
         let own: f64 = three.iter().zip(weights).map(|(p, w)| p[2] * w).sum::<f64>() / sum;
-        let above = |p: &&[f64; 3]| at(p) - own > ROUNDING * (size(p) + own.abs()) && !(p[0] == 0.0 && p[1] == 0.0);
-        let next = planes.iter().filter(above).max_by(|a, b| at(a).total_cmp(&at(b)))?;
+        let above = |p: &&[f64; 3]| {
+            at(p, point) - own > ROUNDING * (size(p, point) + own.abs()) && !(p[0] == 0.0 && p[1] == 0.0)
+        };
+        let next = planes.iter().filter(above).max_by(|a, b| at(a, point).total_cmp(&at(b, point)))?;
         let with = |k: usize| {
             let mut all = *three;
             all[k] = *next;
@@ -216,8 +209,7 @@ impl Three {
         };
         // The one of which the least weight is the largest.
         let least = |three: &Self| three.weights().into_iter().fold(f64::INFINITY, f64::min);
-        let best = (0..3).map(with).filter(Self::holds_origin).max_by(|a, b| least(a).total_cmp(&least(b)))?;
-        Some(best)
+        (0..3).map(with).filter(Self::holds_origin).max_by(|a, b| least(a).total_cmp(&least(b)))
     }
 
     /// A bound below the envelope, for all rounding; `None` where the origin lies on the border of the triangle as far as can be seen.

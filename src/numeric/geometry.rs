@@ -133,9 +133,18 @@ fn edges_about_first(polygon: &[[f64; 2]]) -> impl Iterator<Item = ([f64; 2], [f
     let from_base = move |p: &[f64; 2]| [p[0] - base[0], p[1] - base[1]];
     polygon.iter().zip(polygon.iter().cycle().skip(1)).map(move |(p, q)| (from_base(p), from_base(q)))
 }
+
 /// a x b.
+#[inline(always)]
 pub(crate) fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
     a[0] * b[1] - a[1] * b[0]
+}
+
+/// Where two lines a x + b y + c = 0 meet, each in units of its own so that nothing overflows; not a number where they do not.
+pub(crate) fn meeting(lines: [[f64; 3]; 2]) -> [f64; 2] {
+    let [p, q] = lines.map(|line| line.map(|v| v / line[0].abs().max(line[1].abs())));
+    let det = cross([p[0], p[1]], [q[0], q[1]]);
+    [(q[2] * p[1] - p[2] * q[1]) / det, (p[2] * q[0] - q[2] * p[0]) / det]
 }
 
 /// Twice the area of a triangle, positive where p lies left of the way from a to b.

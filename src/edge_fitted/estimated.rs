@@ -1,0 +1,91 @@
+//! Contacts on cells that are fitted to them: what one mesh finds, and what several tell of its errors.
+
+use super::Limits;
+use super::active_set::{factor, solve, solve_on};
+use super::discrete::Discretisation;
+use super::mesh::{Bilinear, Mesh, Point};
+use super::symmetry::Isometry;
+
+/// A contact whose errors are estimates, E* = 1.
+#[derive(Debug, Clone)]
+pub(crate) struct Estimated {
+    /// The force, and an estimate of its relative error.
+    pub force: f64,
+    pub error: f64,
+    /// The stored energy.
+    pub energy: f64,
+    /// dP/dd, and an estimate of its relative error.
+    pub stiffness: f64,
+    pub stiffness_error: f64,
+    /// Area, and an estimate of its relative error.
+    pub area: f64,
+    pub area_error: f64,
+    /// Corners and pressure of the cells in contact.
+    pub cells: Vec<([Point; 4], f64)>,
+    /// Where the contact ends: closed lines, contact on the left.
+    pub ends: Vec<Vec<Point>>,
+    /// Unknowns of the last mesh.
+    pub unknowns: usize,
+}
+
+/// A mesh with its pressure, E* = 1.
+pub(super) struct Solved {
+    pub force: f64,
+    pub energy: f64,
+    pub stiffness: f64,
+    pub area: f64,
+    pub mesh: Mesh,
+    /// Of all loaded cells.
+    pub pressure: Vec<f64>,
+    pub unknowns: usize,
+}
+
+/// Which cells are in contact.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Touching {
+    /// All: pressures may be negative where they should not be.
+    All,
+    /// Those on which the pressure is positive.
+    Some,
+}
+
+impl Solved {
+    /// The pressure under an overlap; `group`: symmetries of both. `None` with more unknowns than allowed, and once the time is used up.
+    pub fn new(
+        mesh: Mesh,
+        group: &[Isometry],
+        overlap: &dyn Fn(Point) -> f64,
+        touching: Touching,
+        limits: &Limits,
+    ) -> Option<Self> {
+        let Discretisation { mesh, orbits, compliance, areas, .. } =
+            Discretisation::within(mesh, group, limits.unknowns, limits.deadline)?;
+        let integral = |cell: Bilinear| cell.gauss().map(|(p, w)| w * overlap(p)).sum::<f64>();
+        let rhs: Vec<f64> = (0..orbits.loaded)
+            .map(|a| orbits.size[a] as f64 * integral(Bilinear::new(mesh.corners(orbits.representatives[a]))))
+            .collect();
+        let found = (touching == Touching::Some).then(|| solve(&compliance, &rhs));
+        let contact: Vec<bool> =
+            found.as_ref().map_or_else(|| vec![true; rhs.len()], |p| p.iter().map(|p| *p > 0.0).collect());
+        let factored = factor(&compliance, &contact)?;
+        let p = found.unwrap_or_else(|| solve_on(&factored, &contact, &rhs));
+        let m = solve_on(&factored, &contact, &areas);
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        Some(Self {
+            force: dot(&p, &areas),
+            energy: 0.5 * dot(&p, &rhs),
+            stiffness: dot(&m, &areas),
+            area: areas.iter().zip(&contact).filter(|(_, touches)| **touches).map(|(area, _)| area).sum(),
+            pressure: orbits.expand(&p, mesh.loaded),
+            mesh,
+            unknowns: orbits.loaded,
+        })
+    }
+
+    /// Corners and pressure of the cells in contact.
+    pub fn cells(&self, touching: Touching) -> Vec<([Point; 4], f64)> {
+        let loaded = |p: f64| touching == Touching::All || p > 0.0;
+        let all = self.pressure.iter().enumerate();
+        all.filter(|(_, p)| loaded(**p)).map(|(k, p)| (self.mesh.corners(k), *p)).collect()
+    }
+}
