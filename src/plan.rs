@@ -149,7 +149,7 @@ fn probe(contact: &Contact, loads: &[Load], steps: &mut Vec<String>) -> (f64, [f
             steps
                 .push(format!("{count}force {force:e} is given: Newton's method for {what}, with the exact stiffness"));
             let gap = contact.gap();
-            let overlap = overlap_of_size(gap, contact.modulus().e_star(), force);
+            let overlap = overlap_of_size(gap, contact.modulus().e_star(), force, Deadline::NEVER);
             (least(gap).1 + overlap, [0.0; 2])
         }
     }

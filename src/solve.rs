@@ -179,7 +179,7 @@ fn at_force(
     if [1.0, 1e-6, 1e-12].iter().all(endless) {
         Overlap::of(gap, least + size)?;
     }
-    let guess = equilibrium::overlap_of_size(gap, contact.modulus().e_star(), force);
+    let guess = equilibrium::overlap_of_size(gap, contact.modulus().e_star(), force, settings.deadline);
     // The law of a homogeneous gap is exact: one state serves every force.
     if let Some(law) = gap.known().law {
         let answer = respond(contact, law.lowest + guess, [0.0; 2], settings, false);

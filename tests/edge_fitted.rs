@@ -297,6 +297,16 @@ mod formulas {
         AnyGap::new(Formula::within("0.001*(1-r^2)", Outline::disc(1.0).unwrap()).unwrap())
     }
 
+    /// A flat ring has no number at its centre, and touches at depth 0 all the same.
+    #[test]
+    fn a_flat_ring_under_a_force_is_that_under_its_depth() {
+        let ring = || AnyGap::new(Formula::within("0*sqrt(r - 1)", Outline::disc(2.0).unwrap()).unwrap());
+        let pressed = fitted(1.0, ring(), Load::Force(1.0), &Settings::default());
+        let held = fitted(1.0, ring(), Load::Depth(pressed.depth), &Settings::default());
+        assert!((held.force - 1.0).abs() < 1e-9, "{}", held.force);
+        within(&held, 4.0 * 0.981_017_896_923 * held.depth, 1e-9);
+    }
+
     /// Rings refined by another program: 1e-5.
     const DISHED: f64 = 6.816_95e-4;
 

@@ -575,6 +575,25 @@ fn prescribed_cells_larger_than_a_contact_are_too_few() {
     assert!(unsolved.verdict == Verdict::ToleranceNotReached && unsolved.best.is_none(), "{unsolved}");
 }
 
+/// A contact too small for the cells of the one beside it has cells of its own: together they carry more than either and less than both
+/// would alone.
+#[test]
+fn a_needle_beside_a_contact_is_not_lost() {
+    let bowl = json!({"kind": "paraboloid", "radii": [1.96, 0.455], "at": [0.177, 0.121]});
+    let needle = json!({"kind": "power", "coefficient": 1.0, "exponent": 0.36, "at": [1.83, 0.4255]});
+    let ball = json!({"kind": "sphere", "radius": 1.0, "at": [0.876, 1.559]});
+    let ridge = json!({"kind": "formula", "expression": "3.9*abs(x) + y^2/0.83", "rotate": 17.0});
+    for (large, small, depth) in [(bowl, needle, 0.0592), (ball, ridge, 0.309)] {
+        let both = solved(&json!({"kind": "min", "of": [large, small]}), depth);
+        let [a, b] = [&large, &small].map(|gap| solved(gap, depth));
+        let room = [&both, &a, &b].map(|state| stated(state) * state.force).iter().sum::<f64>();
+        let (least, most) = (a.force.max(b.force), a.force + b.force);
+        assert!(both.force > least - room && both.force < most + room, "{} not in {least} to {most}", both.force);
+        assert_eq!(both.patch.regions, 2);
+        assert!(room < 0.02 * b.force.max(0.2 * a.force), "{room}");
+    }
+}
+
 /// An approximate method ends with its time, however long the rays of a gap of many kinks take.
 #[test]
 fn approximate_methods_end_with_their_time() {

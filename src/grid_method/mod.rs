@@ -48,8 +48,14 @@ pub(crate) fn solution(
     }
     let (law, scaled) = (gap.known().law, overlap.scaled());
     let mut refined = refinement::refined(&scaled, settings, method, law)?;
+    let units = &scaled.units;
+    let (cells, load) =
+        (units.rect_outward(&refined.state.problem.grid.extent()), refined.force * units.height * units.length);
+    if let Some(rectangles) = separate::missed_by(overlap, settings, cells, load) {
+        return separate::solution(contact, gap, depth, tilt, settings, &rectangles, with_matrix);
+    }
     if let Some(bounds) = by_edges::force_bounds(overlap, settings) {
-        let unit = scaled.units.length * scaled.units.height;
+        let unit = units.length * units.height;
         // An estimate that bounds show to be a little too small moves to them; one that is far off is none.
         let claim = Claim { force: refined.force * unit, error: 2.0 * refined.error * unit };
         within(bounds, claim, "its flat part")?;

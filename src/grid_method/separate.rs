@@ -21,6 +21,9 @@ use crate::solution::{Origin, Patch, Piece, PressureSummary, Solution, TouchesEd
 /// More contacts than that share one grid.
 const MOST: usize = 256;
 
+/// Contacts among which needles have grids of their own; of more of them one grid tells what matters.
+const FEW: usize = 16;
+
 /// The box of all contacts is so many times as long as the largest one, or one grid serves them all.
 const FAR: f64 = 4.0;
 
@@ -30,16 +33,32 @@ const SWEEPS: usize = 20;
 /// Cells along the longer side of the field that all contacts share.
 const FIELD: usize = 1024;
 
+/// Whether what is asked for allows more than one grid.
+fn may_be_several(settings: &Settings) -> bool {
+    settings.cells.is_none() && settings.method != Method::Qp && !settings.outputs.gap
+}
+
 /// Rectangles around contacts that are to be solved apart; `None` when one grid serves.
 pub(crate) fn rectangles(overlap: &Overlap, settings: &Settings) -> Option<Vec<Rect>> {
-    if settings.cells.is_some() || settings.method == Method::Qp || settings.outputs.gap {
+    if !may_be_several(settings) {
         return None;
     }
     let apart = overlap.components();
     let longest = |rect: &Rect| rect.size()[0].max(rect.size()[1]);
     let largest = apart.iter().map(longest).fold(0.0, f64::max);
-    let fits = (2..=MOST).contains(&apart.len()) && longest(&overlap.reach) >= FAR * largest && largest > 0.0;
+    let far = (2..=MOST).contains(&apart.len()) && longest(&overlap.reach) >= FAR * largest && largest > 0.0;
+    // One grid would lose the smallest of them.
+    let fits = far || (2..=FEW).contains(&apart.len()) && overlap.has_needles();
     fits.then(|| apart.to_vec())
+}
+
+/// The same where the cells of one grid, which carry `force` within `extent`, have missed a contact.
+pub(crate) fn missed_by(overlap: &Overlap, settings: &Settings, extent: Rect, force: f64) -> Option<Vec<Rect>> {
+    if overlap.known().tips.len() < 2 || !may_be_several(settings) {
+        return None;
+    }
+    nothing_left_out(&overlap.gap, overlap.depth, &[extent], force).err()?;
+    overlap.closer_components().filter(|pieces| pieces.len() <= MOST)
 }
 
 /// Point loads in the user's frame, divided by E*.

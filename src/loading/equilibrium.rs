@@ -7,6 +7,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use crate::clock::Deadline;
 use crate::gap::{AnyGap, Reach};
 use crate::overlap::{least, reach_of};
 use crate::problem::Method;
@@ -45,12 +46,15 @@ fn usable(answer: Result<Solution, Unsolved>) -> Result<(Solution, Option<Unsolv
     }
 }
 
-/// An overlap whose force is of this size: P = 2 E* a d on half the width a of {f > 0}.
-pub(crate) fn overlap_of_size(gap: &AnyGap, e_star: f64, force: f64) -> f64 {
+/// An overlap whose force is of this size: P = 2 E* a d on half the width a of {f > 0}; rougher where there is no time for more.
+pub(crate) fn overlap_of_size(gap: &AnyGap, e_star: f64, force: f64, deadline: Deadline) -> f64 {
     let (_, least) = least(gap);
     // Forces are of the size E* times length squared: begin with that length.
     let mut overlap = (force.abs() / e_star).sqrt();
     for _ in 0..24 {
+        if deadline.has_passed() {
+            break;
+        }
         match reach_of(gap, least + overlap) {
             Reach::Within(reach) => {
                 let half = 0.25 * (reach.size()[0] + reach.size()[1]);

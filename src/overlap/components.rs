@@ -2,12 +2,32 @@
 
 use crate::numeric::geometry::Rect;
 
-/// Rectangles closer together than half the longer side of either are made one.
-pub(super) fn merged(mut pieces: Vec<Rect>) -> Vec<Rect> {
-    let half = |r: &Rect| 0.5 * r.size()[0].max(r.size()[1]);
+/// A contact this small beside another is lost between the cells of a grid that holds both.
+const NEEDLE: f64 = 1.0 / 64.0;
+
+/// How far apart two contacts lie in the longer side of the larger one, to be solved apart with all digits.
+pub(super) const APART: f64 = 0.5;
+
+/// The least such distance: four digits of what they do to one another.
+pub(super) const NEAR: f64 = 0.1;
+
+/// The longer side.
+pub(super) fn longest(rect: &Rect) -> f64 {
+    rect.size()[0].max(rect.size()[1])
+}
+
+/// Whether a contact is lost between the cells of a grid over a rectangle.
+pub(super) fn is_needle(piece: &Rect, beside: f64) -> bool {
+    longest(piece) < NEEDLE * beside
+}
+
+/// Rectangles closer together than `share` of the longer side of either are made one, and those of needles closer than a tenth.
+pub(super) fn merged(mut pieces: Vec<Rect>, share: f64) -> Vec<Rect> {
     let close = |a: &Rect, b: &Rect| {
         let apart = |m: usize| (a.min[m] - b.max[m]).max(b.min[m] - a.max[m]).max(0.0);
-        apart(0).hypot(apart(1)) <= half(a).max(half(b))
+        let longer = longest(a).max(longest(b));
+        let least = if is_needle(a, longer) || is_needle(b, longer) { NEAR } else { share };
+        apart(0).hypot(apart(1)) <= least * longer
     };
     let mut k = 0;
     while k < pieces.len() {

@@ -71,6 +71,7 @@ pub(crate) fn least(gap: &AnyGap) -> ([f64; 2], f64) {
     if value <= known.floor || known.law.is_some_and(|law| law.lowest == value && known.floor > f64::NEG_INFINITY) {
         return (known.centre, value);
     }
+    let value = if value.is_finite() { value } else { somewhere(gap).unwrap_or(value) };
     // Proved, where the gap has bounds over rectangles.
     let close = if known.floor > f64::NEG_INFINITY { 1e-9 * (value - known.floor).abs() } else { 1e-9 * value.abs() };
     if let Reach::Within(rect) = gap.reach(value.next_up())
@@ -84,6 +85,14 @@ pub(crate) fn least(gap: &AnyGap) -> ([f64; 2], f64) {
     let starts = known.tips.iter().take(MOST_STARTS).copied().chain([known.centre]);
     let found = starts.map(|start| lowest(gap, start)).map(|p| (p, gap.gap(p[0], p[1])));
     found.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((known.centre, value))
+}
+
+/// A value of the gap, where its centre lies in a hole of the material.
+fn somewhere(gap: &AnyGap) -> Option<f64> {
+    let Reach::Within(material) = gap.reach(f64::INFINITY) else { return None };
+    let finite = material.corners().iter().flatten().all(|x| x.is_finite());
+    let found = finite.then(|| enclosure::least(gap, &material, 0.0, f64::INFINITY)).flatten()?;
+    Some(found.value).filter(|value| value.is_finite())
 }
 
 /// Tips from which a descent starts.

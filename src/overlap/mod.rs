@@ -89,17 +89,35 @@ impl Overlap {
         self.gap.known()
     }
 
-    /// Rectangles around the parts of {f > 0} that lie at least half the side of either from one another; one when there is but one.
+    /// Rectangles around the parts of {f > 0} that lie at least half the side of either from one another, a needle a tenth; one when there
+    /// is but one.
     pub fn components(&self) -> &[Rect] {
         self.components.get_or_init(|| {
             let lattice = Grid::over(&self.reach, [FILLING; 2]);
             let enough = (FULL * lattice.len() as f64) as usize;
-            let filled = lattice::values(&self.gap, &lattice).iter().filter(|&&g| g < self.depth).count() > enough;
+            // Of several tips each may be a contact, however small.
+            let filled = || lattice::values(&self.gap, &lattice).iter().filter(|&&g| g < self.depth).count() > enough;
+            let one = self.known().tips.len() < 2 && filled();
             let known = || self.gap.components(self.depth);
             let seen = || search::pieces(&|x, y| self.gap.gap(x, y), self.depth, self.known().centre);
-            let pieces = if filled { None } else { known().or_else(seen) };
-            pieces.map(components::merged).filter(|pieces| !pieces.is_empty()).unwrap_or_else(|| vec![self.reach])
+            let pieces = if one { None } else { known().or_else(seen) };
+            pieces
+                .map(|pieces| components::merged(pieces, components::APART))
+                .filter(|pieces| !pieces.is_empty())
+                .unwrap_or_else(|| vec![self.reach])
         })
+    }
+
+    /// The components that are known to lie at least a tenth of the longer side of either from one another; `None` where that is one.
+    pub fn closer_components(&self) -> Option<Vec<Rect>> {
+        let known = self.gap.components(self.depth)?;
+        Some(components::merged(known, components::NEAR)).filter(|pieces| pieces.len() > 1)
+    }
+
+    /// Whether a component is so small that the cells of one grid over all of them may miss it.
+    pub fn has_needles(&self) -> bool {
+        let all = components::longest(&self.reach);
+        self.components().iter().any(|piece| components::is_needle(piece, all))
     }
 }
 

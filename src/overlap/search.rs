@@ -1,6 +1,8 @@
 //! A search for the place where a gap is less than a depth, when nothing but its values is known. What it finds is sampled: it may
 //! choose the grid, and proves nothing.
 
+use std::cell::Cell;
+
 use super::descent::{along, descend, magnitudes, spread};
 use crate::gap::Reach;
 use crate::numeric::geometry::Rect;
@@ -26,6 +28,9 @@ const PROBES: usize = 48;
 /// Pieces of contact that are followed one by one; more of them share a rectangle that is grown as a whole.
 const MOST_SEEDS: usize = 40;
 
+/// Values of the gap that go into following pieces one by one, and their tips.
+const MOST_LOOKS: usize = 400_000;
+
 /// What the rectangle found is enlarged by, relative to its sides: rays and refined peaks are good to about 1e-6.
 const MARGIN: f64 = 1e-3;
 
@@ -37,13 +42,18 @@ const MARGIN: f64 = 1e-3;
 /// contacts it finds those that are seen under about a tenth of a radian from the centre or from one another, and those
 /// in a hollow that wide. A value that is NaN (an overflow) counts as below the depth: it ends nothing.
 pub(super) fn search(gap: &dyn Fn(f64, f64) -> f64, depth: f64, centre: [f64; 2]) -> Reach {
+    let looks = Cell::new(0);
+    let gap = &counted(gap, &looks);
     let inside = |p: [f64; 2]| !(gap(p[0], p[1]) >= depth);
     let endless = |from: [f64; 2]| Reach::Unbounded { from, along: 0.0 };
     let Some(seed) = first_seed(gap, depth, centre) else { return Reach::Nowhere };
-    let Some(mut rect) = piece(&inside, seed) else { return endless(seed) };
+    let Some(mut rect) = piece(&inside, seed, &looks) else { return endless(seed) };
     for _ in 1..MOST_SEEDS {
+        if looks.get() > MOST_LOOKS {
+            break;
+        }
         let Some(next) = seed_outside(gap, depth, centre, seed, &rect) else { return Reach::Within(rect) };
-        match piece(&inside, next) {
+        match piece(&inside, next, &looks) {
             Some(more) if !within(&more, &rect) => rect = rect.union(&more),
             Some(_) => rect = rect.scaled(2.0),
             None => return endless(next),
@@ -62,10 +72,12 @@ pub(super) fn search(gap: &dyn Fn(f64, f64) -> f64, depth: f64, centre: [f64; 2]
 /// Rectangles around the separate places where `gap` is less than `depth`, as far as a search and a lattice over all of them
 /// see; `None` without an end.
 pub(super) fn pieces(gap: &dyn Fn(f64, f64) -> f64, depth: f64, centre: [f64; 2]) -> Option<Vec<Rect>> {
+    let looks = Cell::new(0);
+    let gap = &counted(gap, &looks);
     let inside = |p: [f64; 2]| !(gap(p[0], p[1]) >= depth);
     let Some(seed) = first_seed(gap, depth, centre) else { return Some(Vec::new()) };
-    let mut found = vec![piece(&inside, seed)?];
-    while found.len() < MOST_SEEDS {
+    let mut found = vec![piece(&inside, seed, &looks)?];
+    while found.len() < MOST_SEEDS && looks.get() <= MOST_LOOKS {
         let all = found.iter().copied().reduce(|a, b| a.union(&b))?;
         let lattice = (0..LATTICE * LATTICE).map(|k| {
             let t = [k % LATTICE, k / LATTICE].map(|i| (i as f64 + 0.5) / LATTICE as f64);
@@ -74,16 +86,25 @@ pub(super) fn pieces(gap: &dyn Fn(f64, f64) -> f64, depth: f64, centre: [f64; 2]
         // One piece has nothing between its parts.
         let between = || lattice.clone().find(|&p| inside(p) && !found.iter().any(|rect| rect.contains(p)));
         let next = seed_outside(gap, depth, centre, seed, &all).or_else(|| (found.len() > 1).then(between).flatten());
-        match next {
-            None => return Some(found),
-            // Rays do not follow its shape.
-            Some(next) if !piece(&inside, next)?.contains(next) => break,
-            Some(next) => found.push(piece(&inside, next)?),
+        let Some(next) = next else { return Some(found) };
+        let more = piece(&inside, next, &looks)?;
+        // Rays do not follow its shape.
+        if !more.contains(next) {
+            break;
         }
+        found.push(more);
     }
     match search(gap, depth, centre) {
         Reach::Within(rect) => Some(vec![rect]),
         _ => None,
+    }
+}
+
+/// The gap, with a count of the times that it was asked for.
+fn counted<'a>(gap: &'a dyn Fn(f64, f64) -> f64, looks: &'a Cell<usize>) -> impl Fn(f64, f64) -> f64 + 'a {
+    move |x, y| {
+        looks.set(looks.get() + 1);
+        gap(x, y)
     }
 }
 
@@ -202,7 +223,7 @@ fn border_seed(gap: &dyn Fn(f64, f64) -> f64, depth: f64, rect: &Rect) -> Option
 }
 
 /// The rectangle around the piece of contact that holds `seed`, as far as rays from it see; `None` without an end.
-fn piece(inside: &dyn Fn([f64; 2]) -> bool, seed: [f64; 2]) -> Option<Rect> {
+fn piece(inside: &dyn Fn([f64; 2]) -> bool, seed: [f64; 2], looks: &Cell<usize>) -> Option<Rect> {
     // The nearest edge sets the scale: seen from a point just inside of it that would be its distance from the edge.
     let mut seed = seed;
     let mut nearest = f64::INFINITY;
@@ -235,7 +256,8 @@ fn piece(inside: &dyn Fn([f64; 2]) -> bool, seed: [f64; 2]) -> Option<Rect> {
                 continue;
             }
             // As round as a circle here: the margin covers what lies between the rays.
-            if value(k) - value(k + 1).min(value(k + RAYS - 1)) <= 1e-4 * value(k) {
+            let round = value(k) - value(k + 1).min(value(k + RAYS - 1)) <= 1e-4 * value(k);
+            if round || looks.get() > MOST_LOOKS {
                 continue;
             }
             let middle = radii[k].0;
