@@ -67,6 +67,13 @@ impl Similar {
         }
     }
 
+    /// Whether others may follow from it: numbers near the end of the range have lost digits.
+    fn has_all_digits(&self) -> bool {
+        let whole = |x: f64| (f64::MIN_POSITIVE / f64::EPSILON..=f64::MAX).contains(&x);
+        let s = &self.state;
+        [s.force, s.stiffness, s.patch.area].into_iter().chain(s.energy).all(whole)
+    }
+
     /// A state that follows from this one, with what it lacks.
     fn answer(&self, state: Solution) -> Result<Solution, Unsolved> {
         match &self.short {
@@ -137,10 +144,7 @@ fn at_depth(
     // One state alone serves no other.
     let several = contact.loading().loads().len() > 1;
     if let Some(law) = contact.gap().known().law.filter(|_| several) {
-        // Numbers near the end of the range have lost digits.
-        let whole = |x: f64| (f64::MIN_POSITIVE / f64::EPSILON..=f64::MAX).contains(&x);
-        let serves = |s: &Solution| [s.force, s.stiffness, s.patch.area].into_iter().chain(s.energy).all(whole);
-        *similar = Similar::of(answer.clone(), law).ok().filter(|all| serves(&all.state));
+        *similar = Similar::of(answer.clone(), law).ok().filter(Similar::has_all_digits);
     }
     answer
 }
@@ -182,8 +186,11 @@ fn at_force(
     let guess = equilibrium::overlap_of_size(gap, contact.modulus().e_star(), force, settings.deadline);
     // The law of a homogeneous gap is exact: one state serves every force.
     if let Some(law) = gap.known().law {
-        let answer = respond(contact, law.lowest + guess, [0.0; 2], settings, false);
-        let all = Similar::of(answer, law)?;
+        let from = |depth: f64| Similar::of(respond(contact, depth, [0.0; 2], settings, false), law);
+        let mut all = from(law.lowest + guess)?;
+        if !all.has_all_digits() {
+            all = from(all.depth_for(force))?;
+        }
         if all.state.force > 0.0 {
             let state = scaled(&all);
             return similar.insert(all).answer(state);

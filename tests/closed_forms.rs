@@ -132,6 +132,18 @@ fn sphere() {
     }
 }
 
+/// (a/R)^3 may be below the range of numbers: Hertz to the last digits.
+#[test]
+fn spheres_however_large() {
+    for (radius, depth) in [(1.0, 1e-100), (1e80, 1e-60), (1e160, 3.7e-54), (1e-100, 1e-140)] {
+        let sphere = Sphere::new(unit(), radius).unwrap();
+        let found = sphere.at_depth(depth).unwrap();
+        assert_relative_eq!(found.force, 4.0 / 3.0 * radius.sqrt() * depth.sqrt() * depth, max_relative = CLOSED);
+        assert_relative_eq!(found.energy(), 0.4 * found.force * depth, max_relative = CLOSED);
+        assert_relative_eq!(sphere.at_force(found.force).unwrap().depth, depth, max_relative = CLOSED);
+    }
+}
+
 #[test]
 fn flat_ended_cone() {
     let cone = FlatEndedCone::new(unit(), 1.0, 1.0).unwrap();

@@ -407,11 +407,11 @@ fn a_truncated_pyramid_is_its_flat_where_that_is_enough() {
     // Deeper: cells on its flanks too.
     let deep = fitted(1.0, pyramid(), Load::Depth(0.05), &Settings::default());
     assert!(deep.force * (1.0 + deep.force_error.unwrap()) > 1.152_298 * 0.05 && deep.patch.area > 1.0);
-    // Too deep, or too sharp a question: a grid is solved.
-    for (depth, tolerance) in [(0.4, 1e-3), (5e-5, 5e-6)] {
+    // Too deep: a grid is solved; too sharp a question: no grid comes nearer.
+    for (depth, tolerance, method) in [(0.4, 1e-3, Method::Fft), (5e-5, 5e-6, Method::EdgeFitted)] {
         let settings = Settings { tolerance, ..Settings::default() };
         let deep = contact(1.0, pyramid(), Loading::depth(depth));
-        assert_eq!(plan(&deep, &settings).unwrap().method, Some(Method::Fft));
+        assert_eq!(plan(&deep, &settings).unwrap().method, Some(method));
     }
 }
 
@@ -473,4 +473,24 @@ fn worn_indenters_at_depths_beyond_their_flats() {
     let state = fitted(1.0, tip(), Load::Depth(depth), &Settings::default());
     let off = (grid.force / state.force - 1.0).abs();
     assert!(off <= grid.force_error.unwrap() + state.force_error.unwrap(), "{off:e}");
+}
+
+/// Where the contact passes the flat by less than a thousandth of it, the strip is told from the flat at 1e-4, and within the bounds by the
+/// flat alone; a tolerance that nothing reaches ends in a number that is as good.
+#[test]
+fn strips_thinner_than_any_cell_of_a_grid() {
+    let slope = 20f64.to_radians().tan();
+    let tip = || Polyhedron::truncated_pyramid(4, 20f64.to_radians(), 1.0).unwrap();
+    for growth in [3.3e-4, 5e-4, 1e-3] {
+        let depth = growth * slope;
+        let bounds = fitted(1.0, tip(), Load::Depth(depth), &Settings { tolerance: 1e-3, ..Settings::default() });
+        let close = fitted(1.0, tip(), Load::Depth(depth), &Settings { tolerance: 1e-4, ..Settings::default() });
+        let (said, off) = (close.force_error.unwrap(), (close.force / bounds.force - 1.0).abs());
+        assert!(said <= 1e-4 && off <= said + bounds.force_error.unwrap(), "{growth}: {off:e}, {said:e}");
+    }
+    for tolerance in [1e-9, f64::MIN_POSITIVE] {
+        let settings = Settings { tolerance, seconds: 2.0, ..Settings::default() };
+        let unsolved = solve(&contact(1.0, tip(), Loading::depth(1e-3 * slope)), &settings).remove(0).unwrap_err();
+        assert!(matches!(unsolved.verdict, Verdict::ToleranceNotReached | Verdict::TimeLimit), "{unsolved}");
+    }
 }

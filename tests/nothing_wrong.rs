@@ -559,6 +559,16 @@ fn closed_forms_hold_at_the_ends_of_the_range() {
             {"kind": "paraboloid", "radii": [1.67, 2.0], "at": [2.0, 0.8]}]}});
     let state = one(far).unwrap();
     assert!(state.energy_error.is_some_and(|error| error > 1e-7), "{:?}", state.energy_error);
+    // Where the contact is smaller than the digits of its place, the state that tells the law is taken at the force.
+    for gap in [
+        json!({"kind": "paraboloid", "radii": [5.0, 1.06], "at": [1e160, 1e9]}),
+        json!({"kind": "power", "coefficient": 2.0, "exponent": 5.0, "at": [0.8, 1e300]}),
+    ] {
+        let state = one(json!({"effective_modulus": 1e-30, "gap": gap, "loading": {"force": 0.415}})).unwrap();
+        let inverse_degree = if gap["kind"] == "power" { 0.2 } else { 0.5 };
+        let mean = state.energy.unwrap() / state.force / state.depth;
+        assert!((mean * (2.0 + inverse_degree) - 1.0).abs() < 1e-12, "{mean}");
+    }
     let subnormal =
         json!({"effective_modulus": 5e-324, "gap": {"kind": "sphere", "radius": 1.0}, "loading": {"depth": 0.1}});
     let refused = Scene::from_json(subnormal.to_string().as_bytes()).unwrap_err();
@@ -592,6 +602,34 @@ fn a_needle_beside_a_contact_is_not_lost() {
         assert_eq!(both.patch.regions, 2);
         assert!(room < 0.02 * b.force.max(0.2 * a.force), "{room}");
     }
+}
+
+/// The same where its cell is there, and too large to see it: a bump of half a percent of the force at a corner of the cells of a tilted body.
+#[test]
+fn a_contact_smaller_than_the_cells_is_not_lost() {
+    let flat = json!({"kind": "power", "coefficient": 0.625, "exponent": 6.0, "at": [1.27, -0.87]});
+    let needle = json!({"kind": "pyramid", "faces": 4, "inclination": 60.0, "at": [0.747, 1.529]});
+    let both = json!({"kind": "min", "of": [flat, needle]});
+    let at = |gap: &Value, tolerance: f64| {
+        let scene = json!({"effective_modulus": 1.0, "gap": gap, "solve": {"tolerance": tolerance},
+            "loading": {"depth": 0.0207, "tilt": [-0.0034, -0.0033]}});
+        answers(&scene, Path::new(".")).remove(0).unwrap()
+    };
+    let (rough, close) = (at(&both, 0.01), at(&both, 1e-3));
+    assert_same(&rough, &close);
+    let least = close.force - at(&flat, 1e-3).force;
+    assert!(rough.patch.regions == 2 && rough.patch.pieces[1].force > 0.5 * least, "{:?}", rough.patch.pieces);
+}
+
+/// The depth of first touch is that of the lowest place, wherever the search for it begins.
+#[test]
+fn the_lowest_of_several_hollows_carries_a_small_force() {
+    let hollows = "min(0.5+(x-1)^2+y^2, min((x+3)^2*1.2+(y-7)^2+0.1, 0.3+x^2+(y+20)^2))";
+    let gap = json!({"kind": "formula", "expression": hollows});
+    let state = solved_in(&gap, &json!({"force": 1e-4}), Path::new(".")).remove(0);
+    let alone = json!({"kind": "paraboloid", "radii": [0.5 / 1.2, 0.5]});
+    let depth = solved_in(&alone, &json!({"force": 1e-4}), Path::new(".")).remove(0).depth;
+    assert!((state.depth - 0.1 - depth).abs() < 2e-3 * depth, "{} {depth}", state.depth);
 }
 
 /// An approximate method ends with its time, however long the rays of a gap of many kinks take.

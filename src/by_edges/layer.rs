@@ -104,7 +104,8 @@ impl Layer {
 
     pub(super) fn solve(&self, contact: &Contact, depth: f64, settings: &Settings, limits: &Limits) -> Option<Found> {
         let growth = self.growth * (1.0 + 4.0 * f64::EPSILON);
-        let limits = Limits { tolerance: limits.tolerance - 0.26 * growth, ..*limits };
+        // The growth alone takes a quarter of it.
+        let limits = Limits { tolerance: limits.tolerance.max(0.36 * growth) - 0.26 * growth, ..*limits };
         let punch = self.flat.punch(&limits)?;
         let mut found =
             self.flat.state(contact, depth - self.flat.value, settings, punch, format!("the gap is {}", self.found()));

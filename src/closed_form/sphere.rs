@@ -50,7 +50,9 @@ impl Sphere {
         // y tanh y <= y^2 and <= y; tanh y >= y/(1 + y).
         let (low, high) = (target.max(target.sqrt()), target + target.sqrt());
         let y = root(|y| y * y.tanh() - target, low, high).map_or(low, |found| found.at);
-        Ok(self.solution(y, self.e_star * self.radius * (self.radius * force(y)), depth))
+        // y^3 may be below the range of numbers.
+        let length = self.radius * y;
+        Ok(self.solution(y, self.e_star * length * (length * y) * force_over_cube(y), depth))
     }
 
     /// The contact under the force P > 0.
@@ -58,14 +60,16 @@ impl Sphere {
     /// # Errors
     /// When the force is not a finite number greater than zero.
     pub fn at_force(&self, force_wanted: f64) -> Result<ClosedForm, InputError> {
-        let target = positive("force", force_wanted)? / self.e_star / self.radius / self.radius;
+        // The cube root of P/(E* R^2).
+        let target = (positive("force", force_wanted)? / self.e_star).cbrt() / self.radius.cbrt().powi(2);
+        let root_of_force = |y: f64| y * force_over_cube(y).cbrt();
         // (1 + x^2) y - x lies between 4/3 y^3 / (1 + y)^2 and both 4/3 y^3 and 2 y.
-        let low = (0.75 * target).cbrt().max(0.5 * target);
+        let low = (0.75f64.cbrt() * target).max(0.5 * target.powi(3));
         let mut high = 2.0 * low;
-        while force(high) < target {
+        while root_of_force(high) < target {
             high *= 2.0;
         }
-        let y = root(|y| force(y) - target, 0.5 * low, high).map_or(low, |found| found.at);
+        let y = root(|y| root_of_force(y) - target, 0.5 * low, high).map_or(low, |found| found.at);
         Ok(self.solution(y, force_wanted, self.radius * (y * y.tanh())))
     }
 
@@ -75,19 +79,15 @@ impl Sphere {
     }
 }
 
-/// P/(E* R^2) = (y - x) + x^2 y, x = tanh y.
-fn force(y: f64) -> f64 {
+/// P/(E* R^2 y^3) = [x^2 y + (y - x)]/y^3, x = tanh y; y = artanh x is x + x^3/3 + x^5/5 + ..., where the difference would lose digits.
+fn force_over_cube(y: f64) -> f64 {
     let x = y.tanh();
-    x * x * y + beyond_linear(x, y)
-}
-
-/// artanh x - x, given y = artanh x. Below 0.3 the series x^3/3 + x^5/5 + ...: the difference would lose digits.
-fn beyond_linear(x: f64, y: f64) -> f64 {
     if x > 0.3 {
-        return y - x;
+        return (x * x * y + (y - x)) / (y * y * y);
     }
-    let x2 = x * x;
-    x * (1..=16).rev().fold(0.0, |sum, k| (sum + 1.0 / f64::from(2 * k + 1)) * x2)
+    let (x2, slope) = (x * x, x / y);
+    let series = (1..=16).rev().fold(0.0, |sum, k| sum * x2 + 1.0 / f64::from(2 * k + 1));
+    slope * slope * (1.0 + slope * series)
 }
 
 #[derive(Debug)]
@@ -122,11 +122,12 @@ impl Revolution for Contact {
 
     /// int_0^a (d - D)^2 ds/P with s = R tanh v = R tanh(y t): d^2 R y int_0^1 (1 - v tanh v/(y tanh y))^2 sech^2 v dt/P.
     fn energy_over_force(&self, _: f64) -> f64 {
-        let (y, depth) = (self.y, self.y * self.y.tanh());
-        let integrand = |t: f64| ((1.0 - t * (y * t).tanh() / y.tanh()) / (y * t).cosh()).powi(2);
+        let (y, x) = (self.y, self.y.tanh());
+        let integrand = |t: f64| ((1.0 - t * (y * t).tanh() / x) / (y * t).cosh()).powi(2);
         // sech^2 v is below 1e-30 from 36 on.
         let integral = adaptive(integrand, 0.0, (36.0 / y).min(1.0), &[], 1e-13).value;
-        self.radius * (depth * (depth * y / force(y)) * integral)
+        // d^2 y over the force is x^2 over that over y^3.
+        self.radius * x * (x * integral / force_over_cube(y))
     }
 
     fn peak(&self) -> Option<f64> {

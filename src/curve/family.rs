@@ -97,7 +97,12 @@ impl<'a> Family<'a> {
             let settings = Settings { tolerance, ..*settings };
             match without_grid(self.contact, self.contact.gap(), depth, [0.0; 2], &settings, false) {
                 None => {}
-                Some(Err(short)) if short.verdict == Verdict::ToleranceNotReached => {}
+                Some(Err(short)) if short.verdict == Verdict::ToleranceNotReached => {
+                    let near = |state: &Solution| state.force_error.is_some_and(|error| error <= self.tolerance);
+                    if let Some(state) = short.best.filter(|state| near(state)) {
+                        return Some(Ok(*state));
+                    }
+                }
                 answered => return answered,
             }
             if tolerance >= self.tolerance {

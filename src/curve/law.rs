@@ -45,18 +45,6 @@ pub(super) struct Law {
     pub errors: Vec<[f64; 2]>,
 }
 
-/// The larger doubt of the states beside an interval.
-fn noise_of(states: &[Sample], k: usize, doubt: &impl Fn(&Sample) -> f64) -> f64 {
-    doubt(&states[k]).max(doubt(&states[k + 1]))
-}
-
-/// What a bisection found: relative miss of the state in the middle, and how much of it their own errors can explain.
-#[derive(Clone, Copy)]
-struct Miss {
-    missed: f64,
-    doubt: f64,
-}
-
 impl Law {
     /// States from `from` to `to` until what lies between them is known to `accuracy`, or `most` of them are solved; `doubt` is the
     /// part of a state's error that differs from one to the next. `solve` is asked for all overlaps of a round at once; `told` is
@@ -77,16 +65,14 @@ impl Law {
         let shallower: Vec<f64> = (0..FIRST).map(|k| from * (to / from).powf(k as f64 / FIRST as f64)).collect();
         let mut states = solve(&shallower)?;
         states.extend(deepest);
-        // One an interval: what was found when it was halved last.
-        let mut found = vec![Miss { missed: 0.0, doubt: 0.0 }; states.len() - 1];
+        // One an interval: how far the law missed the state in its middle when it was halved last, relative.
+        let mut found = vec![0.0; states.len() - 1];
         loop {
             let law = Self::through(&states, first_touch);
-            let noise = |k: usize| noise_of(&states, k, &doubt);
+            let noise = |k: usize| doubt(&states[k]).max(doubt(&states[k + 1]));
             let open = |k: usize| {
-                let by_halving = LEFT * (found[k].missed - found[k].doubt);
-                // A state's error takes part in a neighbour's extrapolation with a share below this.
                 let narrow = law.knots[k + 1][0] < (1.0 + 1e-6) * law.knots[k][0];
-                let open = by_halving.max(law.unseen(k) - noise(k)).max(law.unsure(k));
+                let open = law.left_in(k, found[k]);
                 // More states do not know more than each of them.
                 if narrow || open <= noise(k) { 0.0 } else { open }
             };
@@ -99,10 +85,10 @@ impl Law {
             wide.sort_unstable();
             if wide.is_empty() {
                 let own: Vec<[f64; 2]> =
-                    (0..found.len()).map(|k| law.errors_in(k, &states, &found[k], &doubt)).collect();
+                    (0..found.len()).map(|k| law.errors_in(k, &states, found[k], &doubt)).collect();
                 // Of the force no part of the curve is taken to be better known than the rest; a slope is as near as the slopes beside it.
                 let forces = own.iter().map(|e| e[0]).fold(0.0, f64::max)
-                    + (0..found.len()).map(|k| law.left_in(k, &found[k])).fold(0.0, f64::max);
+                    + (0..found.len()).map(|k| law.left_in(k, found[k])).fold(0.0, f64::max);
                 let beside = |k: usize| &own[k.saturating_sub(1)..(k + 2).min(own.len())];
                 let slopes = |k: usize| beside(k).iter().map(|e| e[1]).fold(0.0, f64::max);
                 let errors = (0..own.len()).map(|k| [forces, forces + slopes(k)]).collect();
@@ -112,27 +98,24 @@ impl Law {
             let solved = solve(&middles)?;
             // From the end, so that the places of the others stay.
             for ((&k, &s), state) in wide.iter().zip(&middles).zip(solved).rev() {
-                let miss = Miss {
-                    missed: (law.at(s)[0] / state.force).ln().abs(),
-                    doubt: doubt(&state) + noise_of(&states, k, &doubt),
-                };
+                let missed = (law.at(s)[0] / state.force).ln().abs();
                 states.insert(k + 1, state);
-                found[k] = miss;
-                found.insert(k, miss);
+                found[k] = missed;
+                found.insert(k, missed);
             }
         }
     }
 
     /// What the states leave open in the middle of an interval.
-    fn left_in(&self, k: usize, found: &Miss) -> f64 {
-        (LEFT * found.missed).max(self.unseen(k)).max(self.unsure(k))
+    fn left_in(&self, k: usize, missed: f64) -> f64 {
+        (LEFT * missed).max(self.unseen(k)).max(self.unsure(k))
     }
 
     /// Estimates of the relative errors between the states k and k + 1: of the force, by those of the states; of the slope, by what lies
     /// between them.
-    fn errors_in(&self, k: usize, states: &[Sample], found: &Miss, doubt: &impl Fn(&Sample) -> f64) -> [f64; 2] {
+    fn errors_in(&self, k: usize, states: &[Sample], missed: f64, doubt: &impl Fn(&Sample) -> f64) -> [f64; 2] {
         let own = [k, k + 1].iter().filter_map(|&k| states[k].force_error).fold(0.0, f64::max);
-        let left = self.left_in(k, found);
+        let left = self.left_in(k, missed);
         let ([a, _, m], [b, _, n]) = (self.knots[k], self.knots[k + 1]);
         let h = (b / a).ln();
         let by_values = SLOPE_OF_NOISE * (doubt(&states[k]) + doubt(&states[k + 1])) / h;

@@ -63,9 +63,29 @@ impl Curve {
         told: &mut dyn FnMut(usize, Option<f64>),
     ) -> Result<Self, Unsolved> {
         range.checked().map_err(|e| Unsolved::new(Verdict::NotApplicable, e.to_string()))?;
+        let wanted = OF_STATES * range.accuracy;
+        let curve = Self::through_states(contact, settings, range, wanted, told)?;
+        // The errors of states as good as they were wanted may still leave no convex curve between them that is near enough.
+        let as_wanted = curve.samples.iter().all(|state| state.force_error.is_none_or(|error| error <= wanted));
+        if !as_wanted || curve.interpolation_error() <= range.accuracy {
+            return Ok(curve);
+        }
+        let closer = Self::through_states(contact, settings, range, 0.5 * wanted, told)?;
+        let solves = curve.solves + closer.solves;
+        let better = if closer.interpolation_error() < curve.interpolation_error() { closer } else { curve };
+        Ok(Self { solves, ..better })
+    }
+
+    /// The curve through states whose forces are good to `wanted`, or to what can be had.
+    fn through_states(
+        contact: &Contact,
+        settings: &Settings,
+        CurveRange { from, to, accuracy }: CurveRange,
+        wanted: f64,
+        told: &mut dyn FnMut(usize, Option<f64>),
+    ) -> Result<Self, Unsolved> {
         let (_, first_touch) = least(contact.gap());
-        let CurveRange { from, to, accuracy } = range;
-        let mut family = Family::new(contact, settings, OF_STATES * accuracy, first_touch, to);
+        let mut family = Family::new(contact, settings, wanted, first_touch, to);
         // On a prescribed grid nearly all of a state's error is that of the grid, the same from one state to the next.
         let share = if settings.cells.is_some() { 0.1 } else { 1.0 };
         let doubt = |state: &Sample| share * state.force_error.unwrap_or(0.0);

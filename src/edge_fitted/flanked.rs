@@ -38,6 +38,9 @@ struct Counts {
 /// The first mesh at a tolerance of 1e-3.
 const FIRST: Counts = Counts { inside: 7, along: 6, strip: 6 };
 
+/// Cells of one of them, which make too many of them together.
+const MOST: usize = 10_000;
+
 /// Rounds of more cells.
 const ROUNDS: usize = 4;
 
@@ -47,8 +50,9 @@ const EXPONENTS: [f64; 3] = [4.0, 3.0, 1.5];
 /// What the innermost cells at the edge shrink by from one to the next.
 const RATIO: f64 = 4.0;
 
-/// Width of the strip over what the surface beside a flat punch asks for: 8/pi^2 of the depth times the growth.
-const ROOM: f64 = 3.0;
+/// Width of the strip, as a height of the flank over g ln(1/g), g the growth: a little more than the contact takes at the corners of 3 to 6
+/// sides at growths of 1e-4 to 0.3. Beside a straight edge it is (8/pi^2) 2 g ln(1/g) less terms of the order of g.
+const ROOM: f64 = 2.2;
 
 /// Times that the strip is doubled.
 const MOST_DOUBLINGS: usize = 6;
@@ -81,7 +85,7 @@ struct Layout {
 /// The contact of a flat with flanks. `None` where it cannot be solved on as many cells, and once the time is used up.
 pub(crate) fn flanked(flat: &Flat, limits: &Limits) -> Option<Estimated> {
     let mut counts = first(limits);
-    let mut width = (ROOM * flat.growth).min(1.0);
+    let mut width = flat.strip();
     let mut best: Option<Estimated> = None;
     for _ in 0..ROUNDS {
         let Some(fine) = wide_enough(flat, counts, &mut width, limits) else { return best };
@@ -121,7 +125,7 @@ pub(crate) fn flanked(flat: &Flat, limits: &Limits) -> Option<Estimated> {
 }
 
 fn scaled(c: Counts, by: f64) -> Counts {
-    let times = |n: usize| ((n as f64 * by).ceil() as usize).max(3);
+    let times = |n: usize| ((n as f64 * by).ceil() as usize).clamp(3, MOST);
     Counts { inside: times(c.inside), along: times(c.along), strip: times(c.strip) }
 }
 
@@ -133,8 +137,13 @@ fn first(limits: &Limits) -> Counts {
 impl Flat<'_> {
     /// Whether the cells that the tolerance asks for are not too many.
     pub fn fits(&self, limits: &Limits) -> bool {
-        let layout = Layout::new(first(limits), (ROOM * self.growth).min(1.0), self.growth);
+        let layout = Layout::new(first(limits), self.strip(), self.growth);
         self.holds(&layout, &self.group(), limits)
+    }
+
+    /// The width of the strip to begin with, as a height of the flanks.
+    fn strip(&self) -> f64 {
+        (ROOM * self.growth * (1.0 / self.growth).ln().max(1.5)).min(1.0)
     }
 
     fn group(&self) -> Vec<Isometry> {

@@ -49,9 +49,7 @@ pub(crate) fn solution(
     let (law, scaled) = (gap.known().law, overlap.scaled());
     let mut refined = refinement::refined(&scaled, settings, method, law)?;
     let units = &scaled.units;
-    let (cells, load) =
-        (units.rect_outward(&refined.state.problem.grid.extent()), refined.force * units.height * units.length);
-    if let Some(rectangles) = separate::missed_by(overlap, settings, cells, load) {
+    if let Some(rectangles) = separate::missed_by(overlap, settings, &scaled, &refined) {
         return separate::solution(contact, gap, depth, tilt, settings, &rectangles, with_matrix);
     }
     if let Some(bounds) = by_edges::force_bounds(overlap, settings) {

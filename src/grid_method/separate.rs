@@ -5,13 +5,15 @@
 //! is solved in turn on the gap that the others have left (block Gauss-Seidel), until the force no longer changes. The
 //! factor from sweep to sweep is about the square of size over distance.
 
+use std::f64::consts::PI;
+
 use super::dimensional::dimensional;
 use super::displaced::{self, DisplacedGap};
 use super::refined::Refined;
 use super::refinement;
 use super::single_grid;
 use crate::consistency::{nothing_left_out, too_few_cells};
-use crate::gap::{AnyGap, Gap};
+use crate::gap::{AnyGap, Gap, enclosure};
 use crate::grid::{Grid, Pressure};
 use crate::numeric::geometry::Rect;
 use crate::overlap::{Overlap, Scaled};
@@ -52,13 +54,39 @@ pub(crate) fn rectangles(overlap: &Overlap, settings: &Settings) -> Option<Vec<R
     fits.then(|| apart.to_vec())
 }
 
-/// The same where the cells of one grid, which carry `force` within `extent`, have missed a contact.
-pub(crate) fn missed_by(overlap: &Overlap, settings: &Settings, extent: Rect, force: f64) -> Option<Vec<Rect>> {
+/// The same where the cells of one grid have missed a contact: it lies outside of them, or is smaller than they are.
+pub(crate) fn missed_by(
+    overlap: &Overlap,
+    settings: &Settings,
+    scaled: &Scaled,
+    refined: &Refined,
+) -> Option<Vec<Rect>> {
     if overlap.known().tips.len() < 2 || !may_be_several(settings) {
         return None;
     }
-    nothing_left_out(&overlap.gap, overlap.depth, &[extent], force).err()?;
-    overlap.closer_components().filter(|pieces| pieces.len() <= MOST)
+    let pieces = overlap.closer_components().filter(|pieces| pieces.len() <= MOST)?;
+    let units = &scaled.units;
+    let extent = units.rect_outward(&refined.state.problem.grid.extent());
+    let outside = || {
+        let force = refined.force * units.height * units.length;
+        nothing_left_out(&overlap.gap, overlap.depth, &[extent], force).is_err()
+    };
+    let loads = cell_loads(scaled, refined, |k| refined.state.solution.pressure[k]);
+    let smaller = || pieces.len() <= FEW && pieces.iter().any(|piece| is_bare(overlap, piece, &loads));
+    (smaller() || outside()).then_some(pieces)
+}
+
+/// Whether no cell within a piece of the overlap carries a load, and what those elsewhere displace leaves some of it.
+fn is_bare(overlap: &Overlap, piece: &Rect, loads: &PointLoads) -> bool {
+    if loads.iter().any(|(p, _)| piece.contains(*p)) {
+        return false;
+    }
+    let left = |p: [f64; 2]| {
+        let displacement = |(at, q): &([f64; 2], f64)| q / (PI * (p[0] - at[0]).hypot(p[1] - at[1]));
+        overlap.depth - loads.iter().map(displacement).sum::<f64>()
+    };
+    let found = enclosure::least(&overlap.gap, piece, 0.0, left(piece.centre()));
+    found.is_some_and(|lowest| lowest.value < left(lowest.at))
 }
 
 /// Point loads in the user's frame, divided by E*.
@@ -97,10 +125,15 @@ impl Subcontact {
 
 /// The loads of pressures in the user's units, gathered on the nodes of a polynomial over the box of their cells.
 fn loads(scaled: &Scaled, refined: &Refined, pressure: impl Fn(usize) -> f64) -> PointLoads {
+    displaced::gathered(cell_loads(scaled, refined, pressure))
+}
+
+/// The same, one of each cell.
+fn cell_loads(scaled: &Scaled, refined: &Refined, pressure: impl Fn(usize) -> f64) -> PointLoads {
     let grid = &refined.state.problem.grid;
     let unit = scaled.units.height * scaled.units.length * grid.cell_area();
     let load = |k: usize| (scaled.units.outward(grid.centre_of(k)), pressure(k) * unit);
-    displaced::gathered((0..grid.len()).map(load).filter(|load| load.1 != 0.0).collect())
+    (0..grid.len()).map(load).filter(|load| load.1 != 0.0).collect()
 }
 
 fn others(all: &[PointLoads], but: usize) -> PointLoads {

@@ -62,41 +62,53 @@ pub(super) fn lowest(gap: &dyn Gap, start: [f64; 2]) -> [f64; 2] {
     p
 }
 
-/// The lowest point that a descent from the gap's own centre reaches, and the gap there: the depth of first touch.
+/// The lowest point that a descent from the lowest of the gap's own points reaches, and the gap there: the depth of first touch. Where the
+/// gap has bounds over rectangles, nothing else is lower by more than rounding, or a descent from there goes on.
 pub(crate) fn least(gap: &AnyGap) -> ([f64; 2], f64) {
     let known = gap.known();
-    let [x, y] = known.centre;
+    let value = |p: [f64; 2]| gap.gap(p[0], p[1]);
+    let centre = known.centre;
     // Known to be the lowest.
-    let value = gap.gap(x, y);
-    if value <= known.floor || known.law.is_some_and(|law| law.lowest == value && known.floor > f64::NEG_INFINITY) {
-        return (known.centre, value);
+    let own = value(centre);
+    if own <= known.floor || known.law.is_some_and(|law| law.lowest == own && known.floor > f64::NEG_INFINITY) {
+        return (centre, own);
     }
-    let value = if value.is_finite() { value } else { somewhere(gap).unwrap_or(value) };
-    // Proved, where the gap has bounds over rectangles.
-    let close = if known.floor > f64::NEG_INFINITY { 1e-9 * (value - known.floor).abs() } else { 1e-9 * value.abs() };
-    if let Reach::Within(rect) = gap.reach(value.next_up())
-        && let Some(found) = enclosure::least(gap, &rect, close, f64::NEG_INFINITY)
-    {
-        let [x, y] = lowest(gap, found.at);
-        let refined = gap.gap(x, y);
-        return if refined < found.value { ([x, y], refined) } else { (found.at, found.value) };
+    let tips = known.tips.iter().copied().chain(somewhere(gap).filter(|_| !own.is_finite()));
+    let start =
+        tips.fold(centre, |best, tip| if value(tip) < value(best) || !value(best).is_finite() { tip } else { best });
+    if value(start) <= known.floor {
+        return (start, value(start));
     }
-    // Every tip is a start of its own.
-    let starts = known.tips.iter().take(MOST_STARTS).copied().chain([known.centre]);
-    let found = starts.map(|start| lowest(gap, start)).map(|p| (p, gap.gap(p[0], p[1])));
-    found.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((known.centre, value))
+    let mut best = lowest(gap, start);
+    for _ in 0..MOST_BASINS {
+        let here = value(best);
+        let height = here.abs().max(own - here);
+        let lower = here - if height.is_finite() { CLOSE * height } else { 0.0 };
+        if lower <= known.floor {
+            break;
+        }
+        let Reach::Within(rect) = gap.reach(lower) else { break };
+        match enclosure::least(gap, &rect, 0.0, lower) {
+            Some(found) if found.value < lower => best = lowest(gap, found.at),
+            _ => break,
+        }
+    }
+    (best, value(best))
 }
 
-/// A value of the gap, where its centre lies in a hole of the material.
-fn somewhere(gap: &AnyGap) -> Option<f64> {
+/// Descents, each from a place that is lower than the one before reached.
+const MOST_BASINS: usize = 16;
+
+/// What a lower place has to be lower by, over the height that is known of the gap.
+const CLOSE: f64 = 1e-9;
+
+/// A point of the material, where the centre lies in a hole of it.
+fn somewhere(gap: &AnyGap) -> Option<[f64; 2]> {
     let Reach::Within(material) = gap.reach(f64::INFINITY) else { return None };
     let finite = material.corners().iter().flatten().all(|x| x.is_finite());
     let found = finite.then(|| enclosure::least(gap, &material, 0.0, f64::INFINITY)).flatten()?;
-    Some(found.value).filter(|value| value.is_finite())
+    found.value.is_finite().then_some(found.at)
 }
-
-/// Tips from which a descent starts.
-const MOST_STARTS: usize = 16;
 
 /// p less (second derivatives)^-1 gradient, the second derivatives by differences over `h`.
 fn newton_step(gap: &dyn Gap, p: [f64; 2], h: f64) -> Option<[f64; 2]> {
