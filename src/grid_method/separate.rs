@@ -64,16 +64,18 @@ pub(crate) fn missed_by(
     if overlap.known().tips.len() < 2 || !may_be_several(settings) {
         return None;
     }
-    let pieces = overlap.closer_components().filter(|pieces| pieces.len() <= MOST)?;
     let units = &scaled.units;
     let extent = units.rect_outward(&refined.state.problem.grid.extent());
-    let outside = || {
-        let force = refined.force * units.height * units.length;
-        nothing_left_out(&overlap.gap, overlap.depth, &[extent], force).is_err()
-    };
+    let force = refined.force * units.height * units.length;
+    let outside = nothing_left_out(&overlap.gap, overlap.depth, &[extent], force).is_err();
+    // Where the box is filled, only a contact that is known to be missed is worth the search for all of them.
+    if !outside && overlap.fills_its_box() {
+        return None;
+    }
+    let pieces = overlap.closer_components().filter(|pieces| pieces.len() <= MOST)?;
     let loads = cell_loads(scaled, refined, |k| refined.state.solution.pressure[k]);
     let smaller = || pieces.len() <= FEW && pieces.iter().any(|piece| is_bare(overlap, piece, &loads));
-    (smaller() || outside()).then_some(pieces)
+    (outside || smaller()).then_some(pieces)
 }
 
 /// Whether no cell within a piece of the overlap carries a load, and what those elsewhere displace leaves some of it.

@@ -31,6 +31,8 @@ pub(crate) struct Overlap {
     /// f at the deepest point that is known or was seen; the unit of heights.
     pub deepest: f64,
     components: OnceLock<Vec<Rect>>,
+    known_components: OnceLock<Option<Vec<Rect>>>,
+    filled: OnceLock<bool>,
 }
 
 /// Points a side at which the deepest overlap is looked for.
@@ -81,7 +83,16 @@ impl Overlap {
                 }
             }
         };
-        Ok(Some(Self { gap: gap.clone(), depth, reach, certain, deepest, components: OnceLock::new() }))
+        Ok(Some(Self {
+            gap: gap.clone(),
+            depth,
+            reach,
+            certain,
+            deepest,
+            components: OnceLock::new(),
+            known_components: OnceLock::new(),
+            filled: OnceLock::new(),
+        }))
     }
 
     /// What is known of the gap at no depth in particular.
@@ -93,24 +104,31 @@ impl Overlap {
     /// is but one.
     pub fn components(&self) -> &[Rect] {
         self.components.get_or_init(|| {
+            let known = || self.known_components().map(<[Rect]>::to_vec);
+            let seen = || search::pieces(&|x, y| self.gap.gap(x, y), self.depth, self.known().centre);
+            let pieces = if self.fills_its_box() { None } else { known().or_else(seen) };
+            let pieces = pieces.map(|pieces| components::merged(pieces, components::APART));
+            pieces.filter(|pieces| !pieces.is_empty()).unwrap_or_else(|| vec![self.reach])
+        })
+    }
+
+    /// Whether so much of the rectangle around {f > 0} is filled that it is taken to be one component.
+    pub fn fills_its_box(&self) -> bool {
+        *self.filled.get_or_init(|| {
             let lattice = Grid::over(&self.reach, [FILLING; 2]);
             let enough = (FULL * lattice.len() as f64) as usize;
-            // Of several tips each may be a contact, however small.
-            let filled = || lattice::values(&self.gap, &lattice).iter().filter(|&&g| g < self.depth).count() > enough;
-            let one = self.known().tips.len() < 2 && filled();
-            let known = || self.gap.components(self.depth);
-            let seen = || search::pieces(&|x, y| self.gap.gap(x, y), self.depth, self.known().centre);
-            let pieces = if one { None } else { known().or_else(seen) };
-            pieces
-                .map(|pieces| components::merged(pieces, components::APART))
-                .filter(|pieces| !pieces.is_empty())
-                .unwrap_or_else(|| vec![self.reach])
+            lattice::values(&self.gap, &lattice).iter().filter(|&&g| g < self.depth).count() > enough
         })
+    }
+
+    /// What follows from the construction of the gap, which may cost much.
+    fn known_components(&self) -> Option<&[Rect]> {
+        self.known_components.get_or_init(|| self.gap.components(self.depth)).as_deref()
     }
 
     /// The components that are known to lie at least a tenth of the longer side of either from one another; `None` where that is one.
     pub fn closer_components(&self) -> Option<Vec<Rect>> {
-        let known = self.gap.components(self.depth)?;
+        let known = self.known_components()?.to_vec();
         Some(components::merged(known, components::NEAR)).filter(|pieces| pieces.len() > 1)
     }
 
