@@ -188,7 +188,7 @@ fn at_force(
     if let Some(law) = gap.known().law {
         let from = |depth: f64| Similar::of(respond(contact, depth, [0.0; 2], settings, false), law);
         let mut all = from(law.lowest + guess)?;
-        if !all.has_all_digits() {
+        if all.state.force > 0.0 && !all.has_all_digits() {
             all = from(all.depth_for(force))?;
         }
         if all.state.force > 0.0 {

@@ -132,15 +132,21 @@ fn sphere() {
     }
 }
 
-/// (a/R)^3 may be below the range of numbers: Hertz to the last digits.
+/// (a/R)^3 may be below the range of numbers: Hertz to the last digits. It may be above it where the whole sphere is in contact: P = 2 E* R d.
 #[test]
-fn spheres_however_large() {
+fn spheres_however_large_or_small() {
     for (radius, depth) in [(1.0, 1e-100), (1e80, 1e-60), (1e160, 3.7e-54), (1e-100, 1e-140)] {
         let sphere = Sphere::new(unit(), radius).unwrap();
         let found = sphere.at_depth(depth).unwrap();
         assert_relative_eq!(found.force, 4.0 / 3.0 * radius.sqrt() * depth.sqrt() * depth, max_relative = CLOSED);
         assert_relative_eq!(found.energy(), 0.4 * found.force * depth, max_relative = CLOSED);
         assert_relative_eq!(sphere.at_force(found.force).unwrap().depth, depth, max_relative = CLOSED);
+    }
+    for radius in [1e-3, 1e-60, 1e-110, 1e-150] {
+        let sphere = Sphere::new(unit(), radius).unwrap();
+        let found = sphere.at_depth(1.0).unwrap();
+        assert_relative_eq!(found.force, 2.0 * radius, max_relative = radius + CLOSED);
+        assert_relative_eq!(sphere.at_force(found.force).unwrap().depth, 1.0, max_relative = CLOSED);
     }
 }
 

@@ -262,7 +262,7 @@ fn six_decades_of_a_truncated_pyramid() {
     // Flat at first, pyramid at the end; truth by grids of their own at depths that the curve did not see.
     let gap = AnyGap::new(blunt());
     let settings = Settings { seconds: 0.0, ..Settings::default() };
-    let range = CurveRange { from: 1e-5, to: 10.0, accuracy: 4e-4 };
+    let range = CurveRange { from: 1e-5, to: 10.0, accuracy: 1e-4 };
     let curve = Curve::new(&contact(gap.clone(), Loading::depth(1.0)), &settings, range).unwrap();
     let fine = Settings { tolerance: 1e-4, ..settings };
     let [mut worst, mut slopes] = [0.0f64; 2];

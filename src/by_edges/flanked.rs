@@ -18,8 +18,6 @@ pub(crate) struct FlankedTip {
     /// Whether every flank begins at a side of the flat.
     complete: bool,
     units: Units,
-    /// The least error that is sought, relative.
-    tolerance: f64,
 }
 
 /// Growth of the contact over the size of the flat up to which cells are fitted to the flat.
@@ -32,8 +30,8 @@ const MOST_SIDES: usize = 12;
 const CLOSE: f64 = 1e-9;
 
 impl FlankedTip {
-    /// `None` where there is no such flat, the contact is not small beside it, or the tolerance asks for too many cells.
-    pub(super) fn of(tip: &FlatTip, tolerance: f64) -> Option<Self> {
+    /// `None` where there is no such flat, or the contact is not small beside it.
+    pub(super) fn of(tip: &FlatTip) -> Option<Self> {
         let FlatTip { face, middle, depth, flanks, .. } = tip;
         let about = centroid(face);
         let [w, h] = Rect::holding(face.iter().copied())?.size();
@@ -61,8 +59,12 @@ impl FlankedTip {
         // A corner moves with both of its sides: a . v = 1.
         let drift = (0..n).map(|k| meeting([sides[(k + n - 1) % n], sides[k]].map(|[a, b, _]| [a, b, -1.0]))).collect();
         let units = Units { origin: [0, 1].map(|m| middle[m] + about[m]), length, height: *depth };
-        let tip = Self { corners, drift, complete: planes.len() == n, planes, growth, units, tolerance };
-        tip.flat(&|_| 0.0).fits(&Limits { tolerance, ..Limits::default() }).then_some(tip)
+        Some(Self { corners, drift, complete: planes.len() == n, planes, growth, units })
+    }
+
+    /// Whether the tolerance, relative, asks for no more cells than can be solved.
+    pub(super) fn fits(&self, tolerance: f64) -> bool {
+        self.flat(&|_| 0.0).fits(&Limits { tolerance, ..Limits::default() })
     }
 
     fn flat<'a>(&'a self, overlap: &'a dyn Fn([f64; 2]) -> f64) -> FlankedFlat<'a> {
@@ -77,8 +79,7 @@ impl FlankedTip {
     pub(super) fn solve(&self, contact: &Contact, settings: &Settings, limits: &Limits) -> Option<Found> {
         let highest = |p: [f64; 2]| self.planes.iter().map(|[a, b, c]| a * p[0] + b * p[1] + c).fold(0.0, f64::max);
         let overlap = |p: [f64; 2]| 1.0 - highest(p);
-        let limits = Limits { tolerance: limits.tolerance.max(self.tolerance), ..*limits };
-        let found = flanked(&self.flat(&overlap), &limits)?;
+        let found = flanked(&self.flat(&overlap), limits)?;
         let (mut load, mut first) = (0.0, [0.0; 2]);
         for (corners, p) in &found.cells {
             let (own, at) = (p * area(corners), centroid(corners));

@@ -27,7 +27,7 @@ pub(crate) struct Layer {
 }
 
 /// The highest of several planes where one of them is level and lowest.
-pub(super) struct FlatTip {
+pub(crate) struct FlatTip {
     /// Corners of the flat about `middle`, counter-clockwise.
     pub face: Vec<[f64; 2]>,
     pub middle: [f64; 2],

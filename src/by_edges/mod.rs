@@ -34,7 +34,7 @@ pub(crate) enum Route {
     Flat(flat::Flat),
     Tilted(tilted::Tilting),
     Layer(layer::Layer),
-    Flanked(flanked::FlankedTip, Option<layer::Layer>),
+    Flanked { tip: flanked::FlankedTip, tolerance: f64, flat: layer::FlatTip },
     Rings(rings::Section),
     Oval(oval::Strip),
 }
@@ -90,18 +90,18 @@ impl Route {
             return None;
         }
         if let Some(tip) = layer::FlatTip::of(overlap) {
+            let flanked = flanked::FlankedTip::of(&tip);
             let mut tolerance = settings.tolerance;
             loop {
-                let flanked = || flanked::FlankedTip::of(&tip, tolerance);
                 if let Some(layer) = layer::Layer::of(&tip, tolerance) {
                     return Some(Self::Layer(layer));
-                } else if let Some(flanked) = flanked() {
-                    return Some(Self::Flanked(flanked, layer::Layer::up_to(&tip, BELOW_CELLS)));
+                } else if flanked.as_ref().is_some_and(|flanked| flanked.fits(tolerance)) {
+                    return flanked.map(|flanked| Self::Flanked { tip: flanked, tolerance, flat: tip });
                 } else if tip.growth > BLURRED || tolerance >= ROUGHEST {
                     break;
                 }
                 // As near as can be had, where no grid comes nearer.
-                tolerance *= LOOSER;
+                tolerance = (LOOSER * tolerance).max(FINEST);
             }
         }
         match known.axis {
@@ -116,7 +116,7 @@ impl Route {
             Self::Flat(flat) => flat.found(),
             Self::Tilted(tilting) => tilting.found(),
             Self::Layer(layer) => layer.found(),
-            Self::Flanked(tip, _) => tip.found(),
+            Self::Flanked { tip, .. } => tip.found(),
             Self::Rings(section) => section.found(),
             Self::Oval(strip) => strip.found(),
         }
@@ -128,9 +128,10 @@ impl Route {
             Self::Flat(flat) => flat.solve(contact, depth, settings, &limits),
             Self::Tilted(tilting) => tilting.at(contact, depth, settings, &limits),
             Self::Layer(layer) => layer.solve(contact, depth, settings, &limits),
-            Self::Flanked(tip, layer) => {
-                let by_bounds = || layer.as_ref()?.solve(contact, depth, settings, &limits);
-                tip.solve(contact, settings, &limits).or_else(by_bounds)
+            Self::Flanked { tip, tolerance, flat } => {
+                let by_bounds = || layer::Layer::up_to(flat, BELOW_CELLS)?.solve(contact, depth, settings, &limits);
+                let nearest = Limits { tolerance: limits.tolerance.max(*tolerance), ..limits };
+                tip.solve(contact, settings, &nearest).or_else(by_bounds)
             }
             Self::Rings(section) => section.solve(contact, settings, &limits),
             Self::Oval(strip) => strip.solve(contact, settings, &limits),
@@ -144,7 +145,8 @@ const BELOW_CELLS: f64 = 4e-3;
 /// The same up to which fitted cells come nearer than the finest grid: 2e-5 against 2e-4 at 0.03, 2e-5 against 2e-6 at 0.3.
 const BLURRED: f64 = 0.05;
 
-/// Tolerance that fitted cells meet there, and steps to it.
+/// Tolerances that fitted cells do not meet anywhere, and that they meet there, and steps from one to the other.
+const FINEST: f64 = 1e-8;
 const ROUGHEST: f64 = 1e-3;
 const LOOSER: f64 = 1.5;
 

@@ -50,9 +50,7 @@ impl Sphere {
         // y tanh y <= y^2 and <= y; tanh y >= y/(1 + y).
         let (low, high) = (target.max(target.sqrt()), target + target.sqrt());
         let y = root(|y| y * y.tanh() - target, low, high).map_or(low, |found| found.at);
-        // y^3 may be below the range of numbers.
-        let length = self.radius * y;
-        Ok(self.solution(y, self.e_star * length * (length * y) * force_over_cube(y), depth))
+        Ok(self.solution(y, self.e_star * self.force_over_modulus(y), depth))
     }
 
     /// The contact under the force P > 0.
@@ -60,17 +58,21 @@ impl Sphere {
     /// # Errors
     /// When the force is not a finite number greater than zero.
     pub fn at_force(&self, force_wanted: f64) -> Result<ClosedForm, InputError> {
-        // The cube root of P/(E* R^2).
-        let target = (positive("force", force_wanted)? / self.e_star).cbrt() / self.radius.cbrt().powi(2);
-        let root_of_force = |y: f64| y * force_over_cube(y).cbrt();
-        // (1 + x^2) y - x lies between 4/3 y^3 / (1 + y)^2 and both 4/3 y^3 and 2 y.
-        let low = (0.75f64.cbrt() * target).max(0.5 * target.powi(3));
+        let target = positive("force", force_wanted)? / self.e_star;
+        let per_area = target / self.radius / self.radius;
+        // P/(E* R^2) lies between 4/3 y^3 / (1 + y)^2 and both 4/3 y^3 and 2 y.
+        let low = ((0.75 * target).cbrt() / self.radius.cbrt().powi(2)).max(0.5 * per_area);
         let mut high = 2.0 * low;
-        while root_of_force(high) < target {
+        while self.force_over_modulus(high) < target {
             high *= 2.0;
         }
-        let y = root(|y| root_of_force(y) - target, 0.5 * low, high).map_or(low, |found| found.at);
+        let y = root(|y| self.force_over_modulus(y) - target, 0.5 * low, high).map_or(low, |found| found.at);
         Ok(self.solution(y, force_wanted, self.radius * (y * y.tanh())))
+    }
+
+    /// P/E*: y^3, which it goes with at small y, may be below the range of numbers.
+    fn force_over_modulus(&self, y: f64) -> f64 {
+        self.radius * y * (self.radius * force_over_y(y))
     }
 
     fn solution(&self, y: f64, force: f64, depth: f64) -> ClosedForm {
@@ -79,15 +81,15 @@ impl Sphere {
     }
 }
 
-/// P/(E* R^2 y^3) = [x^2 y + (y - x)]/y^3, x = tanh y; y = artanh x is x + x^3/3 + x^5/5 + ..., where the difference would lose digits.
-fn force_over_cube(y: f64) -> f64 {
+/// P/(E* R^2 y) = x^2 + (y - x)/y, x = tanh y; y = artanh x is x + x^3/3 + x^5/5 + ..., where the difference would lose digits.
+fn force_over_y(y: f64) -> f64 {
     let x = y.tanh();
     if x > 0.3 {
-        return (x * x * y + (y - x)) / (y * y * y);
+        return x * x + (y - x) / y;
     }
-    let (x2, slope) = (x * x, x / y);
+    let x2 = x * x;
     let series = (1..=16).rev().fold(0.0, |sum, k| sum * x2 + 1.0 / f64::from(2 * k + 1));
-    slope * slope * (1.0 + slope * series)
+    x2 * (1.0 + x / y * series)
 }
 
 #[derive(Debug)]
@@ -126,8 +128,8 @@ impl Revolution for Contact {
         let integrand = |t: f64| ((1.0 - t * (y * t).tanh() / x) / (y * t).cosh()).powi(2);
         // sech^2 v is below 1e-30 from 36 on.
         let integral = adaptive(integrand, 0.0, (36.0 / y).min(1.0), &[], 1e-13).value;
-        // d^2 y over the force is x^2 over that over y^3.
-        self.radius * x * (x * integral / force_over_cube(y))
+        let depth = y * x;
+        self.radius * depth * (depth / force_over_y(y) * integral)
     }
 
     fn peak(&self) -> Option<f64> {

@@ -29,7 +29,7 @@ const LATTICE: usize = 32;
 pub(crate) fn nothing_left_out(gap: &AnyGap, depth: f64, boxes: &[Rect], force: f64) -> Result<(), Unsolved> {
     let Some(all) = boxes.iter().copied().reduce(|a, b| a.union(&b)) else { return Ok(()) };
     let beyond = all.scaled(BEYOND);
-    let search = Search { gap, depth, boxes, force, least: POINT * beyond.size()[0].max(beyond.size()[1]) };
+    let search = Search { gap, depth, boxes, force, least: POINT * beyond.longer_side() };
     for ring in [1.0, 2.0, BEYOND] {
         let rect = all.scaled(ring);
         let ([w, h], [x, y]) = (rect.size(), rect.centre());

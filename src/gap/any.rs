@@ -1,6 +1,6 @@
 //! A gap of any kind, wherever it was put: what is known of it is found once.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use nalgebra::{Rotation2, Vector2};
 
@@ -19,6 +19,8 @@ pub struct AnyGap {
     known: Arc<Known>,
     /// The planes whose highest it is, turned but not moved, where they are few and it is turned.
     turned: Option<Arc<[[f64; 3]]>>,
+    /// The lowest point and the gap there, once they have been searched.
+    first_touch: Arc<OnceLock<([f64; 2], f64)>>,
 }
 
 impl AnyGap {
@@ -29,13 +31,18 @@ impl AnyGap {
 
     pub(super) fn of(inner: Arc<dyn Gap>) -> Self {
         let known = Arc::new(inner.describe());
-        Self { inner, transform: Transform::identity(), known, turned: None }
+        Self { inner, transform: Transform::identity(), known, turned: None, first_touch: Arc::default() }
     }
 
     /// What is known of it at no depth in particular.
     #[must_use]
     pub fn known(&self) -> &Known {
         &self.known
+    }
+
+    /// What `search` finds as lowest point, and the gap there; searched once.
+    pub(crate) fn first_touch(&self, search: impl FnOnce(&Self) -> ([f64; 2], f64)) -> ([f64; 2], f64) {
+        *self.first_touch.get_or_init(|| search(self))
     }
 
     fn under(&self, transform: Transform) -> Self {
@@ -51,7 +58,7 @@ impl AnyGap {
             })
         };
         let known = Arc::new(transform.known_outward(&self.inner.describe()));
-        let mut gap = Self { inner: self.inner.clone(), transform, known, turned };
+        let mut gap = Self { inner: self.inner.clone(), transform, known, turned, first_touch: Arc::default() };
         // A tilted body that ends somewhere is lowest there.
         if let (f64::NEG_INFINITY, Material::Within(rect)) = (gap.known.floor, gap.known.material)
             && let Some([floor, _]) = gap.bounds(&rect, [0.0; 2])

@@ -101,7 +101,7 @@ impl Lowest {
             let [w, h] = rect.size();
             let rect = Rect::around(rect.centre(), [0.5 * w + margin, 0.5 * h + margin]);
             // A window that was far too large cost digits.
-            let shrunk = rect.size()[0].max(rect.size()[1]) < 1e-3 * window.size()[0];
+            let shrunk = rect.longer_side() < 1e-3 * window.size()[0];
             window = rect;
             if !shrunk {
                 return (rect, region);

@@ -288,7 +288,7 @@ fn unit_square(corners: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let largest = corners.iter().flatten().fold(f64::MIN_POSITIVE, |m, v| m.max(v.abs()));
     let small: Vec<[f64; 2]> = corners.iter().map(|c| c.map(|v| v / largest)).collect();
     let Some(rect) = Rect::holding(small.iter().copied()) else { return small };
-    let side = rect.size()[0].max(rect.size()[1]).max(f64::MIN_POSITIVE);
+    let side = rect.longer_side().max(f64::MIN_POSITIVE);
     small.iter().map(|c| [(c[0] - rect.min[0]) / side, (c[1] - rect.min[1]) / side]).collect()
 }
 

@@ -254,7 +254,7 @@ pub(super) fn corner_window(planes: &[[f64; 3]]) -> Rect {
     // Second pass: the corners found in the wide window set the size of a snug one, where nothing cancels.
     match Rect::holding(corners_within(planes, &wide)) {
         Some(found) => {
-            let half = 2.0 * found.size()[0].max(found.size()[1]).max(scale);
+            let half = 2.0 * found.longer_side().max(scale);
             Rect::around(found.centre(), [half; 2])
         }
         None => Rect::around([0.0; 2], [4.0 * scale; 2]),

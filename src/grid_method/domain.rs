@@ -147,7 +147,7 @@ fn symmetrised(inner: &Rect, frame: &Rect, symmetry: &Symmetry) -> Rect {
         mirror(1);
     }
     if symmetry.exchanges() && symmetry.mirrors_x() {
-        let half = 0.5 * result.size()[0].max(result.size()[1]);
+        let half = 0.5 * result.longer_side();
         result = Rect::around(c, [half; 2]);
     }
     result

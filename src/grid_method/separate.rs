@@ -46,9 +46,8 @@ pub(crate) fn rectangles(overlap: &Overlap, settings: &Settings) -> Option<Vec<R
         return None;
     }
     let apart = overlap.components();
-    let longest = |rect: &Rect| rect.size()[0].max(rect.size()[1]);
-    let largest = apart.iter().map(longest).fold(0.0, f64::max);
-    let far = (2..=MOST).contains(&apart.len()) && longest(&overlap.reach) >= FAR * largest && largest > 0.0;
+    let largest = apart.iter().map(Rect::longer_side).fold(0.0, f64::max);
+    let far = (2..=MOST).contains(&apart.len()) && overlap.reach.longer_side() >= FAR * largest && largest > 0.0;
     // One grid would lose the smallest of them.
     let fits = far || (2..=FEW).contains(&apart.len()) && overlap.has_needles();
     fits.then(|| apart.to_vec())

@@ -169,7 +169,7 @@ impl Axes {
             })
             .collect();
         let around = Rect::holding(cells.iter().flat_map(|(corners, _)| *corners)).unwrap_or(grid.extent());
-        let finest = around.size()[0].max(around.size()[1]) / grid.spacing[0].min(grid.spacing[1]);
+        let finest = around.longer_side() / grid.spacing[0].min(grid.spacing[1]);
         let own = grid.shape[0].max(grid.shape[1]);
         let longest = (finest.ceil() as usize).clamp(own, MOST_CELLS.max(own));
         resample(&cells, Grid::over(&around, shape(&around, longest)))

@@ -28,6 +28,13 @@ impl Rect {
         [self.max[0] - self.min[0], self.max[1] - self.min[1]]
     }
 
+    /// Length of the longer side.
+    #[must_use]
+    pub fn longer_side(&self) -> f64 {
+        let [w, h] = self.size();
+        w.max(h)
+    }
+
     /// The four corners, counter-clockwise.
     #[must_use]
     pub fn corners(&self) -> [[f64; 2]; 4] {

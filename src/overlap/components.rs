@@ -11,21 +11,16 @@ pub(super) const APART: f64 = 0.5;
 /// The least such distance: four digits of what they do to one another.
 pub(super) const NEAR: f64 = 0.1;
 
-/// The longer side.
-pub(super) fn longest(rect: &Rect) -> f64 {
-    rect.size()[0].max(rect.size()[1])
-}
-
 /// Whether a contact is lost between the cells of a grid over a rectangle.
 pub(super) fn is_needle(piece: &Rect, beside: f64) -> bool {
-    longest(piece) < NEEDLE * beside
+    piece.longer_side() < NEEDLE * beside
 }
 
 /// Rectangles closer together than `share` of the longer side of either are made one, and those of needles closer than a tenth.
 pub(super) fn merged(mut pieces: Vec<Rect>, share: f64) -> Vec<Rect> {
     let close = |a: &Rect, b: &Rect| {
         let apart = |m: usize| (a.min[m] - b.max[m]).max(b.min[m] - a.max[m]).max(0.0);
-        let longer = longest(a).max(longest(b));
+        let longer = a.longer_side().max(b.longer_side());
         let least = if is_needle(a, longer) || is_needle(b, longer) { NEAR } else { share };
         apart(0).hypot(apart(1)) <= least * longer
     };

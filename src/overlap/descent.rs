@@ -65,6 +65,10 @@ pub(super) fn lowest(gap: &dyn Gap, start: [f64; 2]) -> [f64; 2] {
 /// The lowest point that a descent from the lowest of the gap's own points reaches, and the gap there: the depth of first touch. Where the
 /// gap has bounds over rectangles, nothing else is lower by more than rounding, or a descent from there goes on.
 pub(crate) fn least(gap: &AnyGap) -> ([f64; 2], f64) {
+    gap.first_touch(searched)
+}
+
+fn searched(gap: &AnyGap) -> ([f64; 2], f64) {
     let known = gap.known();
     let value = |p: [f64; 2]| gap.gap(p[0], p[1]);
     let centre = known.centre;
@@ -73,13 +77,15 @@ pub(crate) fn least(gap: &AnyGap) -> ([f64; 2], f64) {
     if own <= known.floor || known.law.is_some_and(|law| law.lowest == own && known.floor > f64::NEG_INFINITY) {
         return (centre, own);
     }
-    let tips = known.tips.iter().copied().chain(somewhere(gap).filter(|_| !own.is_finite()));
-    let start =
-        tips.fold(centre, |best, tip| if value(tip) < value(best) || !value(best).is_finite() { tip } else { best });
-    if value(start) <= known.floor {
-        return (start, value(start));
+    let hole = !own.is_finite();
+    let others = known.tips.iter().copied().chain(hole.then(|| somewhere(gap)).flatten()).map(|tip| (tip, value(tip)));
+    let lower = |a: &([f64; 2], f64), b: &([f64; 2], f64)| a.1.total_cmp(&b.1);
+    let start = std::iter::once((centre, own)).chain(others).filter(|tip| tip.1.is_finite()).min_by(lower);
+    let start = start.unwrap_or((centre, own));
+    if start.1 <= known.floor {
+        return start;
     }
-    let mut best = lowest(gap, start);
+    let mut best = lowest(gap, start.0);
     for _ in 0..MOST_BASINS {
         let here = value(best);
         let height = here.abs().max(own - here);

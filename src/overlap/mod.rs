@@ -134,7 +134,7 @@ impl Overlap {
 
     /// Whether a component is so small that the cells of one grid over all of them may miss it.
     pub fn has_needles(&self) -> bool {
-        let all = components::longest(&self.reach);
+        let all = self.reach.longer_side();
         self.components().iter().any(|piece| components::is_needle(piece, all))
     }
 }
