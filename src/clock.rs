@@ -210,6 +210,23 @@ impl Clock {
     }
 }
 
+/// CPU seconds since a moment, as a [`Deadline`] counts them; 0 on a target without a clock.
+#[cfg(feature = "plot")]
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Work(Clock, Option<f64>);
+
+#[cfg(feature = "plot")]
+impl Work {
+    pub fn begins(threads: usize) -> Self {
+        let clock = if threads == 1 { Clock::Thread } else { Clock::Process };
+        Self(clock, clock.seconds())
+    }
+
+    pub fn seconds(self) -> f64 {
+        self.1.zip(self.0.seconds()).map_or(0.0, |(start, now)| now - start)
+    }
+}
+
 /// Elapsed seconds since a moment; 0 on a target without a clock.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Stopwatch(Option<f64>);

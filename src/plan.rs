@@ -222,7 +222,9 @@ fn grid_steps(
     let grid = Grid::over(&scaled.reach, shape(&scaled.reach, 24));
     let problem = Discrete::sample(&scaled.gap, scaled.depth, grid, settings.kernel);
     let free = problem.overlap.iter().filter(|&&f| f <= 0.0).count();
-    left_out.push(format!("{:.0} % of the box: no overlap, no pressure", 100.0 * free as f64 / grid.len() as f64));
+    if free > 0 {
+        left_out.push(format!("{:.0} % of the box: no overlap, no pressure", 100.0 * free as f64 / grid.len() as f64));
+    }
     let symmetry = Symmetry::of(&problem);
     if symmetry.order() > 1 {
         steps.push(format!("symmetries of gap and grid: {}", symmetry.words()));

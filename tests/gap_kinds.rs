@@ -5,7 +5,7 @@ use std::path::Path;
 
 use contact_patch::gap::{
     AnyGap, Cone, Flat, Gap, HeightMap, Heights, Minimum, Outline, Paraboloid, Place, Polyhedron, Power, Reach,
-    Revolved, Sphere, Sum, Surface, Zero,
+    Revolved, RoundedTip, Sphere, Sum, Surface, Zero,
 };
 use contact_patch::geometry::Rect;
 use contact_patch::overlap::extent;
@@ -45,6 +45,9 @@ fn kinds() -> Vec<(&'static str, AnyGap, f64)> {
         ("power", AnyGap::new(Power::new(0.7, 2.6).unwrap()), 0.5),
         ("pyramid", AnyGap::new(Polyhedron::pyramid(5, 0.4).unwrap()), 0.4),
         ("truncated pyramid", AnyGap::new(Polyhedron::truncated_pyramid(3, 0.4, 0.3).unwrap()), 0.2),
+        ("rounded cone", AnyGap::new(RoundedTip::cone(0.4, 0.7).unwrap()), 0.2),
+        ("rounded pyramid", AnyGap::new(RoundedTip::pyramid(3, 0.4, 0.5).unwrap()), 0.2),
+        ("rounded pyramid, turned", placed(RoundedTip::pyramid(5, 0.5, 1.5).unwrap(), [0.1, -0.2], 17.0), 0.2),
         ("polyhedron", AnyGap::new(Polyhedron::new(planes).unwrap()), 0.3),
         ("disc", AnyGap::new(Flat::new(Outline::disc(0.9).unwrap())), 0.1),
         ("ellipse", placed(Flat::new(Outline::ellipse([1.2, 0.4]).unwrap()), [0.1, 0.2], 30.0), 0.1),
@@ -390,7 +393,7 @@ fn scenes_beside_the_maps_are_json_of_known_kinds() {
         count += 1;
     }
     assert!(count >= 15);
-    let all = "berkovich cone flat formula height_map min paraboloid polyhedron power profile pyramid revolved sphere sum vickers";
+    let all = "berkovich cone cube_corner flat formula height_map min paraboloid polyhedron power profile pyramid revolved sphere sum vickers";
     assert_eq!(kinds.into_iter().collect::<Vec<_>>().join(" "), all);
 }
 

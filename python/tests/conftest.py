@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import shutil
 import subprocess
-import sys
+import sysconfig
 from pathlib import Path
 
 import pytest
@@ -19,7 +20,8 @@ def scenes() -> Path:
 @pytest.fixture
 def command():
     """Runs the command that the wheel installs."""
-    program = Path(sys.executable).with_name("contact-patch")
+    program = shutil.which("contact-patch", path=sysconfig.get_path("scripts"))
+    assert program, "the command is not installed"
 
     def run(*arguments, **options):
         return subprocess.run([program, *map(str, arguments)], capture_output=True, text=True, timeout=120, **options)

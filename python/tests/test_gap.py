@@ -24,6 +24,16 @@ def force(of, **keys):
         (gap.Power(1.0, 4), {"kind": "power", "coefficient": 1.0, "exponent": 4}),
         (gap.Pyramid(3, 45.0), {"kind": "pyramid", "faces": 3, "inclination": 45.0}),
         (gap.Pyramid(4, 5.0, flat=0.1), {"kind": "pyramid", "faces": 4, "inclination": 5.0, "flat": 0.1}),
+        (gap.Pyramid(4, 5.0, rounded=0.1), {"kind": "pyramid", "faces": 4, "inclination": 5.0, "rounded": 0.1}),
+        (gap.Cone(5.0, rounded=0.1), {"kind": "cone", "inclination": 5.0, "rounded": 0.1}),
+        (gap.Berkovich(65.03, flat=2e-8), {"kind": "berkovich", "face_angle": 65.03, "flat": 2e-8}),
+        (gap.Vickers(), {"kind": "vickers"}),
+        (gap.CubeCorner(rounded=5e-8), {"kind": "cube_corner", "rounded": 5e-8}),
+        (
+            gap.Profile([[-1, 1], [0, 0], [1, 1]], along="x", radius=2.0, mirror="y"),
+            {"kind": "profile", "points": [[-1.0, 1.0], [0.0, 0.0], [1.0, 1.0]], "along": "x", "radius": 2.0, "mirror": "y"},
+        ),
+        (gap.Profile("rail.ban", along="x"), {"kind": "profile", "file": "rail.ban", "along": "x"}),
         (gap.Polyhedron(np.eye(3)), {"kind": "polyhedron", "planes": np.eye(3).tolist()}),
         (gap.Flat(disc=1.0), {"kind": "flat", "outline": {"disc": 1.0}}),
         (gap.Revolved([[0, 0], [1, 1]]), {"kind": "revolved", "points": [[0, 0], [1, 1]]}),
@@ -41,6 +51,21 @@ def test_builders_write_what_a_file_would_say(built, written):
     text = source(Contact(built, modulus=1.0, depth=1.0))[0]
     assert json.loads(text)["gap"] == written
     assert "Gap(" in repr(built)
+
+
+def test_units_are_labels():
+    contact = Contact(gap.Sphere(20.0), modulus=1e5, force=10.0, units={"length": "mm", "force": "N"})
+    assert "MPa" in contact.solve()._repr_html_()
+    assert contact.solve().depth == Contact(gap.Sphere(20.0), modulus=1e5, force=10.0).solve().depth
+
+
+def test_a_profile_is_read_as_its_points(tmp_path):
+    y = np.linspace(-1.0, 1.0, 41)
+    line = np.column_stack([y, y**2 / 2])
+    (tmp_path / "line.txt").write_text("\n".join(f"{a};{b}" for a, b in line))
+    by_points = force(gap.Profile(line, along="x", radius=1.0), tolerance=0.01)
+    assert force(gap.Profile(str(tmp_path / "line.txt"), along="x", radius=1.0), tolerance=0.01) == by_points
+    assert by_points == pytest.approx(force(gap.Paraboloid(1.0)), rel=0.01)
 
 
 def test_a_gap_is_moved_twice():

@@ -6,7 +6,10 @@ import shutil
 import subprocess
 from pathlib import Path
 
+import numpy as np
 import pytest
+
+from contact_patch import Contact, gap, solve_table
 
 TEXT = (Path(__file__).parents[1] / "README.md").read_text()
 
@@ -22,11 +25,24 @@ def test_its_code_runs():
     assert max(forces) == pytest.approx(min(forces), rel=0.01)
 
 
+RECIPES = re.findall(r"```py\n(.*?)```", TEXT, re.DOTALL)
+
+
 def test_its_recipes_are_python():
-    recipes = re.findall(r"```py\n(.*?)```", TEXT, re.DOTALL)
-    assert len(recipes) == 4
-    for recipe in recipes:
+    assert len(RECIPES) == 4
+    for recipe in RECIPES:
         compile(recipe, "README.md", "exec")
+
+
+def test_its_recipe_for_dask_runs():
+    dask = pytest.importorskip("dask")
+    pandas = pytest.importorskip("pandas")
+    pytest.importorskip("dask.dataframe")
+    template = Contact(gap.Cone(45.0), modulus=1.0, depth=1.0)
+    frame = pandas.DataFrame({"/loading/depth": np.linspace(0.1, 1.0, 1000)})
+    names = {"dask": dask, "frame": frame, "solve_table": solve_table, "template": template}
+    exec(compile(RECIPES[0], "README.md", "exec"), names)
+    pandas.testing.assert_frame_equal(names["answers"].compute(), solve_table(template, frame), check_exact=True)
 
 
 def test_its_line_for_gnu_parallel(command, tmp_path):

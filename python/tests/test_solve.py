@@ -79,6 +79,7 @@ def test_what_is_wrong_is_named_by_its_path(scene, path):
     assert str(pickle.loads(pickle.dumps(error))) == str(error)
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="pipes of POSIX")
 def test_only_regular_files_are_read(tmp_path):
     os.mkfifo(tmp_path / "pipe")
     with open(tmp_path / "long", "wb") as file:

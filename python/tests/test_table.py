@@ -2,6 +2,8 @@
 
 import csv
 import io
+import math
+from decimal import Decimal
 
 import numpy as np
 import pytest
@@ -50,6 +52,18 @@ def test_wrong_rows_are_nan_with_a_verdict_and_stop_nothing():
     for word, reason in zip(["gap.inclination", "gap.inclination", "loading.depth", "solve.method"], table["reason"][1:], strict=True):
         assert word in reason
     assert table["reason"][0] is None
+
+
+def test_cells_of_any_kind_are_wrong_for_their_own_row_alone():
+    cells = [0.5, "x", None, math.inf, [1], {}, object(), 1.0]
+    force = solve_table(SCENE, {"/loading/depth": cells}, outputs=["force", "reason"])
+    assert force["verdict"].tolist() == ["solved", *["wrong_scene"] * 6, "solved"]
+    assert force["force"][[0, -1]] == pytest.approx([FORCE[0], FORCE[2]]) and np.isnan(force["force"][1:-1]).all()
+    assert all("loading.depth" in reason for reason in force["reason"][1:-1])
+    ragged = solve_table(TEMPLATE, {"/gap/radii": [[1.0, 3.0], [1.0, 2.0, 3.0], [1.0, 3.0]]}, outputs=["force"])
+    assert ragged["verdict"].tolist() == ["solved", "wrong_scene", "solved"]
+    decimals = solve_table(SCENE, {"/loading/depth": [Decimal("0.5"), Decimal("1")]}, outputs=["force"])
+    assert decimals["force"] == pytest.approx([FORCE[0], FORCE[2]])
 
 
 def test_unsolved_rows_keep_their_best_numbers():

@@ -5,11 +5,13 @@
 //! P' grows no faster than that of a degree-1 gap, P' (1 + e/(d - d0)) e. That e is an estimate from the samples
 //! ([`crate::gap::Gap::sampling_error`]), and makes the evidence one.
 
+use std::f64::consts::PI;
+
 use crate::bracket::DepthBracket;
 use crate::gap::Gap;
 use crate::overlap::Overlap;
 use crate::problem::{Contact, Load, Settings};
-use crate::solution::{Solution, Unsolved, Verdict};
+use crate::solution::{Piece, Solution, Unsolved, Verdict};
 
 /// The answer with the error of the measured gap in its error and its bracket.
 ///
@@ -92,6 +94,15 @@ fn widen(contact: &Contact, load: Load, state: &mut Solution) -> Option<f64> {
     if let (Load::Force(force), Some(bracket), Some(_)) = (load, &state.bracket, &state.depth_bracket) {
         state.depth_bracket = Some(DepthBracket::under(&gap, state.depth, force, bracket));
     }
+    // Of the order of what they change by with the overlap: an estimate. Under a force they follow from the error of the depth.
+    if matches!(load, Load::Depth(_) | Load::Tilted { .. }) {
+        let work = state.energy.map_or(f64::NAN, |energy| state.force * off / energy);
+        let with = |own: Option<f64>, more: f64| own.map(|own| own + more).filter(|error| error.is_finite());
+        state.stiffness_error = with(state.stiffness_error, share);
+        state.area_error = with(state.area_error, 2.0 * share);
+        state.energy_error = with(state.energy_error, work);
+    }
+    state.pressure.max_error = state.pressure.max_error.and_then(|own| Some(own + ripple(contact, state, off)?));
     if state.force_error.is_some_and(|error| share < TOLD * error) {
         return Some(share);
     }
@@ -107,6 +118,16 @@ fn widen(contact: &Contact, load: Load, state: &mut Solution) -> Option<f64> {
         ));
     }
     Some(share)
+}
+
+/// What the largest pressure may be off by, relative: a ripple of the gap of this amplitude over a wavelength of the shorter side of the
+/// patch, E* pi e/w (Johnson 1985, equation (13.9)). An estimate.
+fn ripple(contact: &Contact, state: &Solution, off: f64) -> Option<f64> {
+    let max = state.pressure.max?;
+    let peak = |a: &&Piece, b: &&Piece| a.max_pressure.unwrap_or(0.0).total_cmp(&b.max_pressure.unwrap_or(0.0));
+    let [low, high] = state.patch.pieces.iter().max_by(peak)?.extent;
+    let width = (high[0] - low[0]).min(high[1] - low[1]);
+    Some(contact.modulus().e_star() * PI * off / width / max).filter(|error| error.is_finite())
 }
 
 /// A smaller share of the stated error is not worth a remark.

@@ -12,7 +12,9 @@
 
 use super::validity::mixed_units;
 use crate::bracket::DepthBracket;
-use crate::gap::{DataEdge, Law};
+use crate::gap::{AnyGap, DataEdge, Gap, Law, Material, lattice};
+use crate::grid::Grid;
+use crate::numeric::geometry::Rect;
 use crate::overlap::least;
 use crate::problem::{Contact, Load};
 use crate::solution::{ForceEvidence, Solution};
@@ -102,22 +104,56 @@ fn under_moment(contact: &Contact, state: &mut Solution) {
 /// What the reader of a state should know of where it may not hold.
 pub(crate) fn remarks(contact: &Contact, state: &mut Solution) {
     if let Some(touched) = state.touches_edge {
-        let doubt = match touched.edge {
-            DataEdge::Map => "is the map large enough, and \"surface\" the right one?",
-            DataEdge::Hole => "there may be a surface that was not measured",
-            DataEdge::Region => "the material is taken to end there",
+        let [edge, question] = match touched.edge {
+            DataEdge::Map if is_hollow(contact.gap(), state.patch.extent()) => [
+                "the border of the measured data",
+                "its middle is the farthest from the other body; with the other value of \"surface\" it would be the nearest",
+            ],
+            DataEdge::Map => ["the border of the measured data", "does the measurement go far enough?"],
+            DataEdge::Hole => ["a hole of the measured data", "there may be a surface that was not measured"],
+            DataEdge::Region => ["the border of the region", "the material is taken to end there"],
         };
-        let edge = match touched.edge {
-            DataEdge::Map => "the border of the height map",
-            DataEdge::Hole => "a hole of the height map",
-            DataEdge::Region => "the border of the region",
-        };
-        state.remarks.push(format!("the contact reaches {edge}: {doubt}"));
+        state.remarks.push(format!("the contact reaches {edge}: {question}"));
     }
     if let Some(validity) = &state.validity {
         state.remarks.extend(validity.remarks());
     }
-    state.remarks.extend(mixed_units(contact, state.patch.area));
+    state.remarks.extend(mixed_units(contact, state.patch.area, state.patch.centroid));
+}
+
+/// Samples a side, and the share of the range by which the middle of a hollow lies above its border.
+const LOOKS: usize = 24;
+const DEEP: f64 = 0.25;
+
+/// Whether a measured part of the gap looks like one whose sign was taken wrongly: higher in the middle than along its border.
+fn is_hollow(gap: &AnyGap, patch: Option<[[f64; 2]; 2]>) -> bool {
+    if let Some(parts) = gap.addends().or_else(|| gap.alternatives()) {
+        return parts.iter().any(|part| is_hollow(part, patch));
+    }
+    // A measured line has no end along the body: a hollow touches at both ends of it.
+    let touched = patch.map(|[min, max]| Rect { min, max });
+    let Some(material) = (match gap.known().material {
+        Material::Within(rect) => Some(rect),
+        _ => touched,
+    }) else {
+        return false;
+    };
+    if !gap.is_measured() {
+        return false;
+    }
+    let grid = Grid::over(&material, [LOOKS; 2]);
+    let heights = lattice::values(gap, &grid);
+    let off = |k: usize| [k % LOOKS, k / LOOKS].map(|i| i.min(LOOKS - 1 - i)).into_iter().min().unwrap_or(0);
+    let mean = |range: std::ops::Range<usize>| {
+        let own: Vec<f64> = (0..heights.len())
+            .filter(|&k| range.contains(&off(k)) && heights[k].is_finite())
+            .map(|k| heights[k])
+            .collect();
+        own.iter().sum::<f64>() / own.len() as f64
+    };
+    let finite = || heights.iter().copied().filter(|h| h.is_finite());
+    let range = finite().fold(f64::NEG_INFINITY, f64::max) - finite().fold(f64::INFINITY, f64::min);
+    mean(LOOKS / 3..LOOKS) - mean(0..2) > DEEP * range
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use crate::gap::{AnyGap, Gap, Generatrix};
-use crate::numeric::geometry::centroid;
+use crate::numeric::geometry::{Rect, centroid};
 use crate::problem::Contact;
 use crate::solution::Validity;
 
@@ -100,21 +100,36 @@ fn radius(gap: &AnyGap) -> Option<f64> {
     (gauss > 0.0).then(|| 1.0 / gauss.sqrt())
 }
 
+/// The same at a point where the gap tells its second derivatives.
+fn radius_at(gap: &AnyGap, [x, y]: [f64; 2], size: f64) -> Option<f64> {
+    let rect = Rect::around([x, y], [1e-3 * size; 2]);
+    let [xx, xy, yy] = gap.taylor(&rect)?.hessian.map(|h| 0.5 * (h.lo + h.hi));
+    let gauss = xx * yy - xy * xy;
+    (gauss > 0.0).then(|| 1.0 / gauss.sqrt())
+}
+
 /// Moduli from which on units can hardly be others than pascals.
 const PASCALS: f64 = 1e9;
 
-/// Sizes of contacts that are hardly in metres.
+/// Sizes of contacts, and mean radii of curvature, that are hardly in metres.
 const METRES: f64 = 1.0;
+const ROUND_METRES: f64 = 100.0;
 
-/// A remark on moduli in pascals beside lengths that are no metres.
-pub(crate) fn mixed_units(contact: &Contact, area: f64) -> Option<String> {
-    let (e_star, size) = (contact.modulus().e_star(), (area / PI).sqrt());
-    (e_star >= PASCALS && size > METRES).then(|| {
-        format!(
-            "mixed units? E* is {e_star:.1e}, as in pascals, and the contact would be metres wide; with lengths in millimetres moduli \
-             are in megapascals"
-        )
-    })
+/// A remark on moduli in pascals beside lengths that are no metres; `middle`: that of the patch.
+pub(crate) fn mixed_units(contact: &Contact, area: f64, middle: Option<[f64; 2]>) -> Option<String> {
+    let (gap, e_star, size) = (contact.gap(), contact.modulus().e_star(), (area / PI).sqrt());
+    if e_star < PASCALS {
+        return None;
+    }
+    let round = || radius(gap).or_else(|| radius_at(gap, middle?, size)).filter(|radius| *radius >= ROUND_METRES);
+    let what = if size > METRES {
+        "the contact would be metres wide".to_owned()
+    } else {
+        format!("the radii of curvature would be {:.0} m", round()?)
+    };
+    Some(format!(
+        "mixed units? E* is {e_star:.1e}, as in pascals, and {what}; with lengths in millimetres moduli are in megapascals"
+    ))
 }
 
 #[cfg(test)]
@@ -141,8 +156,19 @@ mod tests {
             );
             assert!((found.size_over_radius.unwrap() - size / 4.0).abs() < 1e-9 * size);
             assert_eq!(!found.remarks().is_empty(), doubted);
-            assert_eq!(mixed_units(&ball, area).is_some(), doubted);
+            assert_eq!(mixed_units(&ball, area, None).is_some(), doubted);
         }
+    }
+
+    #[test]
+    fn radii_of_hundreds_of_metres_are_a_smell() {
+        let modulus = EffectiveModulus::from_e_star(1.15e11).unwrap();
+        let contact =
+            |radii: [f64; 2]| Contact::new(modulus, Paraboloid::new(radii).unwrap(), Loading::depth(1.0)).unwrap();
+        assert!(mixed_units(&contact([300.0, 460.0]), 1e-4, None).is_some());
+        assert!(mixed_units(&contact([0.3, 0.46]), 1e-4, None).is_none());
+        // A crowned roller.
+        assert!(mixed_units(&contact([0.01, 2000.0]), 1e-4, None).is_none());
     }
 
     #[test]
@@ -151,6 +177,6 @@ mod tests {
         let cone = Contact::new(modulus, Cone::with_slope(0.2).unwrap(), Loading::depth(1.0)).unwrap();
         let found = Validity::of(&cone, &circle(1.0), PI, 0.1).unwrap();
         assert!((found.slope - 0.2).abs() < 1e-9 && found.size_over_radius.is_none() && found.remarks().is_empty());
-        assert!(mixed_units(&cone, PI).is_none());
+        assert!(mixed_units(&cone, PI, None).is_none());
     }
 }

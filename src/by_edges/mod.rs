@@ -306,11 +306,7 @@ fn in_users_units(
         validity,
         cost: Cost { unknowns: found.unknowns, ..Cost::default() },
         left_out,
-        remarks: if found.proved {
-            vec![found.how, format!("the force is proved to lie between {low:e} and {high:e}")]
-        } else {
-            vec![found.how]
-        },
+        remarks: vec![found.how],
     }
 }
 

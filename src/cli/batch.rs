@@ -14,7 +14,9 @@ use clap::Args;
 use serde_json::json;
 
 use super::outputs::outputs;
+use super::progress::Progress;
 use super::table::TableOptions;
+use super::voice::Voice;
 use super::{Failure, Overrides, checked_threads};
 use crate::clock::Deadline;
 use crate::error::InputError;
@@ -68,7 +70,7 @@ type Job = (usize, Result<Vec<u8>, InputError>, SyncSender<Answer>);
 type Answer = (Vec<u8>, bool);
 
 impl Batch {
-    pub(super) fn run(&self) -> Result<ExitCode, Failure> {
+    pub(super) fn run(&self, voice: Voice) -> Result<ExitCode, Failure> {
         // Wrong options are wrong for every line: say so once.
         self.overrides.apply(&mut Default::default()).map_err(|e| Failure::wrong("arguments", &e))?;
         let jobs = checked_threads("--jobs", self.jobs)?;
@@ -97,7 +99,8 @@ impl Batch {
             for _ in 0..jobs {
                 scope.spawn(|| self.work(&work));
             }
-            let writer = scope.spawn(move || write_in_order(to, &ordered));
+            let progress = voice.progress("the first scenes");
+            let writer = scope.spawn(move || write_in_order(to, &ordered, progress));
             let read = read_lines(&mut io::stdin().lock(), &to_workers, &to_writer);
             // Without senders the workers and the writer come to their end.
             drop((to_workers, to_writer));
@@ -243,9 +246,14 @@ fn read_line(from: &mut impl BufRead) -> io::Result<Option<Result<Vec<u8>, Input
 }
 
 /// Writes each answer as one whole line; says whether all were solved.
-fn write_in_order(mut to: Box<dyn Write + Send>, ordered: &Receiver<Receiver<Answer>>) -> io::Result<bool> {
+fn write_in_order(
+    mut to: Box<dyn Write + Send>,
+    ordered: &Receiver<Receiver<Answer>>,
+    mut progress: Progress,
+) -> io::Result<bool> {
     let mut all_solved = true;
-    for answer in ordered {
+    for (count, answer) in ordered.iter().enumerate() {
+        progress.say(&format!("scenes so far: {count}"));
         let Ok((line, solved)) = answer.recv() else { continue };
         all_solved &= solved;
         // One call a line, straight through: killed between two calls, only whole lines are left.

@@ -172,7 +172,7 @@ impl CurveCommand {
         };
         let (force, stiffness) = (curve.interpolation_error(), curve.stiffness_error());
         let missed = if force > self.accuracy {
-            format!(", more than the accuracy asked for, {:.1e}", self.accuracy)
+            format!(", {:.1} times the accuracy asked for", force / self.accuracy)
         } else {
             String::new()
         };
@@ -200,7 +200,7 @@ impl CurveCommand {
         };
         let mut progress = voice.progress("the first states");
         let mut told = |states: usize, open: Option<f64>| match open {
-            None => progress.say(&format!("{states} states")),
+            None => progress.say(&format!("states so far: {states}")),
             Some(open) => {
                 progress.say(&format!("{states} states, error between them {open:.1e} of {:.1e}", self.accuracy))
             }

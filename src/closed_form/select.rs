@@ -3,7 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use crate::clock::Deadline;
-use crate::closed_form::{ClosedForm, Ellipse, FlatPunch, Hertz, Power, Quadratic, Sneddon, Sphere};
+use crate::closed_form::{ClosedForm, Ellipse, FlatPunch, Hertz, Power, Quadratic, RoundedCone, Sneddon, Sphere};
 use crate::gap::{self, AnyGap, Axis, Face, Gap, Generatrix};
 use crate::grid::{Grid, Pressure};
 use crate::numeric::geometry::Rect;
@@ -120,6 +120,12 @@ fn revolution(
             let sphere = Sphere::new(modulus, radius).and_then(|s| s.at_depth(depth - lowest)).map_err(refused)?;
             let found = format!("a sphere of radius {radius:.6e}");
             return Ok(formula(sphere.placed(axis.at, 0.0), depth, found, NO_GRID));
+        }
+        Generatrix::RoundedCone { radius, slope, lowest } => {
+            let cone =
+                RoundedCone::new(modulus, radius, slope).and_then(|c| c.at_depth(depth - lowest)).map_err(refused)?;
+            let found = format!("a cone of slope {slope:.6e} with a tip of radius {radius:.6e}");
+            return Ok(formula(cone.placed(axis.at, 0.0), depth, found, NO_GRID));
         }
         Generatrix::General => {}
     }

@@ -184,7 +184,7 @@ pub fn compare(contact: &Contact, plan: &Plan) -> Comparison {
     let reference = Reference {
         method: best.method,
         force: best.force,
-        uncertainty: best.force_error.unwrap_or(f64::INFINITY),
+        uncertainty: of_force(&best).unwrap_or(f64::INFINITY),
         bracket: plan.bracket_cells.and_then(|cells| bracket(&contact, &best, &plan.settings, cells)),
         area: best.patch.area,
         source,
@@ -199,6 +199,12 @@ pub fn compare(contact: &Contact, plan: &Plan) -> Comparison {
     front::rank(&mut runs, reference.uncertainty);
     remarks.extend(front::of_auto(&runs));
     Comparison { reference: Some(reference), runs, remarks }
+}
+
+/// Relative error of the force at the depth of a state: where the force was prescribed, what its depth errs by.
+fn of_force(state: &Solution) -> Option<f64> {
+    let error = state.force_error?;
+    Some(error + (state.depth_error? * state.depth * state.stiffness / state.force).abs())
 }
 
 /// The depth and tilt of a state, as a loading.
@@ -241,8 +247,14 @@ fn reference(contact: &Contact, plan: &Plan) -> Option<(Solution, String)> {
         let solution = with_patch(Method::Fft, Some(tolerance))?;
         Some((solution, format!("fft, grids refined until the force is known to {tolerance:e}")))
     };
+    // What the samples of a measured gap leave open no grid can know better.
+    let nearest = || {
+        let settings = Settings { outputs: COMPARED, ..asked(plan, Method::Fft, None, Some(1e-3)) };
+        let solution = solve(contact, &settings).pop()?.or_else(Unsolved::accept_best).ok()?;
+        Some((solution, "fft, as close as it comes".to_owned()))
+    };
     let Some(good) = by_grid(1e-4) else {
-        return by_grid(1e-3);
+        return by_grid(1e-3).or_else(nearest);
     };
     if good.0.cost.unknowns > MANY_UNKNOWNS {
         return Some(good);

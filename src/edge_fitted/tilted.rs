@@ -193,6 +193,7 @@ impl Tilted {
         let Some((coarser, before)) = before else {
             self.force[0] = 0.0;
             self.force[1] = 2.0 * self.load[0];
+            self.stiffness_error = 1.0;
             return;
         };
         let ratio = n as f64 / coarser as f64;
@@ -207,6 +208,10 @@ impl Tilted {
         let error = stored.max(changed / (ratio.powi(2) - 1.0));
         self.force = [self.load[0] * (1.0 - error), self.load[0] * (1.0 + error)];
         self.energy[1] = self.energy[0] * (1.0 + 2.0 * stored);
-        self.stiffness_error = error;
+        // The stiffness follows the line of lift-off, which is known to a cell: of the first order, and half of what that leaves of the area.
+        let stiffer = (self.matrix[0][0] / before.matrix[0][0] - 1.0).abs() / (ratio - 1.0);
+        let off: f64 = self.regions.iter().map(|region| 0.5 * region.doubt).sum();
+        let area: f64 = self.regions.iter().map(|region| region.area).sum();
+        self.stiffness_error = error.max(stiffer).max(0.5 * off / area);
     }
 }

@@ -10,7 +10,7 @@ use crate::numeric::geometry::Rect;
 const ROUNDING: f64 = 1.0 + 1e-14;
 
 /// A radius beyond the range of numbers is none.
-fn disc(radius: f64) -> Reach {
+pub(super) fn disc(radius: f64) -> Reach {
     if radius == f64::INFINITY {
         Reach::Unbounded { from: [0.0; 2], along: 0.0 }
     } else if radius > 0.0 {
@@ -21,7 +21,7 @@ fn disc(radius: f64) -> Reach {
 }
 
 /// What bodies of revolution about the origin that rise from 0 there have in common.
-fn rising(generatrix: Generatrix) -> Known {
+pub(super) fn rising(generatrix: Generatrix) -> Known {
     Known {
         floor: 0.0,
         axis: Some(Axis { at: [0.0; 2], generatrix }),

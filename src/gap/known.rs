@@ -267,6 +267,15 @@ pub enum Generatrix {
         /// g0.
         lowest: f64,
     },
+    /// g0 + r^2/(2 R) up to r = R t, beyond it a flank of slope t that continues it.
+    RoundedCone {
+        /// R.
+        radius: f64,
+        /// t.
+        slope: f64,
+        /// g0.
+        lowest: f64,
+    },
     /// Any other.
     General,
 }

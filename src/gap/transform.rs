@@ -323,6 +323,11 @@ impl Transform {
             Generatrix::Sphere { radius, lowest } if self.scale == 1.0 && self.per == 1.0 => {
                 Generatrix::Sphere { radius, lowest: height(lowest) }
             }
+            Generatrix::RoundedCone { radius, slope, lowest } => Generatrix::RoundedCone {
+                radius: radius / self.scale / self.scale * self.per,
+                slope: slope * self.scale / self.per,
+                lowest: height(lowest),
+            },
             _ => Generatrix::General,
         };
         Axis { at, generatrix }

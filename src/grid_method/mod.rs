@@ -5,6 +5,7 @@ mod displaced;
 pub(crate) mod domain;
 mod expansion;
 pub(crate) mod extrapolation;
+pub(crate) mod gap_left;
 pub(crate) mod refined;
 pub(crate) mod refinement;
 mod separate;
@@ -43,14 +44,20 @@ pub(crate) fn solution(
 ) -> Result<Solution, Unsolved> {
     let (asked_for, settings) = (settings, &within_samples(overlap, settings));
     let (gap, depth, method) = (&overlap.gap, overlap.depth, method(settings));
+    let each_alone = |rectangles: &[Rect]| {
+        let with_gap = |state: Solution| gap_left::with_gap(contact, state, settings.outputs, settings.kernel);
+        separate::solution(contact, gap, depth, tilt, settings, rectangles, with_matrix)
+            .map(with_gap)
+            .map_err(|unsolved| unsolved.map_best(with_gap))
+    };
     if let Some(rectangles) = separate::rectangles(overlap, settings) {
-        return separate::solution(contact, gap, depth, tilt, settings, &rectangles, with_matrix);
+        return each_alone(&rectangles);
     }
     let (law, scaled) = (gap.known().law, overlap.scaled());
     let mut refined = refinement::refined(&scaled, settings, method, law)?;
     let units = &scaled.units;
     if let Some(rectangles) = separate::missed_by(overlap, settings, &scaled, &refined) {
-        return separate::solution(contact, gap, depth, tilt, settings, &rectangles, with_matrix);
+        return each_alone(&rectangles);
     }
     if let Some(bounds) = by_edges::force_bounds(overlap, settings) {
         let unit = units.length * units.height;

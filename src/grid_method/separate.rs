@@ -37,7 +37,7 @@ const FIELD: usize = 1024;
 
 /// Whether what is asked for allows more than one grid.
 fn may_be_several(settings: &Settings) -> bool {
-    settings.cells.is_none() && settings.method != Method::Qp && !settings.outputs.gap
+    settings.cells.is_none() && settings.method != Method::Qp
 }
 
 /// Rectangles around contacts that are to be solved apart; `None` when one grid serves.
@@ -201,7 +201,8 @@ pub(crate) fn solution(
         }
     }
     let mut states = Vec::new();
-    let quiet = Settings { outputs: crate::problem::Outputs { pressure: true, ..settings.outputs }, ..*settings };
+    let quiet =
+        Settings { outputs: crate::problem::Outputs { pressure: true, gap: false, ..settings.outputs }, ..*settings };
     for (k, one) in ones.iter().enumerate() {
         let (Some(refined), Some(scaled)) = (&one.solved, &one.scaled) else { continue };
         let mut state = dimensional(contact, scaled, refined, None, depth, tilt, &quiet)?;
@@ -344,7 +345,7 @@ fn together(states: Vec<Solution>, settings: &Settings, missed: f64) -> Solution
         angle: None,
     };
     let fields: Vec<&Pressure> = states.iter().filter_map(|s| s.pressure.field.as_ref()).collect();
-    let field = settings.outputs.pressure.then(|| spread(&fields)).flatten();
+    let field = (settings.outputs.pressure || settings.outputs.gap).then(|| spread(&fields)).flatten();
     let worst = |of: fn(&crate::Residuals) -> f64| {
         states.iter().filter_map(|s| s.residuals.as_ref().map(of)).fold(0.0, f64::max)
     };

@@ -145,7 +145,7 @@ pub(super) fn mesh<'b, DB: DrawingBackend + 'b>(
     frame: &Frame,
 ) -> Result<(), Fault<DB>> {
     // As many labels as have room: eight figures along x, two lines along y.
-    let room = |points: u32, each: u32| (points / each).clamp(2, 7) as usize;
+    let room = |points: u32, each: u32| (points / each).clamp(3, 7) as usize;
     let power = window.power;
     mesh.x_desc(axes::named("x", units.length(), power))
         .y_desc(axes::named("y", units.length(), power))

@@ -90,7 +90,7 @@ pub fn page_of(
     let comparison = evidence.detail.as_ref().and_then(|d| d.comparison.as_ref());
     let sections = [
         head(&name, &evidence, units, &main),
-        result(&evidence, units),
+        result(&evidence, scene),
         evidence.detail.as_ref().map_or(String::new(), |d| pictures(d, evidence.steps.len(), &labels)),
         curve(&evidence, &labels),
         comparison.map_or(String::new(), self::comparison),
@@ -247,10 +247,10 @@ fn plan(evidence: &Evidence) -> String {
     format!("<section>\n<h2>Plan</h2>\n{told}</section>\n")
 }
 
-fn result(evidence: &Evidence, units: Option<&UnitLabels>) -> String {
+fn result(evidence: &Evidence, scene: &Scene) -> String {
     let told = match &evidence.steps[..] {
-        [step] => numbers(step).map_or(String::new(), |s| single(s, units)),
-        steps => several(steps, units),
+        [step] => numbers(step).map_or(String::new(), |s| single(s, scene)),
+        steps => several(steps, scene.units.as_ref()),
     };
     let remarks = said_once(&evidence.steps, |s| &s.remarks);
     let left_out = match &said_once(&evidence.steps, |s| &s.left_out)[..] {
@@ -269,8 +269,8 @@ fn pair(values: [f64; 2], size: f64) -> String {
     format!("({x}, {y})")
 }
 
-fn single(s: &Solution, units: Option<&UnitLabels>) -> String {
-    let rows = state_facts(s, units);
+fn single(s: &Solution, scene: &Scene) -> String {
+    let rows = state_facts(s, scene);
     // What it took has a section of its own.
     let shown = rows.iter().filter(|[name, _]| name != "cost");
     facts(&shown.map(|[name, value]| (name.as_str(), value.clone())).collect::<Vec<_>>())

@@ -2,9 +2,10 @@
 
 use super::{Step, centre_of_pressure, numbers, said_once};
 use crate::bracket::Evidence;
+use crate::overlap::least;
 use crate::problem::{Load, Loading};
 use crate::scene::Scene;
-use crate::solution::{ForceEvidence, Singular, Solution};
+use crate::solution::{ForceEvidence, Origin, Singular, Solution};
 use crate::units::UnitLabels;
 
 /// A table of the answers: a line a quantity for one state of loading, a line a state for several.
@@ -18,7 +19,7 @@ pub fn table(scene: &Scene, steps: &[Step]) -> String {
                 rows = vec![["verdict".into(), e.verdict.to_string()], ["reason".into(), e.reason.clone()]];
                 rows.extend(e.hint.iter().map(|hint| ["hint".into(), hint.clone()]));
             }
-            rows.extend(numbers(step).map(|s| facts(s, scene.units.as_ref())).unwrap_or_default());
+            rows.extend(numbers(step).map(|s| facts(s, scene)).unwrap_or_default());
             lines.extend(aligned(&rows));
         }
         _ => several(scene, steps, &mut lines),
@@ -33,13 +34,13 @@ pub fn table(scene: &Scene, steps: &[Step]) -> String {
 const MOST_PIECES: usize = 5;
 
 /// One state as lines of a name and a value.
-pub(super) fn facts(s: &Solution, units: Option<&UnitLabels>) -> Vec<[String; 2]> {
+pub(super) fn facts(s: &Solution, scene: &Scene) -> Vec<[String; 2]> {
+    let units = scene.units.as_ref();
     let length = units.map_or(String::new(), |u| format!(" {}", u.length()));
     let unit = |of: fn(&UnitLabels) -> String| units.map_or(String::new(), |u| format!(" {}", of(u)));
     let (force, pressure) = (unit(|u| u.force().to_owned()), unit(UnitLabels::pressure));
-    let size = s.patch.max_radius;
-    // Rounding against the size of the patch is zero.
-    let point = |p: [f64; 2]| pair(p.map(|x| if x.abs() < 1e-8 * size { 0.0 } else { x }));
+    let fine = fineness(s);
+    let point = |p: [f64; 2]| format!("({}, {})", place(p[0], fine), place(p[1], fine));
     let prescribed = |error: Option<f64>, other: Option<f64>| match (error, other) {
         (Some(0.0), other) if other != Some(0.0) && s.force > 0.0 => "  (prescribed)".to_owned(),
         (error, _) => off_by(error),
@@ -53,7 +54,16 @@ pub(super) fn facts(s: &Solution, units: Option<&UnitLabels>) -> Vec<[String; 2]
         let sides = if (h / v - 1.0).abs() < 1e-9 { figure(h) } else { format!("{} x {}", figure(h), figure(v)) };
         row("grid", format!("{nx} x {ny} cells of {sides}{length}"));
     }
-    row("depth", format!("{}{length}{}", figure(s.depth), prescribed(s.depth_error, s.force_error)));
+    match approach(s, scene) {
+        None => row("depth", format!("{}{length}{}", figure(s.depth), prescribed(s.depth_error, s.force_error))),
+        Some((approach, error)) => {
+            row("depth", format!("{}{length}", figure(s.depth)));
+            row(
+                "approach from first touch",
+                format!("{}{length}{}", figure(approach), prescribed(error, s.force_error)),
+            );
+        }
+    }
     if s.tilt != [0.0; 2] {
         row("tilt", pair(s.tilt));
     }
@@ -74,7 +84,7 @@ pub(super) fn facts(s: &Solution, units: Option<&UnitLabels>) -> Vec<[String; 2]
     }
     let stiffness = unit(UnitLabels::stiffness);
     row("stiffness", format!("{}{stiffness}{}", figure(s.stiffness), off_by(s.stiffness_error)));
-    let rounding = 1e-9 * size * s.force;
+    let rounding = fine * s.force;
     if let Some(moment) = s.moment.filter(|m| m.iter().any(|m| m.abs() > rounding)) {
         let moment = moment.map(|m| if m.abs() > rounding { m } else { 0.0 });
         row("moments about the origin", format!("{}{}", pair(moment), unit(UnitLabels::work)));
@@ -87,9 +97,9 @@ pub(super) fn facts(s: &Solution, units: Option<&UnitLabels>) -> Vec<[String; 2]
         let turned =
             format!(", the longer at {:.4} degrees to x", if angle.abs() < 1e-9 { 0.0 } else { angle.to_degrees() });
         if a == b {
-            row("radius", format!("{}{length}", figure(a)));
+            row("radius", format!("{}{length}", place(a, fine)));
         } else {
-            row("semi-axes", format!("{} and {}{length}{turned}", figure(a), figure(b)));
+            row("semi-axes", format!("{} and {}{length}{turned}", place(a, fine), place(b, fine)));
         }
     }
     if let Some([low, high]) = s.patch.extent() {
@@ -110,10 +120,11 @@ pub(super) fn facts(s: &Solution, units: Option<&UnitLabels>) -> Vec<[String; 2]
     }
     row("patch regions", s.patch.regions.to_string());
     if s.patch.semi_axes.is_none() {
-        row("largest radius", format!("{}{length}", figure(s.patch.max_radius)));
+        row("farthest from the origin", format!("{}{length}", place(s.patch.max_radius, fine)));
     }
     if let Some(mean) = s.pressure.mean {
-        row("mean pressure", format!("{}{pressure}", figure(mean)));
+        let error = s.area_error.zip(s.force_error).map(|(area, force)| area + force);
+        row("mean pressure", format!("{}{pressure}{}", figure(mean), off_by(error)));
     }
     if let Some(peak) = peak(s) {
         let at = s.pressure.at.filter(|_| s.force > 0.0).map_or(String::new(), |at| format!("  at {}", point(at)));
@@ -164,6 +175,52 @@ pub(super) fn facts(s: &Solution, units: Option<&UnitLabels>) -> Vec<[String; 2]
     rows
 }
 
+/// The depth below first touch and its relative error, where first touch is not at depth 0.
+fn approach(s: &Solution, scene: &Scene) -> Option<(f64, Option<f64>)> {
+    let touch = least(scene.contact.gap()).1;
+    let approach = s.depth - touch;
+    let shifted = s.tilt == [0.0; 2] && s.force > 0.0 && touch.abs() > SHIFTED * approach.abs();
+    (shifted && approach > 0.0).then(|| (approach, s.depth_error.map(|error| error * (s.depth / approach).abs())))
+}
+
+/// Share of the approach from which on the depth of first touch is worth a line.
+const SHIFTED: f64 = 1e-6;
+
+/// What places and lengths of the patch are known to.
+fn fineness(s: &Solution) -> f64 {
+    let size = s.patch.area.sqrt();
+    match (&s.grid, s.origin) {
+        (Some(grid), origin) if origin != Origin::ClosedForm => 0.5 * grid.spacing[0].max(grid.spacing[1]),
+        _ => size * s.area_error.unwrap_or(0.0).max(1e-8),
+    }
+}
+
+/// A length with the digits that it is known to; 0 where it is not known to be another.
+fn place(x: f64, fineness: f64) -> String {
+    if x.abs() <= fineness {
+        return "0".to_owned();
+    }
+    rounded(x, fineness / x.abs())
+}
+
+/// A number with the digits that its relative error leaves.
+fn known(x: f64, error: Option<f64>) -> String {
+    error.map_or_else(|| figure(x), |error| rounded(x, error))
+}
+
+/// One digit more than what the error leaves, six at most.
+fn rounded(x: f64, error: f64) -> String {
+    let digits = (1.0 - error.log10()).ceil().clamp(1.0, 6.0) as usize;
+    let text = format!("{x:.*e}", digits - 1);
+    let short = text.parse::<f64>().unwrap_or(x);
+    let whole = figure(short);
+    match whole.split_once('e') {
+        Some(_) => text,
+        None if digits < 6 && whole.contains('.') => whole.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        None => whole,
+    }
+}
+
 /// A share in per cent, with no sign of what is less than is printed.
 fn percent(share: f64) -> String {
     let share = 100.0 * share;
@@ -200,7 +257,7 @@ fn several(scene: &Scene, steps: &[Step], lines: &mut Vec<String>) {
         head("stiffness", UnitLabels::stiffness),
         head("area", UnitLabels::area),
         "regions".to_owned(),
-        head("largest radius", length),
+        head("farthest", length),
         head("mean pressure", UnitLabels::pressure),
         head("largest pressure", UnitLabels::pressure),
         "error".to_owned(),
@@ -212,11 +269,11 @@ fn several(scene: &Scene, steps: &[Step], lines: &mut Vec<String>) {
         Some(s) => [
             figure(s.depth),
             figure(s.force),
-            figure(s.stiffness),
-            figure(s.patch.area),
+            known(s.stiffness, s.stiffness_error),
+            known(s.patch.area, s.area_error),
             s.patch.regions.to_string(),
-            figure(s.patch.max_radius),
-            s.pressure.mean.map_or("-".into(), figure),
+            place(s.patch.max_radius, fineness(s)),
+            s.pressure.mean.map_or("-".into(), |mean| known(mean, s.area_error)),
             peak(s).unwrap_or_else(|| "-".into()),
             s.error().map_or("-".into(), |error| format!("{error:.1e}")),
             s.method.name().to_owned(),

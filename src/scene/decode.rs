@@ -223,6 +223,19 @@ impl<'a> de::Deserializer<'a> for Decoder<'a> {
         }
     }
 
+    fn deserialize_struct<V: Visitor<'a>>(
+        self,
+        _: &'static str,
+        _: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, Fault> {
+        match self.value {
+            // A list in the order of the keys is not what a scene means.
+            Json::Array(_) => Err(Fault::new("", "a list", "an object")),
+            _ => self.deserialize_any(visitor),
+        }
+    }
+
     fn deserialize_newtype_struct<V: Visitor<'a>>(self, _: &'static str, visitor: V) -> Result<V::Value, Fault> {
         visitor.visit_newtype_struct(self)
     }
@@ -248,7 +261,7 @@ impl<'a> de::Deserializer<'a> for Decoder<'a> {
     serde::forward_to_deserialize_any! {
         <W: Visitor<'a>>
         bool i8 i16 i32 i64 i128 u8 u16 u32 u128 f32 f64 char str string bytes byte_buf unit unit_struct
-        seq tuple_struct map struct identifier ignored_any
+        seq tuple_struct map identifier ignored_any
     }
 }
 

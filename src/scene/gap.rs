@@ -9,7 +9,9 @@ use super::measured::{HeightMapForm, ProfileForm};
 use crate::error::InputError;
 #[cfg(feature = "formula")]
 use crate::gap::Formula;
-use crate::gap::{AnyGap, Cone, Flat, Minimum, Outline, Paraboloid, Polyhedron, Power, Revolved, Sphere, Sum};
+use crate::gap::{
+    AnyGap, Cone, Flat, Minimum, Outline, Paraboloid, Polyhedron, Power, Revolved, RoundedTip, Sphere, Sum,
+};
 
 /// The initial gap of the undeformed bodies at zero depth.
 #[cfg(feature = "cli")]
@@ -67,20 +69,51 @@ pub(super) struct ParaboloidForm {
 }
 
 /// A radius of curvature, or the word for none.
-#[derive(Debug, Clone, Copy, Deserialize)]
-#[serde(untagged)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, Copy)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema), schemars(untagged))]
 pub(super) enum RadiusForm {
     Length(f64),
     Straight(StraightForm),
 }
 
 /// A straight generator: the radius of curvature is infinite.
-#[derive(Debug, Clone, Copy, Deserialize)]
-#[serde(rename_all = "snake_case")]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, Copy)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema), schemars(rename_all = "snake_case"))]
 pub(super) enum StraightForm {
     Flat,
+}
+
+impl<'de> Deserialize<'de> for RadiusForm {
+    fn deserialize<D: serde::Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        struct Either;
+        impl serde::de::Visitor<'_> for Either {
+            type Value = RadiusForm;
+
+            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.write_str("a number greater than 0, or \"flat\" for a straight generator")
+            }
+
+            fn visit_f64<E: serde::de::Error>(self, length: f64) -> Result<RadiusForm, E> {
+                Ok(RadiusForm::Length(length))
+            }
+
+            fn visit_u64<E: serde::de::Error>(self, length: u64) -> Result<RadiusForm, E> {
+                Ok(RadiusForm::Length(length as f64))
+            }
+
+            fn visit_i64<E: serde::de::Error>(self, length: i64) -> Result<RadiusForm, E> {
+                Ok(RadiusForm::Length(length as f64))
+            }
+
+            fn visit_str<E: serde::de::Error>(self, word: &str) -> Result<RadiusForm, E> {
+                match word {
+                    "flat" => Ok(RadiusForm::Straight(StraightForm::Flat)),
+                    _ => Err(E::invalid_value(serde::de::Unexpected::Str(word), &self)),
+                }
+            }
+        }
+        from.deserialize_any(Either)
+    }
 }
 
 impl RadiusForm {
@@ -108,6 +141,8 @@ pub(super) struct SphereForm {
 pub(super) struct ConeForm {
     /// Angle between the cone and the surface, degrees, greater than 0 and less than 90.
     inclination: f64,
+    /// Radius of curvature of a round tip, greater than 0: a parabola that the flank touches.
+    rounded: Option<f64>,
 }
 
 /// coefficient r^exponent.
@@ -132,6 +167,18 @@ pub(super) struct PyramidForm {
     inclination: f64,
     /// Inradius of the flat tip.
     flat: Option<f64>,
+    /// Radius of curvature of a round tip and of the edges between the faces, greater than 0; not with `flat`.
+    rounded: Option<f64>,
+}
+
+/// A pyramid that is pointed, cut off or round.
+fn tipped(faces: usize, inclination: f64, flat: Option<f64>, rounded: Option<f64>) -> Result<AnyGap, InputError> {
+    match (flat, rounded) {
+        (None, None) => Polyhedron::pyramid(faces, inclination).map(AnyGap::new),
+        (Some(flat), None) => Polyhedron::truncated_pyramid(faces, inclination, flat).map(AnyGap::new),
+        (None, Some(radius)) => RoundedTip::pyramid(faces, inclination, radius).map(AnyGap::new),
+        (Some(_), Some(radius)) => Err(InputError::new("rounded", radius, "a tip that is either rounded or flat")),
+    }
 }
 
 /// An indenter: a regular pyramid by its name. Face angles are counted from the axis to a face, as ISO 14577 does: 65.27 degrees
@@ -145,23 +192,23 @@ pub(super) struct IndenterForm {
     face_angle: Option<f64>,
     /// Inradius of a flat tip.
     flat: Option<f64>,
+    /// Radius of curvature of a round tip and of the edges between the faces, greater than 0; not with `flat`.
+    rounded: Option<f64>,
 }
 
 impl IndenterForm {
     /// The nominal face angle is given by its tangent.
-    fn build(&self, faces: usize, tangent: f64) -> Result<Polyhedron, InputError> {
+    fn build(&self, faces: usize, tangent: f64) -> Result<AnyGap, InputError> {
         let inclination = match self.face_angle {
             None => (1.0 / tangent).atan(),
             Some(angle) if angle > 0.0 && angle < 90.0 => (90.0 - angle).to_radians(),
             Some(angle) => {
-                let allowed = "an angle between the axis and a face greater than 0 and less than 90 degrees";
+                let allowed = "an angle between the axis and a face greater than 0 and less than 90 degrees: half of that between opposite \
+                               faces (68 where those make 136), 90 less the inclination";
                 return Err(InputError::new("face_angle", angle, allowed));
             }
         };
-        match self.flat {
-            None => Polyhedron::pyramid(faces, inclination),
-            Some(flat) => Polyhedron::truncated_pyramid(faces, inclination, flat),
-        }
+        tipped(faces, inclination, self.flat, self.rounded)
     }
 }
 
@@ -341,34 +388,32 @@ fn own(kind: &str, value: &Json, path: &str, from: &Sources) -> Result<AnyGap, I
             Sphere::new(radius).map(AnyGap::new)
         }
         "cone" => {
-            let ConeForm { inclination } = form(value, path)?;
-            radians(inclination).and_then(Cone::new).map(AnyGap::new)
+            let ConeForm { inclination, rounded } = form(value, path)?;
+            radians(inclination).and_then(|inclination| match rounded {
+                None => Cone::new(inclination).map(AnyGap::new),
+                Some(radius) => RoundedTip::cone(inclination, radius).map(AnyGap::new),
+            })
         }
         "power" => {
             let PowerForm { coefficient, exponent } = form(value, path)?;
             Power::new(coefficient, exponent).map(AnyGap::new)
         }
         "pyramid" => {
-            let PyramidForm { faces, inclination, flat } = form(value, path)?;
-            radians(inclination)
-                .and_then(|inclination| match flat {
-                    None => Polyhedron::pyramid(faces, inclination),
-                    Some(flat) => Polyhedron::truncated_pyramid(faces, inclination, flat),
-                })
-                .map(AnyGap::new)
+            let PyramidForm { faces, inclination, flat, rounded } = form(value, path)?;
+            radians(inclination).and_then(|inclination| tipped(faces, inclination, flat, rounded))
         }
         "berkovich" => {
             let indenter: IndenterForm = form(value, path)?;
-            indenter.build(3, BERKOVICH.to_radians().tan()).map(AnyGap::new)
+            indenter.build(3, BERKOVICH.to_radians().tan())
         }
         "vickers" => {
             let indenter: IndenterForm = form(value, path)?;
-            indenter.build(4, VICKERS.to_radians().tan()).map(AnyGap::new)
+            indenter.build(4, VICKERS.to_radians().tan())
         }
         "cube_corner" => {
             let indenter: IndenterForm = form(value, path)?;
             // Faces of a cube meet its diagonal at tan = 1/sqrt(2).
-            indenter.build(3, std::f64::consts::FRAC_1_SQRT_2).map(AnyGap::new)
+            indenter.build(3, std::f64::consts::FRAC_1_SQRT_2)
         }
         "polyhedron" => {
             let PolyhedronForm { planes } = form(value, path)?;

@@ -63,6 +63,12 @@ impl Unsolved {
         }
     }
 
+    /// The same with its best state changed.
+    pub(crate) fn map_best(mut self, change: impl FnOnce(Solution) -> Solution) -> Self {
+        self.best = self.best.map(|best| Box::new(change(*best)));
+        self
+    }
+
     /// The same where there are no numbers to show: the best so far break a law.
     pub(crate) fn without_numbers(self, broken: &Self) -> Self {
         let reason = format!("{}; the numbers so far are left out: {}", self.reason, broken.reason);

@@ -45,3 +45,11 @@ def write(name, line, seed, sort):
 
 write("rail.ban", rail(), 1, "Rail")
 write("wheel.whl", wheel(), 2, "Wheel")
+
+# A flank whose radius grows along it from 20 to 60 mm, as a spreadsheet writes it where decimals have commas.
+with open("flank.csv", "w") as file:
+    file.write("y [mm];z [mm]\n")
+    for k in range(81):
+        y = 0.1 * k - 4.0
+        z = y * y / 80 - y**3 / 1600
+        file.write(f"{y:.1f};{z:.6f}\n".replace(".", ","))

@@ -31,6 +31,7 @@ class Contact:
 
     ``gap``: a gap of :mod:`contact_patch.gap`, a dict, a function f(x, y) of arrays, or a topography. Bodies: ``modulus`` (E*) or ``bodies``
     (one or two). Loading, exactly one of: ``depth`` (with ``tilt``), ``force`` (with ``through`` or ``moment``), each a number or a list.
+    ``units``: labels of tables and pictures, ``{"length": "mm", "force": "N"}``; numbers are not converted.
     ``outputs``: what to compute besides (``"patch"``, ``"pressure"``, ``"gap"``, ``"bracket"``, ``"curve"``, ``"energy"``). The other keys
     are those of ``solve`` in a scene. Angles of gaps are in degrees, ``tilt`` in radians.
 
@@ -51,6 +52,7 @@ class Contact:
         moment: Sequence[float] | None = None,
         tilt: Sequence[float] | None = None,
         name: str | None = None,
+        units: Mapping[str, str] | None = None,
         outputs: Sequence[str] = (),
         method: str | None = None,
         tolerance: float | None = None,
@@ -71,6 +73,7 @@ class Contact:
                 loading[key] = value
         scene = {
             "name": name,
+            "units": units,
             "bodies": bodies,
             "effective_modulus": modulus,
             "gap": gap,

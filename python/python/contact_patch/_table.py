@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping, Sequence
+from decimal import Decimal
 from typing import Any
 
 import numpy as np
@@ -63,7 +64,11 @@ def solve_table(
 
 def _cells(name: str, column: Any) -> npt.NDArray[np.float64] | list[str]:
     """Numbers as they are, everything else as JSON."""
-    array = np.ma.filled(column.astype(float), np.nan) if isinstance(column, np.ma.MaskedArray) else np.asarray(column)
+    try:
+        array = np.ma.filled(column.astype(float), np.nan) if isinstance(column, np.ma.MaskedArray) else np.asarray(column)
+    except ValueError:
+        # Lists among numbers: each cell stays what it is, and is wrong for its own row alone.
+        array = np.array([*column, None], dtype=object)[:-1]
     if array.dtype.kind in "US" and not isinstance(column, np.ndarray):
         # Numbers and words in one list: each stays what it is.
         array = np.array([*column, None], dtype=object)[:-1]
@@ -80,6 +85,8 @@ def _cells(name: str, column: Any) -> npt.NDArray[np.float64] | list[str]:
 
 
 def _plain(item: Any) -> Any:
+    if isinstance(item, Decimal):
+        return float(item)
     return item.tolist() if isinstance(item, np.ndarray | np.generic) else item
 
 

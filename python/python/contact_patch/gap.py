@@ -19,7 +19,9 @@ import numpy.typing as npt
 from ._errors import SceneError
 
 __all__ = [
+    "Berkovich",
     "Cone",
+    "CubeCorner",
     "Flat",
     "Formula",
     "Function",
@@ -29,11 +31,13 @@ __all__ = [
     "Paraboloid",
     "Polyhedron",
     "Power",
+    "Profile",
     "Pyramid",
     "Revolved",
     "Sphere",
     "Sum",
     "Topography",
+    "Vickers",
 ]
 
 _Values = npt.NDArray[np.float64]
@@ -85,10 +89,10 @@ class Sphere(Gap):
 
 
 class Cone(Gap):
-    """A cone; ``inclination`` in degrees from the surface."""
+    """A cone; ``inclination`` in degrees from the surface; ``rounded``: radius of curvature of a round tip."""
 
-    def __init__(self, inclination: float) -> None:
-        super().__init__("cone", inclination=inclination)
+    def __init__(self, inclination: float, rounded: float | None = None) -> None:
+        super().__init__("cone", inclination=inclination, rounded=rounded)
 
 
 class Power(Gap):
@@ -99,10 +103,40 @@ class Power(Gap):
 
 
 class Pyramid(Gap):
-    """A regular pyramid with this many faces; ``flat``: inradius of its cut tip."""
+    """A regular pyramid with this many faces; ``flat``: inradius of its cut tip; ``rounded``: radius of curvature of a round one."""
 
-    def __init__(self, faces: int, inclination: float, flat: float | None = None) -> None:
-        super().__init__("pyramid", faces=faces, inclination=inclination, flat=flat)
+    def __init__(
+        self, faces: int, inclination: float, flat: float | None = None, rounded: float | None = None
+    ) -> None:
+        super().__init__("pyramid", faces=faces, inclination=inclination, flat=flat, rounded=rounded)
+
+
+class _Indenter(Gap):
+    _kind: str
+
+    def __init__(
+        self, face_angle: float | None = None, *, flat: float | None = None, rounded: float | None = None
+    ) -> None:
+        super().__init__(self._kind, face_angle=face_angle, flat=flat, rounded=rounded)
+
+
+class Berkovich(_Indenter):
+    """A pyramid of three faces, 65.27 degrees from the axis to a face unless ``face_angle`` says otherwise; ``flat``: inradius of a cut
+    tip; ``rounded``: radius of curvature of a round one."""
+
+    _kind = "berkovich"
+
+
+class Vickers(_Indenter):
+    """The same with four faces, 68 degrees from the axis to a face: 136 between opposite ones."""
+
+    _kind = "vickers"
+
+
+class CubeCorner(_Indenter):
+    """The same with the three faces of a cube, 35.26 degrees from the axis."""
+
+    _kind = "cube_corner"
 
 
 class Polyhedron(Gap):
@@ -194,6 +228,26 @@ class HeightMap(Gap):
         # A pixel of width dx holds each height: n of them make up the size.
         spacing = sizes / heights.shape
         return cls(heights.T * factor, spacing.tolist(), surface=surface, **keys)
+
+
+class Profile(Gap):
+    """A measured line y, z across a body: an array of points (n, 2), or the name of a file (two columns, ``.ban``, ``.whl``).
+
+    ``along`` is the axis along which it is extruded, ``radius`` that with which it rolls. Further keys are those of ``profile`` in a
+    scene (``unit``, ``mirror``, ``shift``, ``turn``, ``between``, ``smooth``, ``zero``, ...).
+    """
+
+    def __init__(
+        self,
+        line: npt.ArrayLike | str,
+        *,
+        along: str,
+        surface: str | None = None,
+        radius: float | None = None,
+        **keys: Any,
+    ) -> None:
+        given = {"file": line} if isinstance(line, str) else {"points": np.asarray(line, dtype=float).tolist()}
+        super().__init__("profile", **given, along=along, surface=surface, radius=radius, **keys)
 
 
 class Sum(Gap):

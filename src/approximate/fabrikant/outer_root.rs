@@ -7,13 +7,11 @@
 //! and halving work in the coordinate of that piece.
 
 use super::radial::{RadialPosition, beyond};
-use super::star::{Ray, Star};
+use super::star::{CHECKED, Ray, Star};
 use crate::numeric::scalar::maximum;
 
 /// Evaluations on one ray before giving up: more than halving takes.
 const MOST_EVALUATIONS: usize = 300;
-/// The clock is read once in so many of them.
-const CHECKED: usize = 16;
 /// Places looked at beyond a root, each further out by a factor.
 const SCAN: usize = 160;
 const SCAN_STEP: f64 = 1.25;

@@ -16,6 +16,9 @@ use crate::gap::Gap;
 /// Evaluations of the gap after which a solve is given up: many times what a gap takes whose boundary is one smooth curve.
 const MOST_EVALUATIONS: usize = 1_500_000;
 
+/// The clock is read once in so many rays, or evaluations on one: over planes a ray costs less than a look at it.
+pub(crate) const CHECKED: usize = 16;
+
 /// Kinks closer to the centre than this, in units of the problem, lie on it but for rounding.
 const AT_CENTRE: f64 = 1e-13;
 
@@ -247,7 +250,7 @@ impl<'a> Star<'a> {
     pub fn measure(&self, mut ray: Ray) -> Ray {
         ray.a = ray.a.min(ray.limit);
         for attempt in 0..400 {
-            if attempt % 16 == 15 && self.overlap.deadline.has_passed() {
+            if attempt % CHECKED == CHECKED - 1 && self.overlap.deadline.has_passed() {
                 break;
             }
             if ray.stand.a != ray.a {
@@ -312,9 +315,11 @@ impl<'a> Star<'a> {
 
     /// Evaluates G on every ray that has moved since it was last evaluated.
     pub fn measure_all(&mut self) {
+        let mut late = false;
         for k in 0..self.rays.len() {
+            late = late || k % CHECKED == 0 && self.overlap.deadline.has_passed();
             // Out of time what was measured last stays: who asks for the force asks for the budget, too.
-            if !self.rays[k].measured && !self.overlap.deadline.has_passed() {
+            if !self.rays[k].measured && !late {
                 self.rays[k] = self.measure(self.rays[k]);
             }
             self.rays[k].measured = false;

@@ -1,7 +1,7 @@
 //! Dinkelbach's algorithm on one layout of rays: D from the boundary, the boundary from D.
 
 use super::hump::Hump;
-use super::star::{Ray, Star, radius_in};
+use super::star::{CHECKED, Ray, Star, radius_in};
 use crate::solution::{Unsolved, Verdict};
 
 /// Sweeps over all rays before giving up.
@@ -48,7 +48,7 @@ impl Star<'_> {
             let aim = self.aim(if sweep == 0 { 0.0 } else { d.max(0.0) });
             let bound = if sweep == 0 { 1e3 } else { 4.0 };
             for k in 0..self.rays.len() {
-                if self.overlap.deadline.has_passed() {
+                if k % CHECKED == 0 && self.overlap.deadline.has_passed() {
                     break;
                 }
                 let ray = self.rays[k];

@@ -41,17 +41,17 @@ impl Line {
         Ok(Self { points, uncertainty: None })
     }
 
-    /// Text in two columns y, z, separated by blanks, tabs, commas or semicolons; more columns are passed over; `#`, `%`, `!` and `//`
-    /// start comments.
+    /// Text in two columns y, z, separated by blanks, tabs, commas or semicolons; between semicolons or tabs a comma is that of decimals.
+    /// More columns and one line of words above are passed over; `#`, `%`, `!` and `//` start comments.
     ///
     /// # Errors
     /// Names `file` with the line and what is wrong there.
     pub fn from_text(text: &str) -> Result<Self, InputError> {
-        table::columns(text, 1).and_then(Self::of_file)
+        table::columns(text, 1, [0, 1]).and_then(Self::of_file)
     }
 
-    /// A MiniProf file (`.ban`, `.whl`): lines `Key=value`, an empty line, then y, z and columns that are not needed. Millimetres;
-    /// lengths are handed on as they stand.
+    /// A MiniProf file (`.ban`, `.whl`): lines `Key=value`, an empty line, then y, z and columns that are not needed; `ColumnDef` tells
+    /// their order, `Units` what is made millimetres.
     ///
     /// # Errors
     /// Names `file` with the line and what is wrong there.
