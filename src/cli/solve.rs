@@ -13,6 +13,7 @@ use crate::error::InputError;
 use crate::overlap::least;
 use crate::plot::{self, Format, Outline, Section};
 use crate::problem::{Load, Loading, Method};
+use crate::report::pictured::pictured;
 use crate::report::write::Target;
 use crate::report::{self, npy};
 use crate::scene::Scene;
@@ -250,7 +251,6 @@ impl Solve {
         let outputs = &mut scene.settings.outputs;
         outputs.patch = true;
         outputs.pressure |= kind != PlotKind::Patch;
-        outputs.gap |= kind == PlotKind::Gap;
         Ok(())
     }
 
@@ -285,13 +285,21 @@ fn draw(
             plot::states_in(units, title, &states, touch.filter(|t| t.is_finite()), format)
         }
         (_, None) => return Ok(()),
-        (PlotKind::Pressure, Some(s)) => plot::pressure_map_in(units, title, s, format),
-        (PlotKind::Surface, Some(s)) => plot::surface_in(units, title, s, format),
-        (PlotKind::Gap, Some(s)) => plot::gap_map_in(units, title, s, format),
-        (PlotKind::Section, Some(s)) => match Section::through(&scene.contact, s) {
-            Some(section) => plot::section_in(units, title, &section, format),
-            None => return Ok(()),
-        },
+        (PlotKind::Pressure | PlotKind::Surface | PlotKind::Gap | PlotKind::Section, Some(s)) => {
+            let approximate = matches!(s.method, Method::Ritz | Method::Fabrikant);
+            let on_grid = (!approximate).then(|| pictured(&scene.contact, s, &scene.settings).ok()).flatten();
+            // Without a grid to draw from, what the answer itself has.
+            let drawn = on_grid.as_ref().unwrap_or(s);
+            match kind {
+                PlotKind::Surface => plot::surface_in(units, title, drawn, format),
+                PlotKind::Gap => plot::gap_map_in(units, title, drawn, format),
+                PlotKind::Section => match Section::through(&scene.contact, drawn) {
+                    Some(section) => plot::section_in(units, title, &section, format),
+                    None => return Ok(()),
+                },
+                _ => plot::pressure_map_in(units, title, drawn, format),
+            }
+        }
         (PlotKind::Patch, Some(s)) => {
             let loops = s.patch.boundary.clone().unwrap_or_default();
             plot::outlines_in(units, title, &[Outline { label: "patch".to_owned(), loops }], format)

@@ -1,20 +1,17 @@
 //! Everything a report shows of a scene, computed: the answers, every method on one of its states, brackets, the curve.
 
+use super::pictured::{load_of, pictured};
 use super::{Step, numbers};
 use crate::bracket::{self, BracketSettings, ForceBracket};
 use crate::clock::{Deadline, Stopwatch, Work};
 use crate::compare::{self, Comparison};
 use crate::curve::Curve;
-use crate::grid_method::gap_left;
 use crate::plan::{Plan, plan};
 use crate::plot::Section;
 use crate::problem::{Contact, ErrorBar, Load, Loading, Method, Outputs, Settings};
 use crate::scene::Scene;
 use crate::solution::{Solution, Unsolved};
 use crate::solve::solve;
-
-/// Cells along the longer side of the grid behind the pictures of an answer that has none, unless the scene says.
-const PICTURE_CELLS: usize = 96;
 
 /// Cells along the longer side of the grids that bracket the force, as far as the runs go too.
 const BRACKET_CELLS: [usize; 4] = [16, 32, 64, 128];
@@ -196,35 +193,13 @@ fn detail(
     skipped: &mut Vec<String>,
 ) -> Detail {
     // The depth of the answer, whatever the load was: all that follows is about this one state.
-    let load = match state.tilt {
-        [0.0, 0.0] => Load::Depth(state.depth),
-        tilt => Load::Tilted { depth: state.depth, tilt },
-    };
-    let contact = scene.contact.under(Loading::Single(load));
+    let contact = scene.contact.under(Loading::Single(load_of(state)));
     let gap = contact.tilted_gap(state.tilt);
     // Whatever error the grids are left with: it is shown beside them.
     let run = |settings: Settings| solve(&contact, &settings).pop().map(|step| step.or_else(Unsolved::accept_best));
     let both = Outputs { patch: true, pressure: true, gap: true, ..Outputs::default() };
     let patch = Outputs { patch: true, ..Outputs::default() };
-    let own = state.pressure.field.is_some() && state.patch.boundary.is_some();
-    let grid = if own {
-        // The gap is asked for here, not of the solve: some methods do not give it, and the answer is to be that of `solve`.
-        let left = || gap_left::by_field(&contact, state, scene.settings.kernel);
-        let mut state = state.clone();
-        state.pressure.gap = state.pressure.gap.take().or_else(left);
-        Ok(state)
-    } else {
-        let cells = Some(scene.settings.cells.unwrap_or(PICTURE_CELLS));
-        // The method of the answer where it has a field, else a grid.
-        let own = if state.method == Method::ClosedForm { Method::ClosedForm } else { Method::Fft };
-        let settings =
-            |method| Settings { method, cells, outputs: both, evidence: ErrorBar::Estimate, ..scene.settings };
-        let with_field = |found: Option<Step>| found.filter(|s| s.as_ref().is_ok_and(|s| s.pressure.field.is_some()));
-        let drawn = clock.time("the state on a grid, for the pictures", || {
-            with_field(run(settings(own))).or_else(|| run(settings(Method::Fft)))
-        });
-        drawn.unwrap_or_else(|| Err(Unsolved::new(crate::Verdict::NotApplicable, "there is no state of loading")))
-    };
+    let grid = clock.time("the state on a grid, for the pictures", || pictured(&scene.contact, state, &scene.settings));
     let section = grid.as_ref().ok().and_then(|s| Section::through(&contact, s));
     let mut boundaries: Vec<(Method, Vec<Vec<[f64; 2]>>)> = Vec::new();
     boundaries.extend(grid.as_ref().ok().and_then(|s| Some((s.method, s.patch.boundary.clone()?))));

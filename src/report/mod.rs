@@ -11,6 +11,8 @@ mod json;
 pub(crate) mod npy;
 #[cfg(feature = "plot")]
 mod page;
+#[cfg(feature = "plot")]
+pub(crate) mod pictured;
 pub(crate) mod table;
 #[cfg(feature = "plot")]
 mod view;

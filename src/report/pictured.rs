@@ -1,0 +1,50 @@
+//! The state that a picture shows: that of the answer where it has a field of its own, else one on a grid.
+
+use crate::grid_method::gap_left;
+use crate::problem::{Contact, ErrorBar, Load, Loading, Method, Outputs, Settings};
+use crate::solution::{Singular, Solution, Unsolved};
+use crate::solve::solve;
+
+/// Cells along the longer side of the grid behind the pictures of an answer that has none, unless the scene says.
+const PICTURE_CELLS: usize = 96;
+
+/// The load of a state, whatever it was found under: its depth, and its tilt.
+pub(crate) fn load_of(state: &Solution) -> Load {
+    match state.tilt {
+        [0.0, 0.0] => Load::Depth(state.depth),
+        tilt => Load::Tilted { depth: state.depth, tilt },
+    }
+}
+
+/// The state with boundary, pressure and gap. Cells that are fitted to sharp edges are few and large, formulas have none: both are drawn
+/// from a grid at the same depth. The answer itself is not changed by what a picture needs.
+///
+/// # Errors
+/// Those of the grid.
+pub(crate) fn pictured(contact: &Contact, state: &Solution, settings: &Settings) -> Result<Solution, Unsolved> {
+    let contact = contact.under(Loading::Single(load_of(state)));
+    let own = || {
+        let mut state = state.clone();
+        let left = gap_left::by_field(&contact, &state, settings.kernel);
+        state.pressure.gap = state.pressure.gap.take().or(left);
+        state
+    };
+    let has_own = state.pressure.field.is_some() && state.patch.boundary.is_some();
+    let coarse = state.method == Method::EdgeFitted && state.pressure.singular == Some(Singular::Edge);
+    if has_own && !coarse {
+        return Ok(own());
+    }
+    let outputs = Outputs { patch: true, pressure: true, gap: true, ..Outputs::default() };
+    let cells = Some(settings.cells.unwrap_or(PICTURE_CELLS));
+    let on_grid = |method| {
+        let settings = Settings { method, cells, outputs, evidence: ErrorBar::Estimate, ..*settings };
+        // Whatever error the grid is left with: the answer stands beside it.
+        solve(&contact, &settings).remove(0).or_else(Unsolved::accept_best)
+    };
+    // The method of the answer where it has a field.
+    let by_formula = (state.method == Method::ClosedForm).then(|| on_grid(Method::ClosedForm));
+    match by_formula {
+        Some(Ok(drawn)) if drawn.pressure.field.is_some() => Ok(drawn),
+        _ => on_grid(Method::Fft).or_else(|unsolved| if has_own { Ok(own()) } else { Err(unsolved) }),
+    }
+}
