@@ -283,6 +283,7 @@ fn pictures_of_every_kind() {
         ("surface", "x (length): "),
         ("gap", "gap left"),
         ("section", "surface under load"),
+        ("error", "error of the energy"),
         ("patch", "patch"),
         ("pieces", "piece 2: 50.000 % of the force"),
         ("curve", "depth"),

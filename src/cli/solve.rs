@@ -13,7 +13,7 @@ use crate::error::InputError;
 use crate::overlap::least;
 use crate::plot::{self, Format, Outline, Section};
 use crate::problem::{Load, Loading, Method};
-use crate::report::pictured::pictured;
+use crate::report::pictured::{error_by_cells, pictured};
 use crate::report::write::Target;
 use crate::report::{self, npy};
 use crate::scene::Scene;
@@ -69,6 +69,8 @@ enum PlotKind {
     Gap,
     /// Both bodies and the pressure along a line
     Section,
+    /// Where the error sits: the share of each cell in the proved bounds of the energy
+    Error,
     /// The boundary of the patch
     Patch,
     /// The separate regions of the patch, with their share of the force
@@ -244,7 +246,8 @@ impl Solve {
             return refused("a picture of one state for a list of loads", "curve, or one state of loading");
         }
         let approximate = matches!(scene.settings.method, Method::Ritz | Method::Fabrikant);
-        let of_field = matches!(kind, PlotKind::Surface | PlotKind::Gap | PlotKind::Section | PlotKind::Pieces);
+        let of_field =
+            matches!(kind, PlotKind::Surface | PlotKind::Gap | PlotKind::Section | PlotKind::Error | PlotKind::Pieces);
         if approximate && of_field {
             return refused(scene.settings.method.name(), "a method with a pressure field: closed_form, qp or fft");
         }
@@ -285,7 +288,7 @@ fn draw(
             plot::states_in(units, title, &states, touch.filter(|t| t.is_finite()), format)
         }
         (_, None) => return Ok(()),
-        (PlotKind::Pressure | PlotKind::Surface | PlotKind::Gap | PlotKind::Section, Some(s)) => {
+        (PlotKind::Pressure | PlotKind::Surface | PlotKind::Gap | PlotKind::Section | PlotKind::Error, Some(s)) => {
             let approximate = matches!(s.method, Method::Ritz | Method::Fabrikant);
             let on_grid = (!approximate).then(|| pictured(&scene.contact, s, &scene.settings).ok()).flatten();
             // Without a grid to draw from, what the answer itself has.
@@ -293,6 +296,14 @@ fn draw(
             match kind {
                 PlotKind::Surface => plot::surface_in(units, title, drawn, format),
                 PlotKind::Gap => plot::gap_map_in(units, title, drawn, format),
+                PlotKind::Error => {
+                    let Some(shares) = error_by_cells(&scene.contact, drawn) else {
+                        let why = "no bounds of the energy by cells are known for this contact: another --plot-kind";
+                        return Err(Failure::Message(format!("{}: {why}", path.display())));
+                    };
+                    let boundary = drawn.patch.boundary.as_deref().unwrap_or_default();
+                    plot::error_map_in(units, title, boundary, &shares, format)
+                }
                 PlotKind::Section => match Section::through(&scene.contact, drawn) {
                     Some(section) => plot::section_in(units, title, &section, format),
                     None => return Ok(()),

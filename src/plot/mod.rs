@@ -30,6 +30,8 @@ pub(crate) use frame::Medium;
 #[cfg(feature = "scene")]
 pub(crate) use outlines::outlines_on;
 pub use outlines::{Outline, outlines, outlines_in};
+#[cfg(feature = "cli")]
+pub(crate) use pressure::error_map_in;
 #[cfg(feature = "scene")]
 pub(crate) use pressure::{Placed, coarsened, highest, pressure_map_on};
 pub use pressure::{field_map, field_map_in, gap_map, gap_map_in, pressure_map, pressure_map_in};

@@ -147,6 +147,22 @@ pub fn gap_map_in(units: &UnitLabels, title: &str, solution: &Solution, format: 
     map.drawn(Medium::Sheet, format).map(|(picture, _)| picture)
 }
 
+/// Where the error of a field sits: shares of its cells in the bounds of the energy, over the energy. The scale of colours ends at a
+/// quantile of the cells, with an arrow.
+pub(crate) fn error_map_in(
+    units: &UnitLabels,
+    title: &str,
+    boundary: &[Vec<[f64; 2]>],
+    shares: &Pressure,
+    format: Format,
+) -> Result<Vec<u8>, Error> {
+    let clip = vec![shares.grid.extent().corners().to_vec()];
+    let highest = top(&shares.values, true);
+    let (quantity, unit, field) = ("error of the energy", "of it, a cell".to_owned(), Some(shares));
+    let map = Map { units, title, quantity, unit, boundary, clip, field, highest, without_end: true };
+    map.drawn(Medium::Sheet, format).map(|(picture, _)| picture)
+}
+
 /// Share of the loaded cells whose values are on a scale of colours that has no end.
 const ON_SCALE: f64 = 0.98;
 
