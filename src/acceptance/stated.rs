@@ -123,7 +123,7 @@ pub(crate) fn remarks(contact: &Contact, state: &mut Solution) {
 
 /// Samples a side, and the share of the range by which the middle of a hollow lies above its border.
 const LOOKS: usize = 24;
-const DEEP: f64 = 0.25;
+const DEEP: f64 = 0.45;
 
 /// Whether a measured part of the gap looks like one whose sign was taken wrongly: higher in the middle than along its border.
 fn is_hollow(gap: &AnyGap, patch: Option<[[f64; 2]; 2]>) -> bool {

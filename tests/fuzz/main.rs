@@ -108,6 +108,9 @@ fn outcome(text: &[u8], maps: &Path, seconds: f64) -> Result<String, String> {
     Ok(verdict.to_owned())
 }
 
+/// Scenes after which a long run says how far it is.
+const SAID: u64 = 50_000;
+
 fn run(first: u64, count: u64, seed: u64, threads: usize, limit: f64) -> Tally {
     let maps = tempfile::tempdir().unwrap();
     for (name, bytes) in scenes::MAPS {
@@ -125,6 +128,9 @@ fn run(first: u64, count: u64, seed: u64, threads: usize, limit: f64) -> Tally {
                         *mine.lock().unwrap() = None;
                         idle.fetch_add(1, Ordering::Relaxed);
                         break;
+                    }
+                    if number % SAID == SAID - 1 {
+                        eprintln!("{} scenes so far", number + 1 - first);
                     }
                     // A fault of the generator is one of the test, and told like the others.
                     let Ok(text) = catch_unwind(|| drawn(seed, number)) else {

@@ -50,9 +50,10 @@ struct Tally {
 }
 
 impl Tally {
-    fn lacking(&mut self, verdict: &str) {
+    fn lacking(&mut self, verdict: &str, scene: &Value) {
         if verdict == Verdict::Inconsistent.word() {
-            self.violations.push("an answer broke a law of its own".to_owned());
+            eprintln!("an answer broke a law of its own: {scene}");
+            self.violations.push(format!("an answer broke a law of its own: {scene}"));
         }
         *self.unanswered.entry(verdict.to_owned()).or_default() += 1;
     }
@@ -89,7 +90,7 @@ fn judge(number: u64, run: Run, maps: &Path, tally: &Mutex<Tally>) {
     let seed = seed_of(run, number);
     let first = scenes::drawn(Random(seed), 1.0, 1.0);
     let document = first.document(&[], &["patch"]);
-    let lacking = |verdict: &str| tally.lock().unwrap().lacking(verdict);
+    let lacking = |verdict: &str, scene: &Value| tally.lock().unwrap().lacking(verdict, scene);
     let broken = |law: &str, found: String, other: &Value| {
         let text = format!("scene {number} of seed {}, {law}: {found}\n  {document}\n  {other}", run.seed);
         eprintln!("{text}");
@@ -102,8 +103,8 @@ fn judge(number: u64, run: Run, maps: &Path, tally: &Mutex<Tally>) {
     };
     let state = match answer {
         Ok(state) if state.force > 0.0 => state,
-        Ok(_) => return lacking("no contact"),
-        Err(verdict) => return lacking(&verdict),
+        Ok(_) => return lacking("no contact", &document),
+        Err(verdict) => return lacking(&verdict, &document),
     };
     let known = Known { force: state.force, disc: disc(&state), closed_form: state.origin == Origin::ClosedForm };
     // The laws in an order of their own.
@@ -136,7 +137,7 @@ fn judge(number: u64, run: Run, maps: &Path, tally: &Mutex<Tally>) {
                     broken(law, found, &scene);
                 }
             }
-            Err(verdict) => lacking(&verdict),
+            Err(verdict) => lacking(&verdict, &scene),
         }
     }
     if left > 0 || random.next() < 0.3 {
