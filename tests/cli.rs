@@ -283,7 +283,6 @@ fn pictures_of_every_kind() {
         ("surface", "x (length): "),
         ("gap", "gap left"),
         ("section", "surface under load"),
-        ("error", "error of the energy"),
         ("patch", "patch"),
         ("pieces", "piece 2: 50.000 % of the force"),
         ("curve", "depth"),
@@ -294,6 +293,15 @@ fn pictures_of_every_kind() {
         let text = fs::read_to_string(at.join(&file)).unwrap();
         assert!(text.starts_with("<svg ") && text.trim_end().ends_with("</svg>") && text.contains(said), "{kind}");
     }
+    // Where the error sits; two contacts of three cells each have no bounds by cells, which is said.
+    let drawn = |scene: &str, file: &str| {
+        run(&["solve", "-", "-q", "--plot", file, "--plot-kind", "error"], at, scene.as_bytes())
+    };
+    assert!(drawn(CONE, "e.svg").status.success());
+    assert!(fs::read_to_string(at.join("e.svg")).unwrap().contains("error of the energy"));
+    let refused = drawn(&two, "none.svg");
+    assert!(refused.status.code() == Some(2) && !at.join("none.svg").exists());
+    assert!(String::from_utf8_lossy(&refused.stderr).contains("no bounds of the energy by cells"));
     // A list is drawn as its states; other pictures are of one state.
     let list = CONE.replace("\"depth\": 1.0", "\"depths\": [0.5, 1.0]");
     assert!(run(&["solve", "-", "--plot", "l.svg"], at, list.as_bytes()).status.success());
