@@ -211,11 +211,11 @@ impl Clock {
 }
 
 /// CPU seconds since a moment, as a [`Deadline`] counts them; 0 on a target without a clock.
-#[cfg(feature = "plot")]
+#[cfg(all(feature = "plot", feature = "scene"))]
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Work(Clock, Option<f64>);
 
-#[cfg(feature = "plot")]
+#[cfg(all(feature = "plot", feature = "scene"))]
 impl Work {
     pub fn begins(threads: usize) -> Self {
         let clock = if threads == 1 { Clock::Thread } else { Clock::Process };

@@ -30,11 +30,9 @@ pub(crate) use frame::Medium;
 #[cfg(feature = "scene")]
 pub(crate) use outlines::outlines_on;
 pub use outlines::{Outline, outlines, outlines_in};
-#[cfg(feature = "cli")]
-pub(crate) use pressure::error_map_in;
 #[cfg(feature = "scene")]
 pub(crate) use pressure::{Placed, coarsened, highest, pressure_map_on};
-pub use pressure::{field_map, field_map_in, gap_map, gap_map_in, pressure_map, pressure_map_in};
+pub use pressure::{error_map_in, field_map, field_map_in, gap_map, gap_map_in, pressure_map, pressure_map_in};
 #[cfg(feature = "scene")]
 pub(crate) use raster::base64;
 #[cfg(feature = "scene")]

@@ -149,7 +149,10 @@ pub fn gap_map_in(units: &UnitLabels, title: &str, solution: &Solution, format: 
 
 /// Where the error of a field sits: shares of its cells in the bounds of the energy, over the energy. The scale of colours ends at a
 /// quantile of the cells, with an arrow.
-pub(crate) fn error_map_in(
+///
+/// # Errors
+/// When drawing fails.
+pub fn error_map_in(
     units: &UnitLabels,
     title: &str,
     boundary: &[Vec<[f64; 2]>],

@@ -2,6 +2,8 @@
 
 mod comparison;
 mod csv;
+#[cfg(feature = "cli")]
+pub(crate) mod error_by_cells;
 #[cfg(feature = "plot")]
 mod evidence;
 #[cfg(feature = "plot")]
