@@ -55,8 +55,11 @@ def test_builders_write_what_a_file_would_say(built, written):
 
 def test_units_are_labels():
     contact = Contact(gap.Sphere(20.0), modulus=1e5, force=10.0, units={"length": "mm", "force": "N"})
-    assert "MPa" in contact.solve()._repr_html_()
+    assert contact.to_dict()["units"] == {"length": "mm", "force": "N"}
     assert contact.solve().depth == Contact(gap.Sphere(20.0), modulus=1e5, force=10.0).solve().depth
+    with pytest.raises(SceneError) as refused:
+        Contact(gap.Sphere(20.0), modulus=1e5, force=10.0, units={"length": 3}).solve()
+    assert "units" in refused.value.path
 
 
 def test_a_profile_is_read_as_its_points(tmp_path):
