@@ -117,7 +117,7 @@ impl Deadline {
     /// 0 and numbers that are not greater: no limit.
     #[must_use]
     pub fn after(seconds: f64, threads: usize) -> Self {
-        let clock = if threads == 1 { Clock::Thread } else { Clock::Process };
+        let clock = Clock::of(threads);
         match clock.seconds() {
             Some(now) if seconds > 0.0 => Self { seconds, clock, end: now + seconds, interrupt: None },
             _ => Self::NEVER,
@@ -192,6 +192,11 @@ impl Default for Deadline {
 }
 
 impl Clock {
+    /// The clock of work on so many threads.
+    fn of(threads: usize) -> Self {
+        if threads == 1 { Self::Thread } else { Self::Process }
+    }
+
     /// CPU seconds so far; `None` on a target without a clock.
     #[cfg(unix)]
     fn seconds(self) -> Option<f64> {
@@ -213,12 +218,12 @@ impl Clock {
 /// CPU seconds since a moment, as a [`Deadline`] counts them; 0 on a target without a clock.
 #[cfg(all(feature = "plot", feature = "scene"))]
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Work(Clock, Option<f64>);
+pub(crate) struct CpuTime(Clock, Option<f64>);
 
 #[cfg(all(feature = "plot", feature = "scene"))]
-impl Work {
-    pub fn begins(threads: usize) -> Self {
-        let clock = if threads == 1 { Clock::Thread } else { Clock::Process };
+impl CpuTime {
+    pub fn start(threads: usize) -> Self {
+        let clock = Clock::of(threads);
         Self(clock, clock.seconds())
     }
 

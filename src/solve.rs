@@ -1,8 +1,8 @@
 //! One call for every method and every loading.
 
 use crate::acceptance::sampled::with_samples;
-use crate::acceptance::stated;
 use crate::acceptance::{accepted, within_memory};
+use crate::acceptance::{remarks::remarks, stated};
 use crate::bracket::refined::with_bracket;
 use crate::by_edges;
 use crate::clock::Stopwatch;
@@ -125,7 +125,7 @@ fn at(contact: &Contact, load: Load, settings: &Settings, similar: &mut Option<S
     let mut answer = accepted(contact, load, settings, answer);
     if let Some(state) = answer.as_mut().map_or_else(|e| e.best.as_deref_mut(), Some) {
         stated::errors(contact, load, state);
-        stated::remarks(contact, state);
+        remarks(contact, state);
         state.cost.seconds = started.seconds();
     }
     answer

@@ -8,6 +8,7 @@
 //! | force, energy and stiffness are those of one contact, within the bounds that were proved ([`crate::consistency`]) | `inconsistent` |
 //! | the error of the force is stated, and not larger than the tolerance | `tolerance_not_reached`, with the state |
 
+pub(crate) mod remarks;
 pub(crate) mod sampled;
 pub(crate) mod stated;
 pub(crate) mod validity;

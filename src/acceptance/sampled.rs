@@ -7,6 +7,7 @@
 
 use std::f64::consts::PI;
 
+use super::stated::err_with_overlap;
 use crate::bracket::DepthBracket;
 use crate::gap::Gap;
 use crate::overlap::Overlap;
@@ -94,13 +95,10 @@ fn widen(contact: &Contact, load: Load, state: &mut Solution) -> Option<f64> {
     if let (Load::Force(force), Some(bracket), Some(_)) = (load, &state.bracket, &state.depth_bracket) {
         state.depth_bracket = Some(DepthBracket::under(&gap, state.depth, force, bracket));
     }
-    // Of the order of what they change by with the overlap: an estimate. Under a force they follow from the error of the depth.
+    // Under a force they follow from the error of the depth.
     if matches!(load, Load::Depth(_) | Load::Tilted { .. }) {
-        let work = state.energy.map_or(f64::NAN, |energy| state.force * off / energy);
-        let with = |own: Option<f64>, more: f64| own.map(|own| own + more).filter(|error| error.is_finite());
-        state.stiffness_error = with(state.stiffness_error, share);
-        state.area_error = with(state.area_error, 2.0 * share);
-        state.energy_error = with(state.energy_error, work);
+        let work = state.energy.map(|energy| state.force * off / energy);
+        err_with_overlap(state, Some(share), work);
     }
     state.pressure.max_error = state.pressure.max_error.and_then(|own| Some(own + ripple(contact, state, off)?));
     if state.force_error.is_some_and(|error| share < TOLD * error) {

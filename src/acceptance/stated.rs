@@ -1,4 +1,4 @@
-//! What a state says of the errors of its numbers, and what its reader should know.
+//! What a state says of the errors of its numbers.
 //!
 //! Solvers know the error e of the force at a depth. Where the depth was prescribed it is stated as it is. Where the force was, the
 //! depth errs, and what depends on it. P(d) is convex and zero up to first touch d0, so that with the overlap s = d - d0
@@ -10,11 +10,8 @@
 //!
 //! A prescribed number has the error 0.
 
-use super::validity::mixed_units;
 use crate::bracket::DepthBracket;
-use crate::gap::{AnyGap, DataEdge, Gap, Law, Material, lattice};
-use crate::grid::Grid;
-use crate::numeric::geometry::Rect;
+use crate::gap::Law;
 use crate::overlap::least;
 use crate::problem::{Contact, Load};
 use crate::solution::{ForceEvidence, Solution};
@@ -56,19 +53,16 @@ fn under_force(contact: &Contact, state: &mut Solution) {
     state.force_error = Some(0.0);
     let known = |error: f64| Some(error).filter(|error| error.is_finite());
     state.depth_error = off.and_then(|off| known(off * (overlap / state.depth).abs()));
-    let with = |own: Option<f64>, times: f64| Some(own? + times * off?).and_then(known);
     match law {
         Some(law) => {
             state.stiffness_error = off.map(|off| off / (1.0 - off)).filter(|error| *error >= 0.0);
             state.energy_error = off;
-            state.area_error = with(state.area_error, 2.0 * law.degree.inverse() * (1.0 + off.unwrap_or(0.0)));
+            let larger = off.map(|off| 2.0 * law.degree.inverse() * (1.0 + off) * off);
+            state.area_error = state.area_error.zip(larger).and_then(|(own, larger)| known(own + larger));
         }
-        // Of the order of what they change by with the overlap: an estimate.
         None => {
-            let work = state.energy.map_or(f64::NAN, |energy| state.force * overlap / energy);
-            state.stiffness_error = with(state.stiffness_error, 1.0);
-            state.energy_error = with(state.energy_error, work);
-            state.area_error = with(state.area_error, 2.0);
+            let work = off.zip(state.energy).map(|(off, energy)| off * state.force * overlap / energy);
+            err_with_overlap(state, off, work);
         }
     }
 }
@@ -95,65 +89,17 @@ fn under_moment(contact: &Contact, state: &mut Solution) {
     let deeper = deeper().filter(|deeper| deeper.is_finite());
     let overlap = state.depth - least(&contact.tilted_gap(state.tilt)).1;
     state.depth_error = deeper.map(|deeper| (deeper / state.depth).abs()).filter(|error| error.is_finite());
-    let with = |own: Option<f64>, times: f64| Some(own? + times * deeper?).filter(|error| error.is_finite());
-    state.stiffness_error = with(state.stiffness_error, 1.0 / overlap);
-    state.area_error = with(state.area_error, 2.0 / overlap);
-    state.energy_error = with(state.energy_error, state.energy.map_or(f64::NAN, |energy| state.force / energy));
+    let work = deeper.zip(state.energy).map(|(deeper, energy)| deeper * state.force / energy);
+    err_with_overlap(state, deeper.map(|deeper| deeper / overlap), work);
 }
 
-/// What the reader of a state should know of where it may not hold.
-pub(crate) fn remarks(contact: &Contact, state: &mut Solution) {
-    if let Some(touched) = state.touches_edge {
-        let [edge, question] = match touched.edge {
-            DataEdge::Map if is_hollow(contact.gap(), state.patch.extent()) => [
-                "the border of the measured data",
-                "its middle is the farthest from the other body; with the other value of \"surface\" it would be the nearest",
-            ],
-            DataEdge::Map => ["the border of the measured data", "does the measurement go far enough?"],
-            DataEdge::Hole => ["a hole of the measured data", "there may be a surface that was not measured"],
-            DataEdge::Region => ["the border of the region", "the material is taken to end there"],
-        };
-        state.remarks.push(format!("the contact reaches {edge}: {question}"));
-    }
-    if let Some(validity) = &state.validity {
-        state.remarks.extend(validity.remarks());
-    }
-    state.remarks.extend(mixed_units(contact, state.patch.area, state.patch.centroid));
-}
-
-/// Samples a side, and the share of the range by which the middle of a hollow lies above its border.
-const LOOKS: usize = 24;
-const DEEP: f64 = 0.45;
-
-/// Whether a measured part of the gap looks like one whose sign was taken wrongly: higher in the middle than along its border.
-fn is_hollow(gap: &AnyGap, patch: Option<[[f64; 2]; 2]>) -> bool {
-    if let Some(parts) = gap.addends().or_else(|| gap.alternatives()) {
-        return parts.iter().any(|part| is_hollow(part, patch));
-    }
-    // A measured line has no end along the body: a hollow touches at both ends of it.
-    let touched = patch.map(|[min, max]| Rect { min, max });
-    let Some(material) = (match gap.known().material {
-        Material::Within(rect) => Some(rect),
-        _ => touched,
-    }) else {
-        return false;
-    };
-    if !gap.is_measured() {
-        return false;
-    }
-    let grid = Grid::over(&material, [LOOKS; 2]);
-    let heights = lattice::values(gap, &grid);
-    let off = |k: usize| [k % LOOKS, k / LOOKS].map(|i| i.min(LOOKS - 1 - i)).into_iter().min().unwrap_or(0);
-    let mean = |range: std::ops::Range<usize>| {
-        let own: Vec<f64> = (0..heights.len())
-            .filter(|&k| range.contains(&off(k)) && heights[k].is_finite())
-            .map(|k| heights[k])
-            .collect();
-        own.iter().sum::<f64>() / own.len() as f64
-    };
-    let finite = || heights.iter().copied().filter(|h| h.is_finite());
-    let range = finite().fold(f64::NEG_INFINITY, f64::max) - finite().fold(f64::INFINITY, f64::min);
-    mean(LOOKS / 3..LOOKS) - mean(0..2) > DEEP * range
+/// Adds to the errors of stiffness and area what they change by with this share of the overlap, and to that of the energy this work, over
+/// it; nothing is known of them where that is not. Of the order of the change: an estimate.
+pub(super) fn err_with_overlap(state: &mut Solution, share: Option<f64>, work: Option<f64>) {
+    let with = |own: Option<f64>, more: Option<f64>| Some(own? + more?).filter(|error| error.is_finite());
+    state.stiffness_error = with(state.stiffness_error, share);
+    state.area_error = with(state.area_error, share.map(|share| 2.0 * share));
+    state.energy_error = with(state.energy_error, work);
 }
 
 #[cfg(test)]

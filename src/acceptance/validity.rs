@@ -1,9 +1,9 @@
-//! How far a state is from what small-strain half-space theory assumes, and what looks like mixed units.
+//! How far a state is from what small-strain half-space theory assumes.
 
 use std::f64::consts::PI;
 
 use crate::gap::{AnyGap, Gap, Generatrix};
-use crate::numeric::geometry::{Rect, centroid};
+use crate::numeric::geometry::centroid;
 use crate::problem::Contact;
 use crate::solution::Validity;
 
@@ -90,50 +90,23 @@ fn steepness(gap: &AnyGap, [x, y]: [f64; 2], step: f64) -> Option<f64> {
 }
 
 /// The radius of curvature of a gap that has one: the geometric mean of both.
-fn radius(gap: &AnyGap) -> Option<f64> {
+pub(super) fn radius(gap: &AnyGap) -> Option<f64> {
     let known = gap.known();
     if let Some(Generatrix::Sphere { radius, .. }) = known.axis.map(|axis| axis.generatrix) {
         return Some(radius);
     }
-    let [xx, xy, yy] = known.quadratic?.hessian;
-    let gauss = xx * yy - xy * xy;
-    (gauss > 0.0).then(|| 1.0 / gauss.sqrt())
+    mean_radius(known.quadratic?.hessian)
 }
 
-/// The same at a point where the gap tells its second derivatives.
-fn radius_at(gap: &AnyGap, [x, y]: [f64; 2], size: f64) -> Option<f64> {
-    let rect = Rect::around([x, y], [1e-3 * size; 2]);
-    let [xx, xy, yy] = gap.taylor(&rect)?.hessian.map(|h| 0.5 * (h.lo + h.hi));
+/// That of second derivatives xx, xy, yy.
+pub(super) fn mean_radius([xx, xy, yy]: [f64; 3]) -> Option<f64> {
     let gauss = xx * yy - xy * xy;
     (gauss > 0.0).then(|| 1.0 / gauss.sqrt())
-}
-
-/// Moduli from which on units can hardly be others than pascals.
-const PASCALS: f64 = 1e9;
-
-/// Sizes of contacts, and mean radii of curvature, that are hardly in metres.
-const METRES: f64 = 1.0;
-const ROUND_METRES: f64 = 100.0;
-
-/// A remark on moduli in pascals beside lengths that are no metres; `middle`: that of the patch.
-pub(crate) fn mixed_units(contact: &Contact, area: f64, middle: Option<[f64; 2]>) -> Option<String> {
-    let (gap, e_star, size) = (contact.gap(), contact.modulus().e_star(), (area / PI).sqrt());
-    if e_star < PASCALS {
-        return None;
-    }
-    let round = || radius(gap).or_else(|| radius_at(gap, middle?, size)).filter(|radius| *radius >= ROUND_METRES);
-    let what = if size > METRES {
-        "the contact would be metres wide".to_owned()
-    } else {
-        format!("the radii of curvature would be {:.0} m", round()?)
-    };
-    Some(format!(
-        "mixed units? E* is {e_star:.1e}, as in pascals, and {what}; with lengths in millimetres moduli are in megapascals"
-    ))
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::remarks::mixed_units;
     use super::*;
     use crate::gap::{Cone, Paraboloid};
     use crate::{EffectiveModulus, Loading};
@@ -158,17 +131,6 @@ mod tests {
             assert_eq!(!found.remarks().is_empty(), doubted);
             assert_eq!(mixed_units(&ball, area, None).is_some(), doubted);
         }
-    }
-
-    #[test]
-    fn radii_of_hundreds_of_metres_are_a_smell() {
-        let modulus = EffectiveModulus::from_e_star(1.15e11).unwrap();
-        let contact =
-            |radii: [f64; 2]| Contact::new(modulus, Paraboloid::new(radii).unwrap(), Loading::depth(1.0)).unwrap();
-        assert!(mixed_units(&contact([300.0, 460.0]), 1e-4, None).is_some());
-        assert!(mixed_units(&contact([0.3, 0.46]), 1e-4, None).is_none());
-        // A crowned roller.
-        assert!(mixed_units(&contact([0.01, 2000.0]), 1e-4, None).is_none());
     }
 
     #[test]

@@ -91,7 +91,6 @@ impl Tilting {
         });
         let pieces: Vec<Piece> = pieces.collect();
         let area: f64 = pieces.iter().map(|piece| piece.area).sum();
-        let doubt: f64 = state.regions.iter().map(|region| 0.5 * region.doubt * length * length).sum();
         let of_pressure = e_star * unit / length;
         let cells: Vec<_> = state.cells.iter().map(|(c, p)| (c.map(|q| flat.outward(q)), p * of_pressure)).collect();
         let boundary: Vec<Vec<[f64; 2]>> =
@@ -108,7 +107,7 @@ impl Tilting {
             energy: state.energy.map(|u| u * of_force * unit),
             stiffness: matrix[(0, 0)],
             stiffness_error: Some(state.stiffness_error),
-            area_error: Some(doubt / area + super::flat::ROUNDING),
+            area_error: Some(state.area_error() + super::flat::ROUNDING),
             patch: Patch {
                 area,
                 centroid: Some([0, 1].map(|m| pieces.iter().map(|p| p.area * p.centroid[m]).sum::<f64>() / area)),

@@ -160,7 +160,7 @@ pub fn compare(contact: &Contact, plan: &Plan) -> Comparison {
     let contact = match &best {
         Some((solution, _)) if given && solution.force > 0.0 => {
             remarks.push("a force is given: methods are compared at the depth and tilt that it leads to".to_owned());
-            contact.under(Loading::Single(at(solution)))
+            contact.under(Loading::Single(solution.load()))
         }
         _ => contact,
     };
@@ -207,14 +207,6 @@ fn of_force(state: &Solution) -> Option<f64> {
     Some(error + (state.depth_error? * state.depth * state.stiffness / state.force).abs())
 }
 
-/// The depth and tilt of a state, as a loading.
-fn at(state: &Solution) -> Load {
-    match state.tilt {
-        [0.0, 0.0] => Load::Depth(state.depth),
-        tilt => Load::Tilted { depth: state.depth, tilt },
-    }
-}
-
 fn asked(plan: &Plan, method: Method, cells: Option<usize>, tolerance: Option<f64>) -> Settings {
     Settings {
         method,
@@ -233,28 +225,25 @@ const MANY_UNKNOWNS: usize = 30_000;
 
 /// The closed form; else the extrapolated force of grids refined to 1e-5, or 1e-4, or 1e-3.
 fn reference(contact: &Contact, plan: &Plan) -> Option<(Solution, String)> {
-    let with_patch = |method, tolerance| {
-        let settings = Settings { outputs: COMPARED, ..asked(plan, method, None, tolerance) };
-        solve(contact, &settings).pop()?.ok()
-    };
     // The field of a formula is sampled on as many cells as are asked for.
     let outputs = COMPARED;
     let sampled = Settings { cells: Some(FIELD_CELLS), outputs, ..asked(plan, Method::ClosedForm, None, None) };
     if let Some(Ok(solution)) = solve(contact, &sampled).pop() {
         return Some((solution, "closed form".to_owned()));
     }
-    let by_grid = |tolerance: f64| {
-        let solution = with_patch(Method::Fft, Some(tolerance))?;
-        Some((solution, format!("fft, grids refined until the force is known to {tolerance:e}")))
+    let on_grids = |tolerance| {
+        let settings = Settings { outputs: COMPARED, ..asked(plan, Method::Fft, None, Some(tolerance)) };
+        solve(contact, &settings).pop()
     };
-    // What the samples of a measured gap leave open no grid can know better.
-    let nearest = || {
-        let settings = Settings { outputs: COMPARED, ..asked(plan, Method::Fft, None, Some(1e-3)) };
-        let solution = solve(contact, &settings).pop()?.or_else(Unsolved::accept_best).ok()?;
-        Some((solution, "fft, as close as it comes".to_owned()))
-    };
+    let known_to =
+        |solution, tolerance: f64| (solution, format!("fft, grids refined until the force is known to {tolerance:e}"));
+    let by_grid = |tolerance| Some(known_to(on_grids(tolerance)?.ok()?, tolerance));
     let Some(good) = by_grid(1e-4) else {
-        return by_grid(1e-3).or_else(nearest);
+        return match on_grids(1e-3)? {
+            Ok(solution) => Some(known_to(solution, 1e-3)),
+            // What the samples of a measured gap leave open no grid can know better.
+            Err(unsolved) => Some((unsolved.accept_best().ok()?, "fft, as close as it comes".to_owned())),
+        };
     };
     if good.0.cost.unknowns > MANY_UNKNOWNS {
         return Some(good);
@@ -304,7 +293,7 @@ fn timed(contact: &Contact, settings: &Settings, plan: &Plan) -> Result<Timed, U
 fn bracket(contact: &Contact, best: &Solution, settings: &Settings, cells: usize) -> Option<ForceBracket> {
     let outputs = Outputs { pressure: true, ..Outputs::default() };
     let settings = Settings { method: Method::Fft, cells: Some(cells), outputs, ..*settings };
-    let field = solve(&contact.under(Loading::Single(at(best))), &settings)
+    let field = solve(&contact.under(Loading::Single(best.load())), &settings)
         .pop()?
         .or_else(Unsolved::accept_best)
         .ok()?

@@ -210,8 +210,12 @@ impl Tilted {
         self.energy[1] = self.energy[0] * (1.0 + 2.0 * stored);
         // The stiffness follows the line of lift-off, which is known to a cell: of the first order, and half of what that leaves of the area.
         let stiffer = (self.matrix[0][0] / before.matrix[0][0] - 1.0).abs() / (ratio - 1.0);
+        self.stiffness_error = error.max(stiffer).max(0.5 * self.area_error());
+    }
+
+    /// What the line of lift-off leaves of the area, relative.
+    pub fn area_error(&self) -> f64 {
         let off: f64 = self.regions.iter().map(|region| 0.5 * region.doubt).sum();
-        let area: f64 = self.regions.iter().map(|region| region.area).sum();
-        self.stiffness_error = error.max(stiffer).max(0.5 * off / area);
+        off / self.regions.iter().map(|region| region.area).sum::<f64>()
     }
 }

@@ -52,7 +52,17 @@ impl Padded {
     }
 }
 
+/// Cells that a grid is enlarged by on each side where its contact ends too close to its border to be sure of what lies beyond: one
+/// for so many of the longer side.
+const PADDING: [usize; 2] = [8, 3];
+
 impl Trial<'_> {
+    /// On larger and larger grids, as far as that is worth while.
+    pub(crate) fn enlarged(&self) -> impl Iterator<Item = Padded> {
+        let longer = self.grid.shape[0].max(self.grid.shape[1]);
+        PADDING.iter().map(move |part| self.padded(longer.div_ceil(*part)))
+    }
+
     /// With so many more cells on each side: where the contact ends close to the grid, nothing can be shown of what lies beyond.
     #[must_use]
     pub fn padded(&self, by: usize) -> Padded {

@@ -6,10 +6,6 @@ use super::of_gap::GapOverlap;
 use crate::gap::{AnyGap, Degree};
 use crate::overlap::Scaled;
 
-/// Cells that a grid is enlarged by on each side where its contact ends too close to its border to be sure of what lies beyond: one
-/// for so many of the longer side.
-const PADDING: [usize; 2] = [8, 3];
-
 /// Means of the gap are found to this share of the depth and of the error that is asked for: together they cost no more than twice it.
 const OPEN: f64 = 0.02;
 
@@ -55,8 +51,7 @@ fn bounds(
     trial: &Trial,
     enough: f64,
 ) -> Option<[f64; 2]> {
-    let longer = trial.grid.shape[0].max(trial.grid.shape[1]);
-    let mut around = PADDING.iter().map(|part| trial.padded(longer.div_ceil(*part)));
+    let mut around = trial.enlarged();
     let [lower, upper] = match degree {
         // Where it is not known that the overlap ends, samples would have to prove it.
         None if !overlap.is_certain() || !is_positive(trial) => return None,

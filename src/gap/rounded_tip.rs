@@ -29,6 +29,8 @@ pub struct RoundedTip {
     slope: f64,
     /// R.
     radius: f64,
+    /// Distance of the edges of S from the origin, and half their length.
+    edge: [f64; 2],
 }
 
 /// Where the slope s nearest to x/R lies.
@@ -60,7 +62,10 @@ impl RoundedTip {
         if !(2..=100_000).contains(&faces) {
             return Err(InputError::new("faces", faces, "a whole number from 2 to 100000"));
         }
-        Ok(Self { faces: Some(faces), slope: slope_of(inclination)?, radius: positive("radius", radius)? })
+        let (slope, (sin, cos)) = (slope_of(inclination)?, unit(1, 2 * faces));
+        // A wedge: S is a line through the origin.
+        let edge = [if faces == 2 { 0.0 } else { slope * cos }, slope * sin];
+        Ok(Self { faces: Some(faces), slope, radius: positive("radius", radius)?, edge })
     }
 
     /// A cone with a tip of this radius of curvature: a parabola that the straight flank touches at the radius R tan(inclination).
@@ -68,7 +73,7 @@ impl RoundedTip {
     /// # Errors
     /// When the inclination (radians) is not in (0, pi/2), or the radius not a finite number greater than zero.
     pub fn cone(inclination: f64, radius: f64) -> Result<Self, InputError> {
-        Ok(Self { faces: None, slope: slope_of(inclination)?, radius: positive("radius", radius)? })
+        Ok(Self { faces: None, slope: slope_of(inclination)?, radius: positive("radius", radius)?, edge: [0.0; 2] })
     }
 
     /// Number of faces; `None` for a cone.
@@ -83,13 +88,6 @@ impl RoundedTip {
         self.radius
     }
 
-    /// Distance of the edges of S from the origin, and half their length.
-    fn edge(&self, faces: usize) -> [f64; 2] {
-        let (sin, cos) = unit(1, 2 * faces);
-        // A wedge: S is a line through the origin.
-        [if faces == 2 { 0.0 } else { self.slope * cos }, self.slope * sin]
-    }
-
     fn beside(faces: usize, x: f64, y: f64) -> Beside {
         let edge = ((y.atan2(x) / TAU).rem_euclid(1.0) * faces as f64) as usize % faces;
         let (sin, cos) = unit(2 * edge + 1, 2 * faces);
@@ -97,7 +95,7 @@ impl RoundedTip {
     }
 
     fn part(&self, faces: usize, point: &Beside) -> Part {
-        let [near, half] = self.edge(faces).map(|length| length * self.radius);
+        let [near, half] = self.edge.map(|length| length * self.radius);
         if point.out <= near {
             Part::Cap
         } else if point.across.abs() <= half {
@@ -118,7 +116,7 @@ impl RoundedTip {
         };
         let point = Self::beside(faces, x, y);
         let Beside { normal: [nx, ny], out, across, .. } = point;
-        let ([near, half], radius) = (self.edge(faces), self.radius);
+        let ([near, half], radius) = (self.edge, self.radius);
         let along = |out: f64, across: f64| [nx * out - ny * across, ny * out + nx * across];
         match self.part(faces, &point) {
             Part::Cap => (0.5 * (x * (x / radius) + y * (y / radius)), [x / radius, y / radius]),
@@ -133,9 +131,9 @@ impl RoundedTip {
         }
     }
 
-    /// What rounding may do to a value there.
-    fn rounding(&self, x: f64, y: f64) -> f64 {
-        16.0 * f64::EPSILON * (self.slope * x.hypot(y)).min(self.at(x, y).0 + self.radius * self.slope * self.slope)
+    /// What rounding may do to this value at a point.
+    fn rounding(&self, x: f64, y: f64, value: f64) -> f64 {
+        16.0 * f64::EPSILON * (self.slope * x.hypot(y)).min(value + self.radius * self.slope * self.slope)
     }
 
     /// Second derivatives xx, xy, yy of the part in which a rectangle lies; `None` where it lies in several. Each part is convex.
@@ -230,7 +228,7 @@ impl Gap for RoundedTip {
             return Reach::Unbounded { from: [0.0; 2], along: FRAC_PI_2 };
         }
         // The corners of {P < 1} lie between those of S.
-        let corner = 1.0 / self.edge(faces)[0];
+        let corner = 1.0 / self.edge[0];
         let corners = (0..faces).map(|k| {
             let (sin, cos) = unit(2 * k + 1, 2 * faces);
             [corner * cos, corner * sin]
@@ -271,7 +269,7 @@ impl Gap for RoundedTip {
             None => [Interval::new(0.0, bend), Interval::new(-0.5 * bend, 0.5 * bend), Interval::new(0.0, bend)],
         };
         Taylor {
-            value: within(value, self.rounding(x, y)),
+            value: within(value, self.rounding(x, y, value)),
             gradient: slope.map(|slope| within(slope, 16.0 * f64::EPSILON * self.slope)),
             hessian,
         }
@@ -289,9 +287,8 @@ impl Gap for RoundedTip {
                     let (s, c) = unit(k, faces);
                     slope * (Interval::point(c) * cos + Interval::point(s) * sin)
                 };
-                let highest = |a: Interval, b: Interval| Interval { lo: a.lo.max(b.lo), hi: a.hi.max(b.hi), ..a };
                 // The directions of the faces are rounded.
-                (0..faces).map(along).reduce(highest)? * Interval::new(1.0 - 1e-14, 1.0 + 1e-14)
+                (0..faces).map(along).reduce(Interval::max)? * Interval::new(1.0 - 1e-14, 1.0 + 1e-14)
             }
         };
         // Lower than the sharp body by at most R |s|^2/2.

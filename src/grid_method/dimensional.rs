@@ -1,5 +1,6 @@
 //! A solved grid in the user's units.
 
+use super::gap_left;
 use super::refined::Refined;
 use super::single_grid::{self, GridState};
 use super::unresolved;
@@ -124,10 +125,12 @@ pub(crate) fn in_users_units(
             .outputs
             .pressure
             .then(|| Pressure { grid: outward_grid, values: values.iter().map(|p| p * unit_pressure).collect() }),
-        gap: settings
-            .outputs
-            .gap
-            .then(|| (outward_grid, single_grid::gap_left(state).into_iter().map(|g| g * height).collect())),
+        gap: settings.outputs.gap.then(|| {
+            (
+                outward_grid,
+                gap_left::of(&state.problem, &state.solution.pressure).into_iter().map(|g| g * height).collect(),
+            )
+        }),
     };
     Ok(Solution {
         method: state.method,

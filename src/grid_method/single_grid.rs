@@ -259,11 +259,3 @@ pub(crate) fn growth(state: &GridState, rates: &[f64]) -> Result<Vec<f64>, Unsol
     let settings = matrix_free::Settings { tolerance: 1e-9, ..matrix_free::Settings::default() };
     matrix_free::growth(&state.problem, &state.solution.pressure, rates, &settings)
 }
-
-/// The gap left in each cell after loading: zero in contact, infinite where there is no material.
-pub(crate) fn gap_left(state: &GridState) -> Vec<f64> {
-    let pressure = &state.solution.pressure;
-    let displacement = matrix_free::displacement(&state.problem, pressure);
-    let left = |((p, u), f): ((&f64, &f64), &f64)| if *p > 0.0 { 0.0 } else { u - f };
-    pressure.iter().zip(&displacement).zip(&state.problem.overlap).map(left).collect()
-}

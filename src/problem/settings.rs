@@ -24,6 +24,11 @@ pub enum Method {
 }
 
 impl Method {
+    /// Whether it is one of the approximate methods, which have no pressure field.
+    pub(crate) fn is_approximate(self) -> bool {
+        matches!(self, Self::Ritz | Self::Fabrikant)
+    }
+
     /// The name in scenes and results.
     #[must_use]
     pub fn name(self) -> &'static str {

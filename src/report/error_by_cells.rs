@@ -5,9 +5,6 @@ use crate::grid::Pressure;
 use crate::problem::Contact;
 use crate::solution::Solution;
 
-/// Cells that a grid is enlarged by on each side where nothing can be shown of what lies beyond: one for so many of the longer side.
-const PADDING: [usize; 2] = [8, 3];
-
 /// Where the error of a field sits: the share of each cell in the width of the bounds of the energy, over the energy. `None` without a
 /// field, and where the bounds do not reach: a gap of which no bounds are known, or that jumps within the contact, cells more slender than
 /// 2:1.
@@ -24,9 +21,7 @@ pub(crate) fn error_by_cells(contact: &Contact, state: &Solution) -> Option<Pres
         let values = || bracket.shares.iter().map(|share| share / bracket.lower).collect();
         known.then(|| Pressure { grid: *trial.grid, values: values() })
     };
-    let longer = field.grid.shape[0].max(field.grid.shape[1]);
-    let padded = PADDING.iter().find_map(|part| shown(&trial.padded(longer.div_ceil(*part)).trial()));
-    shown(&trial).or(padded)
+    shown(&trial).or_else(|| trial.enlarged().find_map(|padded| shown(&padded.trial())))
 }
 
 #[cfg(test)]
@@ -42,7 +37,7 @@ mod tests {
         let contact = Contact::new(modulus, gap, Loading::depth(depth)).unwrap();
         let settings = Settings { method: Method::Fft, cells: Some(64), tolerance: 0.5, ..Settings::default() };
         let state = solve(&contact, &settings).remove(0).unwrap();
-        let drawn = pictured(&contact, &state, &settings).unwrap();
+        let drawn = pictured(&contact, &state, &settings, false).unwrap();
         (error_by_cells(&contact, &drawn).unwrap(), state)
     }
 

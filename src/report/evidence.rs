@@ -1,9 +1,9 @@
 //! Everything a report shows of a scene, computed: the answers, every method on one of its states, brackets, the curve.
 
-use super::pictured::{load_of, pictured};
+use super::pictured::pictured;
 use super::{Step, numbers};
 use crate::bracket::{self, BracketSettings, ForceBracket};
-use crate::clock::{Deadline, Stopwatch, Work};
+use crate::clock::{CpuTime, Deadline, Stopwatch};
 use crate::compare::{self, Comparison};
 use crate::curve::Curve;
 use crate::plan::{Plan, plan};
@@ -174,7 +174,7 @@ impl Clock<'_> {
 
     fn time<T>(&mut self, what: &'static str, work: impl FnOnce() -> T) -> T {
         (self.say)(what);
-        let started = Work::begins(self.threads);
+        let started = CpuTime::start(self.threads);
         let done = work();
         self.seconds.push((what, started.seconds()));
         done
@@ -193,13 +193,14 @@ fn detail(
     skipped: &mut Vec<String>,
 ) -> Detail {
     // The depth of the answer, whatever the load was: all that follows is about this one state.
-    let contact = scene.contact.under(Loading::Single(load_of(state)));
+    let contact = scene.contact.under(Loading::Single(state.load()));
     let gap = contact.tilted_gap(state.tilt);
     // Whatever error the grids are left with: it is shown beside them.
     let run = |settings: Settings| solve(&contact, &settings).pop().map(|step| step.or_else(Unsolved::accept_best));
     let both = Outputs { patch: true, pressure: true, gap: true, ..Outputs::default() };
     let patch = Outputs { patch: true, ..Outputs::default() };
-    let grid = clock.time("the state on a grid, for the pictures", || pictured(&scene.contact, state, &scene.settings));
+    let grid =
+        clock.time("the state on a grid, for the pictures", || pictured(&scene.contact, state, &scene.settings, true));
     let section = grid.as_ref().ok().and_then(|s| Section::through(&contact, s));
     let mut boundaries: Vec<(Method, Vec<Vec<[f64; 2]>>)> = Vec::new();
     boundaries.extend(grid.as_ref().ok().and_then(|s| Some((s.method, s.patch.boundary.clone()?))));

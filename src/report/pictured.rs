@@ -1,32 +1,30 @@
 //! The state that a picture shows: that of the answer where it has a field of its own, else one on a grid.
 
 use crate::grid_method::gap_left;
-use crate::problem::{Contact, ErrorBar, Load, Loading, Method, Outputs, Settings};
+use crate::problem::{Contact, ErrorBar, Loading, Method, Outputs, Settings};
 use crate::solution::{Singular, Solution, Unsolved};
 use crate::solve::solve;
 
 /// Cells along the longer side of the grid behind the pictures of an answer that has none, unless the scene says.
 const PICTURE_CELLS: usize = 96;
 
-/// The load of a state, whatever it was found under: its depth, and its tilt.
-pub(crate) fn load_of(state: &Solution) -> Load {
-    match state.tilt {
-        [0.0, 0.0] => Load::Depth(state.depth),
-        tilt => Load::Tilted { depth: state.depth, tilt },
-    }
-}
-
-/// The state with boundary, pressure and gap. Cells that are fitted to sharp edges are few and large, formulas have none: both are drawn
+/// The state with boundary and pressure, and the gap where the picture shows it. Cells that are fitted to sharp edges are few and large, formulas have none: both are drawn
 /// from a grid at the same depth. The answer itself is not changed by what a picture needs.
 ///
 /// # Errors
 /// Those of the grid.
-pub(crate) fn pictured(contact: &Contact, state: &Solution, settings: &Settings) -> Result<Solution, Unsolved> {
-    let contact = contact.under(Loading::Single(load_of(state)));
+pub(crate) fn pictured(
+    contact: &Contact,
+    state: &Solution,
+    settings: &Settings,
+    gap: bool,
+) -> Result<Solution, Unsolved> {
+    let contact = contact.under(Loading::Single(state.load()));
     let own = || {
         let mut state = state.clone();
-        let left = gap_left::by_field(&contact, &state, settings.kernel);
-        state.pressure.gap = state.pressure.gap.take().or(left);
+        if gap && state.pressure.gap.is_none() {
+            state.pressure.gap = gap_left::by_field(&contact, &state, settings.kernel);
+        }
         state
     };
     let has_own = state.pressure.field.is_some() && state.patch.boundary.is_some();
@@ -34,7 +32,7 @@ pub(crate) fn pictured(contact: &Contact, state: &Solution, settings: &Settings)
     if has_own && !coarse {
         return Ok(own());
     }
-    let outputs = Outputs { patch: true, pressure: true, gap: true, ..Outputs::default() };
+    let outputs = Outputs { patch: true, pressure: true, gap, ..Outputs::default() };
     let cells = Some(settings.cells.unwrap_or(PICTURE_CELLS));
     let on_grid = |method| {
         let settings = Settings { method, cells, outputs, evidence: ErrorBar::Estimate, ..*settings };
@@ -63,7 +61,7 @@ mod tests {
         let contact = Contact::new(modulus, square, Loading::depth(1e-6)).unwrap();
         let settings = Settings::default();
         let state = solve(&contact, &settings).remove(0).unwrap();
-        let drawn = pictured(&contact, &state, &settings).unwrap();
+        let drawn = pictured(&contact, &state, &settings, true).unwrap();
         assert_eq!((state.method, drawn.method), (Method::EdgeFitted, Method::Fft));
         assert!((drawn.force / state.force - 1.0).abs() < 0.02 && drawn.pressure.gap.is_some());
     }

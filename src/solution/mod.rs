@@ -8,7 +8,7 @@ mod unsolved;
 
 use crate::gap::Law;
 use crate::grid::Grid;
-use crate::problem::Method;
+use crate::problem::{Load, Method};
 
 pub(crate) use bounds::ROUNDED;
 pub use bounds::{BracketCost, DepthBracket, Evidence, ForceBracket, Repair, Side, Theorem};
@@ -149,6 +149,14 @@ impl Solution {
     #[must_use]
     pub fn error(&self) -> Option<f64> {
         if self.depth_error == Some(0.0) { self.force_error } else { self.depth_error }
+    }
+
+    /// Its depth, and its tilt where it has one, as a load: the same state, whatever it was found under.
+    pub(crate) fn load(&self) -> Load {
+        match self.tilt {
+            [0.0, 0.0] => Load::Depth(self.depth),
+            tilt => Load::Tilted { depth: self.depth, tilt },
+        }
     }
 
     /// What that error is: that of a bracket, where it covers it.
