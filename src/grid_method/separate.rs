@@ -8,7 +8,7 @@
 use std::f64::consts::PI;
 
 use super::dimensional::dimensional;
-use super::displaced::{self, DisplacedGap};
+use super::displaced::{ContactLoads, DisplacedGap, PointLoads};
 use super::refined::Refined;
 use super::refinement;
 use super::single_grid;
@@ -90,9 +90,6 @@ fn is_bare(overlap: &Overlap, piece: &Rect, loads: &PointLoads) -> bool {
     found.is_some_and(|lowest| lowest.value < left(lowest.at))
 }
 
-/// Point loads in the user's frame, divided by E*.
-type PointLoads = Vec<([f64; 2], f64)>;
-
 /// One of the contacts, solved on the gap that the others left.
 struct Subcontact {
     beside: DisplacedGap,
@@ -100,20 +97,20 @@ struct Subcontact {
     solved: Option<Refined>,
     /// In the units of its own solve.
     scaled: Option<Scaled>,
-    loads: PointLoads,
+    loads: ContactLoads,
 }
 
 impl Subcontact {
-    fn solve(
+    fn solve<'a>(
         gap: &AnyGap,
         depth: f64,
         within: Rect,
-        others: &PointLoads,
+        others: impl IntoIterator<Item = &'a ContactLoads>,
         settings: &Settings,
     ) -> Result<Self, Unsolved> {
         let beside = DisplacedGap::new(gap.clone(), within, others);
         let Some(overlap) = Overlap::of(&AnyGap::new(beside.clone()), depth)? else {
-            return Ok(Self { beside, solved: None, scaled: None, loads: PointLoads::new() });
+            return Ok(Self { beside, solved: None, scaled: None, loads: ContactLoads::default() });
         };
         let scaled = overlap.scaled();
         let refined = refinement::refined(&scaled, settings, Method::Fft, None)?;
@@ -124,12 +121,12 @@ impl Subcontact {
     }
 }
 
-/// The loads of pressures in the user's units, gathered on the nodes of a polynomial over the box of their cells.
-fn loads(scaled: &Scaled, refined: &Refined, pressure: impl Fn(usize) -> f64) -> PointLoads {
-    displaced::gathered(cell_loads(scaled, refined, pressure))
+/// The loads of pressures.
+fn loads(scaled: &Scaled, refined: &Refined, pressure: impl Fn(usize) -> f64) -> ContactLoads {
+    ContactLoads::new(cell_loads(scaled, refined, pressure))
 }
 
-/// The same, one of each cell.
+/// The same in the user's frame, one of each cell.
 fn cell_loads(scaled: &Scaled, refined: &Refined, pressure: impl Fn(usize) -> f64) -> PointLoads {
     let grid = &refined.state.problem.grid;
     let unit = scaled.units.height * scaled.units.length * grid.cell_area();
@@ -137,12 +134,12 @@ fn cell_loads(scaled: &Scaled, refined: &Refined, pressure: impl Fn(usize) -> f6
     (0..grid.len()).map(load).filter(|load| load.1 != 0.0).collect()
 }
 
-fn others(all: &[PointLoads], but: usize) -> PointLoads {
-    all.iter().enumerate().filter(|(k, _)| *k != but).flat_map(|(_, loads)| loads.iter().copied()).collect()
+fn others(all: &[ContactLoads], but: usize) -> impl Iterator<Item = &ContactLoads> {
+    all.iter().enumerate().filter(move |(k, _)| *k != but).map(|(_, loads)| loads)
 }
 
-fn total(loads: &[PointLoads]) -> f64 {
-    loads.iter().flatten().map(|load| load.1).sum()
+fn total(loads: &[ContactLoads]) -> f64 {
+    loads.iter().map(ContactLoads::total).sum()
 }
 
 /// The state of all contacts at a depth and tilt (`gap` is the contact's gap under that tilt), in the user's units.
@@ -160,7 +157,7 @@ pub(crate) fn solution(
 ) -> Result<Solution, Unsolved> {
     // What the others displace is known to a few digits, and proves nothing.
     let settings = &Settings { evidence: ErrorBar::Estimate, ..*settings };
-    let mut current = vec![PointLoads::new(); rectangles.len()];
+    let mut current = vec![ContactLoads::default(); rectangles.len()];
     // Of many parts only those that matter in a rectangle.
     let gaps: Vec<AnyGap> =
         rectangles.iter().map(|within| gap.restricted(within).unwrap_or_else(|| gap.clone())).collect();
@@ -177,7 +174,7 @@ pub(crate) fn solution(
             for (k, &within) in rectangles.iter().enumerate() {
                 let solved = settings.deadline.check().map_err(Unsolved::from);
                 let solved =
-                    solved.and_then(|()| Subcontact::solve(&gaps[k], depth, within, &others(&current, k), &settings));
+                    solved.and_then(|()| Subcontact::solve(&gaps[k], depth, within, others(&current, k), &settings));
                 let one = match solved {
                     // The sweep before serves.
                     Err(e) if e.verdict == Verdict::TimeLimit && !ones.is_empty() => {
@@ -207,7 +204,7 @@ pub(crate) fn solution(
         let (Some(refined), Some(scaled)) = (&one.solved, &one.scaled) else { continue };
         let mut state = dimensional(contact, scaled, refined, None, depth, tilt, &quiet)?;
         // The others' last displacement against the one this contact was solved with.
-        let latest = DisplacedGap::new(gap.clone(), rectangles[k], &others(&current, k));
+        let latest = DisplacedGap::new(gap.clone(), rectangles[k], others(&current, k));
         let moved = rectangles[k].corners().into_iter().chain([rectangles[k].centre()]);
         let moved = moved.map(|p| (latest.displacement(p) - one.beside.displacement(p)).abs()).fold(0.0, f64::max);
         if let Some(residuals) = &mut state.residuals {
@@ -261,12 +258,12 @@ fn growth(
     let mut matrix = [[0.0; 3]; 3];
     let columns = if with_matrix { 3 } else { 1 };
     for (column, rate) in rates.iter().enumerate().take(columns) {
-        let mut current = vec![PointLoads::new(); ones.len()];
+        let mut current = vec![ContactLoads::default(); ones.len()];
         for _ in 0..SWEEPS {
             let (before, mut size) = (current.clone(), 0.0);
             for (k, one) in ones.iter().enumerate() {
                 let (Some(refined), Some(scaled)) = (&one.solved, &one.scaled) else { continue };
-                let raised = DisplacedGap::new(gap.clone(), rectangles[k], &others(&current, k));
+                let raised = DisplacedGap::new(gap.clone(), rectangles[k], others(&current, k));
                 let grid = &refined.state.problem.grid;
                 let wanted: Vec<f64> = (0..grid.len())
                     .map(|i| scaled.units.outward(grid.centre_of(i)))
@@ -276,18 +273,15 @@ fn growth(
                 current[k] = loads(scaled, refined, |i| growing[i]);
                 size += current[k].iter().map(|load| load.1.abs()).sum::<f64>();
             }
-            let change: f64 = current
-                .iter()
-                .zip(&before)
-                .map(|(a, b)| (a.iter().map(|l| l.1).sum::<f64>() - b.iter().map(|l| l.1).sum::<f64>()).abs())
-                .sum();
+            let change: f64 = current.iter().zip(&before).map(|(a, b)| (a.total() - b.total()).abs()).sum();
             if change <= 1e-8 * size {
                 break;
             }
         }
         let e_star = contact.modulus().e_star();
         for (row, weight) in rates.iter().enumerate() {
-            matrix[row][column] = current.iter().flatten().map(|(p, q)| q * weight(*p)).sum::<f64>() * e_star;
+            matrix[row][column] =
+                current.iter().flat_map(ContactLoads::iter).map(|(p, q)| q * weight(*p)).sum::<f64>() * e_star;
         }
     }
     let mean = |i: usize, j: usize| if with_matrix { 0.5 * (matrix[i][j] + matrix[j][i]) } else { matrix[i][j] };
