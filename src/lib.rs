@@ -76,6 +76,7 @@ mod solve;
 pub mod stability;
 #[cfg(feature = "scene")]
 pub mod table;
+mod threads;
 mod units;
 
 pub use approximate::{fabrikant, ritz};

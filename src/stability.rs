@@ -6,7 +6,7 @@
 //!
 //! ```no_run
 //! for case in contact_patch::stability::cases()? {
-//!     assert!(case.run().iter().all(|check| check.passed), "{}", case.name);
+//!     assert!(case.run(1).iter().all(|check| check.passed), "{}", case.name);
 //! }
 //! # Ok::<(), contact_patch::InputError>(())
 //! ```
@@ -138,12 +138,13 @@ pub struct Check {
 }
 
 impl Case {
-    /// Runs every method of the case.
+    /// Runs every method of the case, each on so many threads.
     #[must_use]
-    pub fn run(&self) -> Vec<Check> {
+    pub fn run(&self, threads: usize) -> Vec<Check> {
         let mut reference = self.reference.as_ref().map(|(force, _)| *force);
         let mut checks = Vec::new();
         for &(settings, bound) in &self.runs {
+            let settings = Settings { threads, ..settings };
             // A formula would be sampled for its field at the price of many integrals.
             let on_a_grid = matches!(settings.method, Method::Qp | Method::Fft);
             let outputs = Outputs { pressure: on_a_grid, ..settings.outputs };
@@ -253,9 +254,9 @@ mod tests {
             }
         };
         let exact = 2.0 / std::f64::consts::PI;
-        assert!(case(exact, None).run()[0].passed);
-        assert!(!case(exact * 1.001, None).run()[0].passed);
-        assert!(!case(exact, Some("unbounded")).run()[0].passed);
+        assert!(case(exact, None).run(1)[0].passed);
+        assert!(!case(exact * 1.001, None).run(1)[0].passed);
+        assert!(!case(exact, Some("unbounded")).run(1)[0].passed);
     }
 
     #[test]

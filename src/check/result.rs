@@ -1,7 +1,7 @@
 //! What a result says about one state of loading, read from its JSON; and which of its numbers a check has used.
 
-use std::cell::RefCell;
 use std::collections::BTreeSet;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use crate::bracket::Repair;
 use crate::error::InputError;
@@ -16,12 +16,12 @@ pub(super) struct Reader<'a> {
     result: &'a Json,
     /// Which of how many states; `None` where there is one.
     step: Option<[usize; 2]>,
-    used: RefCell<BTreeSet<String>>,
+    used: Mutex<BTreeSet<String>>,
 }
 
 impl<'a> Reader<'a> {
     fn new(result: &'a Json, step: Option<[usize; 2]>) -> Self {
-        Self { result, step, used: RefCell::default() }
+        Self { result, step, used: Mutex::default() }
     }
 
     /// The value at a path of keys; `None` where it is left out or null.
@@ -79,7 +79,11 @@ impl<'a> Reader<'a> {
 
     /// Notes that a check has used the numbers at a path, and all below it.
     pub fn use_up(&self, path: &str) {
-        self.used.borrow_mut().insert(path.to_owned());
+        self.used().insert(path.to_owned());
+    }
+
+    fn used(&self) -> MutexGuard<'_, BTreeSet<String>> {
+        self.used.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Paths of the numbers that no check has used.
@@ -92,7 +96,7 @@ impl<'a> Reader<'a> {
                 }
             }
         }
-        let used = self.used.borrow();
+        let used = self.used();
         let below = |path: &str, above: &str| {
             path.strip_prefix(above).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
         };

@@ -6,11 +6,12 @@ use std::process::ExitCode;
 use clap::Args;
 
 use super::outputs::MainOutput;
-use super::{Failure, inputs, scene};
+use super::{Failure, Threads, inputs, scene};
 use crate::check::{State, Verification};
 use crate::error::InputError;
 use crate::problem::Loading;
 use crate::scene::{Json, Scene};
+use crate::threads::each;
 
 /// Check a result by direct summation: exit 0 accepted, 1 refused
 #[derive(Args)]
@@ -25,12 +26,15 @@ pub(super) struct Check {
     #[arg(long, value_name = "FILE.npy")]
     field: Option<PathBuf>,
     #[command(flatten)]
+    threads: Threads,
+    #[command(flatten)]
     output: MainOutput,
 }
 
 impl Check {
     pub(super) fn run(&self) -> Result<ExitCode, Failure> {
         let scene = scene(&self.scene)?;
+        let threads = self.threads.checked()?;
         let mut read_files = inputs(&self.scene, &scene);
         read_files.extend(self.field.iter().chain([&self.result]).cloned());
         let output = self.output.target(&read_files)?;
@@ -58,8 +62,8 @@ impl Check {
                 states.push((k, *load, state));
             }
         }
-        for (k, load, state) in &states {
-            let checked = state.check(&scene, *load).map_err(|e| wrong(&e))?;
+        let all = each(&states, threads, |(_, load, state)| state.check(&scene, *load)).map_err(|e| wrong(&e))?;
+        for ((k, ..), checked) in states.iter().zip(all) {
             if many {
                 lines.push(format!("state {}:", k + 1));
             }

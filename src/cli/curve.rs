@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 
 use super::outputs::outputs;
 use super::voice::Voice;
-use super::{Failure, Overrides, checked_threads, fmu, inputs, scene};
+use super::{Failure, Overrides, Threads, fmu, inputs, scene};
 use crate::curve::{About, Beyond, Curve};
 use crate::error::InputError;
 use crate::plot;
@@ -43,9 +43,8 @@ pub(super) struct CurveCommand {
     /// What the curve says beyond its largest depth (C header, FMU)
     #[arg(long, value_enum, value_name = "LAW", default_value_t = BeyondName::Power)]
     beyond: BeyondName,
-    /// Threads; all cores unless said
-    #[arg(long, value_name = "N")]
-    threads: Option<usize>,
+    #[command(flatten)]
+    threads: Threads,
     /// Equal steps of depth in the file
     #[arg(long, value_name = "N", default_value_t = STEPS)]
     steps: usize,
@@ -118,7 +117,7 @@ impl CurveCommand {
         let format = self.plot.as_deref().map(plot::Format::of).transpose().map_err(|e| wrong(&e.within("--plot")))?;
         let options = [("--output", Some(self.output.as_path())), ("--plot", self.plot.as_deref())];
         let [table, picture] = outputs(options, &inputs(&self.scene, &scene))?;
-        let threads = checked_threads("--threads", self.threads)?;
+        let threads = self.threads.checked()?;
         let settings = Settings { threads, ..scene.settings };
         let place = |e: &InputError| if e.path == "--from" { "arguments" } else { "scene" };
         let curve = match self.curve(&scene, &settings, voice).map_err(|e| Failure::wrong(place(&e), &e))? {

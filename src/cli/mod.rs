@@ -190,7 +190,21 @@ fn cores() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
 }
 
-/// A number of threads given at `path`; 0 stands for all cores.
+/// How many threads may work.
+#[derive(Args)]
+struct Threads {
+    /// Threads to use; by default all cores
+    #[arg(long, value_name = "N")]
+    threads: Option<usize>,
+}
+
+impl Threads {
+    fn checked(&self) -> Result<usize, Failure> {
+        checked_threads("--threads", self.threads)
+    }
+}
+
+/// A number of threads given at `path`; all cores where none is given.
 fn checked_threads(path: &str, threads: Option<usize>) -> Result<usize, Failure> {
     /// More threads than machines have cores; each takes memory.
     const MOST: usize = 1024;

@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use clap::Args;
 
 use super::outputs::MainOutput;
-use super::{Failure, Overrides, inputs, scene};
+use super::{Failure, Overrides, Threads, inputs, scene};
 
 /// Say what would run, why, and what is left out, without running it
 #[derive(Args)]
@@ -17,6 +17,8 @@ pub(super) struct Plan {
     #[command(flatten)]
     overrides: Overrides,
     #[command(flatten)]
+    threads: Threads,
+    #[command(flatten)]
     output: MainOutput,
 }
 
@@ -24,6 +26,7 @@ impl Plan {
     pub(super) fn run(&self) -> Result<ExitCode, Failure> {
         let mut scene = scene(&self.scene)?;
         self.overrides.apply(&mut scene.settings).map_err(|e| Failure::wrong("arguments", &e))?;
+        scene.settings.threads = self.threads.checked()?;
         let output = self.output.target(&inputs(&self.scene, &scene))?;
         match crate::plan(&scene.contact, &scene.settings) {
             Ok(plan) => {

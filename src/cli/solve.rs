@@ -8,11 +8,11 @@ use clap::{Args, ValueEnum};
 
 use super::outputs::outputs;
 use super::voice::Voice;
-use super::{Failure, Overrides, checked_threads, inputs, scene};
+use super::{Failure, Overrides, Threads, inputs, scene};
 use crate::error::InputError;
 use crate::overlap::least;
 use crate::plot::{self, Format, Outline, Section};
-use crate::problem::{Load, Loading, Method};
+use crate::problem::{Contact, Load, Loading};
 use crate::report::error_by_cells::error_by_cells;
 use crate::report::pictured::pictured;
 use crate::report::write::Target;
@@ -54,9 +54,8 @@ pub(super) struct Solve {
     /// What to draw
     #[arg(long, value_enum, value_name = "KIND", requires = "plot")]
     plot_kind: Option<PlotKind>,
-    /// Threads to use; by default all cores
-    #[arg(long, value_name = "N")]
-    threads: Option<usize>,
+    #[command(flatten)]
+    threads: Threads,
 }
 
 /// Pictures of a state.
@@ -109,7 +108,7 @@ impl Solve {
         for path in paths {
             let mut scene = scene(path)?;
             self.overrides.apply(&mut scene.settings).map_err(|e| wrong(&e))?;
-            scene.settings.threads = checked_threads("--threads", self.threads)?;
+            scene.settings.threads = self.threads.checked()?;
             scene.settings.outputs.bracket |= self.bracket;
             read.extend(inputs(path, &scene));
             scenes.push(scene);
@@ -142,7 +141,7 @@ impl Solve {
         let mut scene = scene(path)?;
         let wrong = |e: &InputError| Failure::wrong("arguments", e);
         self.overrides.apply(&mut scene.settings).map_err(|e| wrong(&e))?;
-        scene.settings.threads = checked_threads("--threads", self.threads)?;
+        scene.settings.threads = self.threads.checked()?;
         scene.settings.outputs.bracket |= self.bracket;
         // A field that is only asked for as an array is not written out as text too.
         let apart =
@@ -153,7 +152,7 @@ impl Solve {
                 let given = "a file for a list of loads";
                 return Err(wrong(&InputError::new(*option, given, "one state of loading")));
             }
-            if matches!(scene.settings.method, Method::Ritz | Method::Fabrikant) {
+            if scene.settings.method.is_approximate() {
                 let allowed = "a method with a pressure field: closed_form, qp or fft";
                 return Err(wrong(&InputError::new(*option, scene.settings.method.name(), allowed)));
             }
@@ -246,10 +245,9 @@ impl Solve {
         if matches!(scene.contact.loading(), Loading::Steps(_)) {
             return refused("a picture of one state for a list of loads", "curve, or one state of loading");
         }
-        let approximate = matches!(scene.settings.method, Method::Ritz | Method::Fabrikant);
         let of_field =
             matches!(kind, PlotKind::Surface | PlotKind::Gap | PlotKind::Section | PlotKind::Error | PlotKind::Pieces);
-        if approximate && of_field {
+        if scene.settings.method.is_approximate() && of_field {
             return refused(scene.settings.method.name(), "a method with a pressure field: closed_form, qp or fft");
         }
         let outputs = &mut scene.settings.outputs;
@@ -289,39 +287,47 @@ fn draw(
             plot::states_in(units, title, &states, touch.filter(|t| t.is_finite()), format)
         }
         (_, None) => return Ok(()),
-        (PlotKind::Pressure | PlotKind::Surface | PlotKind::Gap | PlotKind::Section | PlotKind::Error, Some(s)) => {
-            let approximate = matches!(s.method, Method::Ritz | Method::Fabrikant);
-            let on_grid = (!approximate).then(|| pictured(&scene.contact, s, &scene.settings).ok()).flatten();
-            // Without a grid to draw from, what the answer itself has.
-            let drawn = on_grid.as_ref().unwrap_or(s);
-            match kind {
-                PlotKind::Surface => plot::surface_in(units, title, drawn, format),
-                PlotKind::Gap => plot::gap_map_in(units, title, drawn, format),
-                PlotKind::Error => {
-                    let Some(shares) = error_by_cells(&scene.contact, drawn) else {
-                        let why = "no bounds of the energy by cells are known for this contact: another --plot-kind";
-                        return Err(Failure::Message(format!("{}: {why}", path.display())));
-                    };
-                    let boundary = drawn.patch.boundary.as_deref().unwrap_or_default();
-                    plot::error_map_in(units, title, boundary, &shares, format)
-                }
-                PlotKind::Section => match Section::through(&scene.contact, drawn) {
-                    Some(section) => plot::section_in(units, title, &section, format),
-                    None => return Ok(()),
-                },
-                _ => plot::pressure_map_in(units, title, drawn, format),
-            }
-        }
         (PlotKind::Patch, Some(s)) => {
             let loops = s.patch.boundary.clone().unwrap_or_default();
             plot::outlines_in(units, title, &[Outline { label: "patch".to_owned(), loops }], format)
         }
         (PlotKind::Pieces, Some(s)) => plot::outlines_in(units, title, &pieces(s), format),
+        (kind, Some(s)) => {
+            let gap = kind == PlotKind::Gap;
+            // Without a grid to draw from, what the answer itself has.
+            let on_grid = (!s.method.is_approximate()).then(|| pictured(&scene.contact, s, &scene.settings, gap).ok());
+            let drawn = on_grid.flatten().unwrap_or_else(|| s.clone());
+            of_field(&scene.contact, &drawn, kind, (units, title, format))
+        }
     };
     match picture {
         Ok(bytes) => write(path, target, |to| to.write_all(&bytes)),
         Err(plot::Error::Empty(_)) => Ok(()),
         Err(e) => Err(Failure::Message(format!("{}: {e}", path.display()))),
+    }
+}
+
+/// A picture of the fields of a state.
+fn of_field(
+    contact: &Contact,
+    drawn: &Solution,
+    kind: PlotKind,
+    (units, title, format): (&UnitLabels, &str, Format),
+) -> Result<Vec<u8>, plot::Error> {
+    match kind {
+        PlotKind::Surface => plot::surface_in(units, title, drawn, format),
+        PlotKind::Gap => plot::gap_map_in(units, title, drawn, format),
+        PlotKind::Section => {
+            let section = Section::through(contact, drawn).ok_or(plot::Error::Empty("there is no field"))?;
+            plot::section_in(units, title, &section, format)
+        }
+        PlotKind::Error => {
+            let why = "no bounds of the energy by cells are known for this contact: another --plot-kind";
+            let shares = error_by_cells(contact, drawn).ok_or_else(|| plot::Error::Drawing(why.to_owned()))?;
+            let boundary = drawn.patch.boundary.as_deref().unwrap_or_default();
+            plot::error_map_in(units, title, boundary, &shares, format)
+        }
+        _ => plot::pressure_map_in(units, title, drawn, format),
     }
 }
 

@@ -4,9 +4,9 @@ use std::process::ExitCode;
 
 use clap::Args;
 
-use super::Failure;
 use super::outputs::MainOutput;
 use super::voice::Voice;
+use super::{Failure, checked_threads};
 use crate::clock::Stopwatch;
 use crate::error::InputError;
 use crate::report::table::{aligned, figure};
@@ -18,12 +18,16 @@ pub(super) struct Stability {
     /// Only the cases whose name holds this text
     #[arg(long, value_name = "TEXT")]
     only: Option<String>,
+    /// Threads of each run; one by default, so that the times can be compared
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    threads: usize,
     #[command(flatten)]
     output: MainOutput,
 }
 
 impl Stability {
     pub(super) fn run(&self, voice: Voice) -> Result<ExitCode, Failure> {
+        let threads = checked_threads("--threads", Some(self.threads))?;
         let output = self.output.target(&[])?;
         let heads =
             ["case", "method", "at", "verdict", "force", "error", "bound", "residual", "condition", "seconds", ""];
@@ -36,7 +40,7 @@ impl Stability {
         for case in chosen {
             let mut name = case.name.as_str();
             progress.say(name);
-            for check in case.run() {
+            for check in case.run(threads) {
                 run += 1;
                 if !check.passed {
                     let why = match &check.outcome {

@@ -11,6 +11,7 @@ use crate::loading::{respond, without_grid};
 use crate::overlap::Overlap;
 use crate::problem::{Contact, Method, Outputs, Settings};
 use crate::solution::{Solution, Unsolved, Verdict};
+use crate::threads::each;
 
 /// Cells along the longer side of the finest grid of one state, or half of them where twice as many are enough. Where they are
 /// not, the error of that state says so and the curve is no better.
@@ -147,25 +148,6 @@ const LOOSER: f64 = 3.0;
 
 /// Least relative error that is asked of a grid for a curve.
 const SHARPEST: f64 = 1e-6;
-
-/// Does the work for each item, on several threads where there are several; the first error in their order.
-pub(super) fn each<T: Sync, R: Send>(
-    items: &[T],
-    threads: usize,
-    work: impl Fn(&T) -> Result<R, Unsolved> + Sync,
-) -> Result<Vec<R>, Unsolved> {
-    #[cfg(feature = "parallel")]
-    if threads > 1
-        && items.len() > 1
-        && let Ok(pool) = rayon::ThreadPoolBuilder::new().num_threads(threads.min(items.len())).build()
-    {
-        use rayon::prelude::*;
-        let found: Vec<_> = pool.install(|| items.par_iter().map(&work).collect());
-        return found.into_iter().collect();
-    }
-    let _ = threads;
-    items.iter().map(work).collect()
-}
 
 fn sample(contact: &Contact, state: &Solution) -> Sample {
     let centre = state.moment.map(|[mx, my]| [-my / state.force, mx / state.force]);

@@ -9,13 +9,13 @@
 //! and their cross derivative by the stiffness of the patch. Nodes are added between nodes until force and moment of new states
 //! are met.
 
-use super::family::each;
 use crate::error::{InputError, finite, positive};
 use crate::numeric::cubic::Cubic;
 use crate::overlap::least;
 use crate::problem::{Contact, Load, Loading, Outputs, Settings};
 use crate::solution::{Unsolved, Verdict};
 use crate::solve::solve;
+use crate::threads::each;
 
 /// Intervals of overlap and of tilt that a table begins with.
 const FIRST: [usize; 2] = [3, 2];
