@@ -649,3 +649,76 @@ fn approximate_methods_end_with_their_time() {
     }
     assert!(time() - before < 10);
 }
+
+/// A gap that grows beyond the range of numbers where it is known not to be touched is no overlap that goes on.
+#[test]
+fn exponential_walls() {
+    let gap = |scale: &str| json!({"kind": "formula", "expression": format!("{scale}*(exp(r)-1)")});
+    let [high, low] = [solved(&gap("1"), 1e100), solved(&gap("1e-100"), 1.0)];
+    assert!((high.force / low.force / 1e100 - 1.0).abs() <= stated(&high) + stated(&low));
+}
+
+/// A wall as steep as 1e7, aslant to the axes, is no reason to tell apart hundreds of pieces of what it cuts off.
+#[test]
+fn steep_walls_end_with_their_time() {
+    let tips = json!({"kind": "min", "of": [
+        {"kind": "sphere", "radius": 1.736}, {"kind": "cone", "inclination": 28.1},
+        {"kind": "paraboloid", "radii": [2.0, 2.59], "at": [-1.227, 1.933]}]});
+    let wall = json!({"kind": "polyhedron", "rotate": 105.6, "planes": [
+        [0.452, 12_466_445.4, 0.148], [1.82, 1.42, 0.0097], [0.0, -0.7187, 5.9e-8], [1.65, 0.43, 0.068], [2.0, -1.627, 1e-30],
+        [0.432, -1.6, 0.1], [-0.733, 0.711, 0.241], [-1.0, 0.949, 0.163]]});
+    let pyramid = json!({"kind": "pyramid", "faces": 10, "inclination": 26.68, "at": [1.95, -1.894]});
+    let scene = json!({"effective_modulus": 2.28, "loading": {"depth": 1.85},
+        "gap": {"kind": "sum", "of": [tips, pyramid, wall]}, "solve": {"method": "fft", "seconds": 0.01}});
+    let time = || rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime).tv_sec;
+    let before = time();
+    let _ = answers(&scene, Path::new("."));
+    assert!(time() - before < 10);
+}
+
+/// A needle beside a smooth body is not lost under a force, nor along a curve: what it carries is that of the same contact at its depth.
+#[test]
+fn a_needle_beside_a_body_carries_its_share_under_a_force_and_along_a_curve() {
+    let gap = json!({"kind": "min", "of": [
+        {"kind": "paraboloid", "radii": [2.635777725374355, 1.0], "at": [-0.818, 1.0]},
+        {"kind": "pyramid", "faces": 3, "inclination": 88.55, "at": [3.0, 1.593]}]});
+    let force = 1.013;
+    let scene =
+        json!({"effective_modulus": 1.694, "gap": gap, "loading": {"force": force}, "solve": {"tolerance": 0.02}});
+    let scene = Scene::from_json_within(scene.to_string().as_bytes(), Path::new(".")).unwrap();
+    let under = solve(&scene.contact, &scene.settings).remove(0).unwrap();
+    assert_eq!(under.patch.regions, 2);
+    let at = |depth: f64| {
+        let contact =
+            Contact::new(scene.contact.modulus(), scene.contact.gap().clone(), Loading::depth(depth)).unwrap();
+        solve(&contact, &scene.settings).remove(0).unwrap()
+    };
+    let there = at(under.depth);
+    let off = (there.force / force - 1.0).abs();
+    assert!(off <= stated(&there) + 2.0 * under.depth_error.unwrap(), "{off:e}");
+    let range = contact_patch::CurveRange { from: 0.9 * under.depth, to: 1.1 * under.depth, accuracy: 1e-2 };
+    let curve = contact_patch::Curve::new(&scene.contact, &scene.settings, range).unwrap();
+    let off = (curve.force(under.depth).unwrap() / there.force - 1.0).abs();
+    assert!(off <= curve.interpolation_error() + stated(&there), "{off:e}");
+}
+
+/// Bounds that cannot be closer than rounding, of a gap whose means take many looks, end with their time.
+#[test]
+fn bounds_end_with_their_time() {
+    let scene = json!({"effective_modulus": 1.75e8, "gap": {"kind": "formula", "expression": "r^40"}, "output": ["bracket"],
+        "loading": {"depth_range": {"steps": 30, "to": 2.05}},
+        "solve": {"kernel": "collocation", "method": "closed_form", "tolerance": 1e-100, "seconds": 0.01}});
+    let time = || rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime).tv_sec;
+    let before = time();
+    assert_eq!(answers(&scene, Path::new(".")).len(), 30);
+    assert!(time() - before < 10);
+}
+
+/// Parts whose centres are apart by the least number there is: the search for where one takes over from the other ends.
+#[test]
+fn parts_a_subnormal_number_apart() {
+    let tip = json!({"kind": "revolved", "points": [[5e-324, 0.0], [2.575, 0.0032], [3.17, 5.3e10], [3.63, 5.4e10]]});
+    let gap = json!({"kind": "min", "of": [tip, {"kind": "flat", "outline": {"disc": 1.0}}]});
+    let scene = json!({"effective_modulus": 2.1e9, "gap": gap, "loading": {"force": 3.0}, "solve": {"seconds": 0.1}});
+    assert_eq!(answers(&scene, Path::new(".")).len(), 1);
+}

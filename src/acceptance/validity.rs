@@ -17,7 +17,7 @@ const LARGE: f64 = 0.3;
 const HARD: f64 = 0.1;
 
 /// Points of a boundary at which slopes are looked at.
-const LOOKS: usize = 128;
+const LOOKS: usize = 64;
 
 /// Of the way from its middle to the line: a gap may end there.
 const ON_LINE: f64 = 1.0 - 1e-6;

@@ -3,6 +3,7 @@
 use super::result::{Bounds, State};
 use super::{Claim, Verification, bounds, close, energy};
 use crate::bracket::{self, DepthBracket};
+use crate::clock::Deadline;
 use crate::energy::{Trial, force_bounds};
 use crate::error::InputError;
 use crate::gap::{AnyGap, Gap};
@@ -261,8 +262,13 @@ fn energy_bounds(gap: &AnyGap, scene: &Scene, depth: f64, field: &Pressure) -> O
         shape: field.grid.shape,
     };
     let pressure: Vec<f64> = field.values.iter().map(|p| p / (e_star * units.height / units.length)).collect();
-    let bounds =
-        force_bounds(&scaled, degree, &Trial { grid: &grid, pressure: &pressure, displacement: None }, CLOSER)?;
+    let bounds = force_bounds(
+        &scaled,
+        degree,
+        &Trial { grid: &grid, pressure: &pressure, displacement: None },
+        CLOSER,
+        Deadline::NEVER,
+    )?;
     Some(bounds.map(|force| force * e_star * units.height * units.length))
 }
 

@@ -18,6 +18,8 @@ pub(super) struct Generatrix {
     pub(super) kinks: Vec<f64>,
     /// Where the body ends with a sharp rim; infinite when it does not.
     pub(super) radius: f64,
+    /// No contact at the depth asked for is larger; infinite where that is not known.
+    pub(super) overlap: f64,
     /// From then on integrals are NaN.
     pub(super) deadline: Deadline,
 }

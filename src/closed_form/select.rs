@@ -148,7 +148,8 @@ fn revolution(
     } else {
         Sneddon::of_gap(modulus, move |r: f64| own.gap(x + r, y) - lowest, &kinks, rim)
     };
-    let contact = sneddon.map_err(refused)?.before(deadline).at_depth(depth - lowest).map_err(|e| refused(e.reason))?;
+    let sneddon = sneddon.map_err(refused)?.overlapping_within(farthest).before(deadline);
+    let contact = sneddon.at_depth(depth - lowest).map_err(|e| refused(e.reason))?;
     let found = "a gap of revolution whose contact is a disc (Sneddon 1965)".to_owned();
     let left_out = "the surface grid: two integrals along the radius are enough";
     Ok(formula(contact.placed(axis.at, 0.0), depth, found, left_out))
@@ -186,8 +187,11 @@ pub(crate) fn solution(
     let outputs = settings.outputs;
     let reference = contact.gap().known().reference;
     let [a, b] = ellipse.semi_axes;
-    let boundary = ellipse.boundary(BOUNDARY_POINTS);
-    let farthest = boundary.iter().map(|p| (p[0] - reference[0]).hypot(p[1] - reference[1])).fold(0.0, f64::max);
+    let farthest = || {
+        let distances =
+            ellipse.boundary(BOUNDARY_POINTS).into_iter().map(|p| (p[0] - reference[0]).hypot(p[1] - reference[1]));
+        distances.fold(0.0, f64::max)
+    };
     if !outputs.patch {
         left_out.push("the boundary as a polyline".to_owned());
     }
@@ -201,7 +205,8 @@ pub(crate) fn solution(
     let infinite = max.is_none() || max == Some(f64::INFINITY);
     let singular =
         infinite.then(|| if is_pointed(&overlap.gap, overlap, &ellipse) { Singular::Tip } else { Singular::Edge });
-    let validity = Validity::of(contact, std::slice::from_ref(&boundary), ellipse.area(), form.force);
+    // The slope of a quadratic form is largest at the end of an axis, that about an axis the same all round.
+    let validity = Validity::of(contact, &[ellipse.boundary(8)], ellipse.area(), form.force);
     let mut solution = Solution {
         method: Method::ClosedForm,
         origin: Origin::ClosedForm,
@@ -225,7 +230,7 @@ pub(crate) fn solution(
             area: ellipse.area(),
             centroid: Some(ellipse.centre),
             regions: 1,
-            max_radius: if ellipse.centre == reference { a.max(b) } else { farthest },
+            max_radius: if ellipse.centre == reference { a.max(b) } else { farthest() },
             pieces: vec![Piece {
                 area: ellipse.area(),
                 force: form.force,
@@ -235,7 +240,7 @@ pub(crate) fn solution(
             }],
             semi_axes: Some(ellipse.semi_axes),
             angle: Some(if ellipse.is_disc() { 0.0 } else { axis_angle(&ellipse) }),
-            boundary: outputs.patch.then(|| vec![boundary]),
+            boundary: outputs.patch.then(|| vec![ellipse.boundary(BOUNDARY_POINTS)]),
         },
         pressure: PressureSummary {
             max: max.filter(|p| p.is_finite()),

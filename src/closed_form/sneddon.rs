@@ -97,6 +97,15 @@ impl Sneddon {
         self
     }
 
+    /// The same where the undeformed bodies are known not to overlap beyond this radius: the slope is looked at no farther than that asks
+    /// for, and may be beyond the range of numbers there.
+    pub(crate) fn overlapping_within(mut self, radius: f64) -> Self {
+        if let Some(generatrix) = Arc::get_mut(&mut self.generatrix) {
+            generatrix.overlap = radius;
+        }
+        self
+    }
+
     fn from_profile(
         modulus: EffectiveModulus,
         profile: Profile,
@@ -116,7 +125,14 @@ impl Sneddon {
         if kinks.len() > MOST_KINKS {
             return Err(InputError::new("kinks", format!("{} corners", kinks.len()), format!("at most {MOST_KINKS}")));
         }
-        let generatrix = Arc::new(Generatrix { profile, by_slope, kinks, radius, deadline: Deadline::NEVER });
+        let generatrix = Arc::new(Generatrix {
+            profile,
+            by_slope,
+            kinks,
+            radius,
+            overlap: f64::INFINITY,
+            deadline: Deadline::NEVER,
+        });
         Ok(Self { e_star: modulus.e_star(), generatrix })
     }
 
@@ -198,7 +214,8 @@ fn contacts(g: &Generatrix, excess: &mut impl FnMut(f64) -> f64) -> Result<Vec<f
         }
         let mut factor = 2.0;
         while look(high)? <= 0.0 {
-            high *= factor;
+            let within = high < g.overlap && g.overlap < high * factor;
+            high = if within { g.overlap } else { high * factor };
             factor = (factor * factor).min(1e6);
             if high > 1e200 {
                 let reason = "the gap does not grow enough to end the contact";

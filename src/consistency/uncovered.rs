@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 
 use super::broken;
 use crate::gap::enclosure::{Candidate, halves};
-use crate::gap::{AnyGap, Gap};
+use crate::gap::{AnyGap, Gap, Reach};
 use crate::numeric::geometry::Rect;
 use crate::solution::{Unsolved, Verdict};
 
@@ -30,6 +30,12 @@ pub(crate) fn nothing_left_out(gap: &AnyGap, depth: f64, boxes: &[Rect], force: 
     let Some(all) = boxes.iter().copied().reduce(|a, b| a.union(&b)) else { return Ok(()) };
     let beyond = all.scaled(BEYOND);
     let search = Search { gap, depth, boxes, force, least: POINT * beyond.longer_side() };
+    // Where it is known that nothing overlaps, a gap may be beyond the range of numbers.
+    let known_apart = |point: [f64; 2]| match gap.reach(depth) {
+        Reach::Within(rect) => !rect.contains(point),
+        Reach::Nowhere => true,
+        Reach::Unbounded { .. } | Reach::Unknown => false,
+    };
     for ring in [1.0, 2.0, BEYOND] {
         let rect = all.scaled(ring);
         let ([w, h], [x, y]) = (rect.size(), rect.centre());
@@ -37,7 +43,7 @@ pub(crate) fn nothing_left_out(gap: &AnyGap, depth: f64, boxes: &[Rect], force: 
         for (sin, cos) in (0..16).map(at) {
             let square = sin.abs().max(cos.abs());
             let point = [x + 0.5 * w * cos / square, y + 0.5 * h * sin / square];
-            if gap.gap(point[0], point[1]).is_nan() {
+            if gap.gap(point[0], point[1]).is_nan() && !known_apart(point) {
                 let [x, y] = point;
                 return broken(format!(
                     "the gap at ({x:.3e}, {y:.3e}) is beyond the range of numbers: the overlap may go on"

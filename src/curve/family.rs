@@ -5,8 +5,8 @@ use crate::acceptance::sampled;
 use crate::gap::Law;
 use crate::grid_method;
 use crate::grid_method::dimensional::dimensional;
-use crate::grid_method::on_several_grids;
 use crate::grid_method::refinement;
+use crate::grid_method::{misses_a_contact, on_several_grids};
 use crate::loading::{respond, without_grid};
 use crate::overlap::Overlap;
 use crate::problem::{Contact, Method, Outputs, Settings};
@@ -114,16 +114,20 @@ impl<'a> Family<'a> {
     }
 
     fn on_grid(&self, depth: f64, settings: &Settings) -> Result<Solution, Unsolved> {
-        if on_several_grids(self.contact, depth, settings) {
-            // No finer than it can be had.
-            let loose = Settings { tolerance: self.tolerance, ..*settings };
-            return respond(self.contact, depth, [0.0; 2], settings, false)
+        // No finer than it can be had.
+        let loose = Settings { tolerance: self.tolerance, ..*settings };
+        let on_several = || {
+            respond(self.contact, depth, [0.0; 2], settings, false)
                 .or_else(|_| respond(self.contact, depth, [0.0; 2], &loose, false))
-                .or_else(Unsolved::accept_best);
+                .or_else(Unsolved::accept_best)
+        };
+        if on_several_grids(self.contact, depth, settings) {
+            return on_several();
         }
         let method = grid_method::method(settings);
         let apart = || Unsolved::new(Verdict::NotApplicable, format!("no contact at depth {depth:e}"));
-        let scaled = Overlap::of(self.contact.gap(), depth)?.ok_or_else(apart)?.scaled();
+        let overlap = Overlap::of(self.contact.gap(), depth)?.ok_or_else(apart)?;
+        let scaled = overlap.scaled();
         let law = self.contact.gap().known().law;
         let mut found = refinement::as_far_as(FINE, &scaled, settings, method, law)?;
         let short = found.error / found.force / settings.tolerance;
@@ -131,12 +135,14 @@ impl<'a> Family<'a> {
         if settings.cells.is_none() && (1.0..4.0).contains(&short) {
             found = refinement::as_far_as(2 * FINE, &scaled, settings, method, law)?;
         }
+        if misses_a_contact(&overlap, settings, &scaled, &found) {
+            return on_several();
+        }
         let state = dimensional(self.contact, &scaled, &found, law, depth, [0.0; 2], settings)?;
         if settings.cells.is_some() || found.error <= self.tolerance * found.force {
             return Ok(state);
         }
         // As a single state is solved: on as many cells as it takes.
-        let loose = Settings { tolerance: self.tolerance, ..*settings };
         let other = respond(self.contact, depth, [0.0; 2], &loose, false).or_else(Unsolved::accept_best);
         let error = |state: &Solution| state.force_error.unwrap_or(f64::INFINITY);
         Ok(other.ok().filter(|other| error(other) < error(&state)).unwrap_or(state))

@@ -3,6 +3,7 @@
 use super::any_gap;
 use super::bracket::{Trial, energy_bracket};
 use super::of_gap::GapOverlap;
+use crate::clock::Deadline;
 use crate::gap::{AnyGap, Degree};
 use crate::overlap::Scaled;
 
@@ -38,8 +39,14 @@ pub fn force_bracket(gap: &AnyGap, depth: f64, trial: &Trial) -> Option<[f64; 2]
 
 /// Bounds of the force (E* = 1) by a pressure on a grid; `None` where none can be had. For a gap of this degree, or for any gap; wide
 /// by a share of `tolerance` at least.
-pub(crate) fn force_bounds(scaled: &Scaled, degree: Option<Degree>, trial: &Trial, tolerance: f64) -> Option<[f64; 2]> {
-    let overlap = GapOverlap::of(scaled, OPEN * tolerance);
+pub(crate) fn force_bounds(
+    scaled: &Scaled,
+    degree: Option<Degree>,
+    trial: &Trial,
+    tolerance: f64,
+    deadline: Deadline,
+) -> Option<[f64; 2]> {
+    let overlap = GapOverlap::of(scaled, OPEN * tolerance, deadline);
     bounds(&overlap, degree, scaled.above_lowest(), scaled.depth - scaled.gap.known().floor, trial, tolerance)
 }
 

@@ -1,6 +1,7 @@
 //! The overlap of a gap, f = depth - g, enclosed by what the gap knows of itself.
 
 use super::overlap::{Interval, Jet, OverlapBounds};
+use crate::clock::Deadline;
 use crate::gap::{AnyGap, Gap, Reach};
 use crate::numeric;
 use crate::numeric::geometry::Rect;
@@ -14,10 +15,15 @@ pub struct GapOverlap<'a> {
     reach: Option<Rect>,
     /// Share of the depth to which means of the gap are found.
     open: f64,
+    /// From then on they are left as they are.
+    deadline: Deadline,
 }
 
 /// Share of the depth to which means of the gap are found unless said.
 const OPEN: f64 = 1e-6;
+
+/// No mean is known closer than that.
+const ROUNDING: f64 = 1e-13;
 
 /// Times that a cell is quartered for that.
 const HALVINGS: u32 = 4;
@@ -33,14 +39,14 @@ impl<'a> GapOverlap<'a> {
             Reach::Within(rect) => Some(rect),
             Reach::Nowhere | Reach::Unbounded { .. } | Reach::Unknown => None,
         };
-        Self { gap, depth, reach, open: OPEN }
+        Self { gap, depth, reach, open: OPEN, deadline: Deadline::NEVER }
     }
 
-    /// With means to this share of the depth.
-    pub(crate) fn of(scaled: &'a Scaled, open: f64) -> Self {
+    /// With means to this share of the depth while there is time: wider ones are bounds as well.
+    pub(crate) fn of(scaled: &'a Scaled, open: f64, deadline: Deadline) -> Self {
         // Units move the sides by rounding.
         let reach = scaled.certain.then(|| scaled.reach.scaled(1.0 + 1e-12));
-        Self { gap: &scaled.gap, depth: scaled.depth, reach, open }
+        Self { gap: &scaled.gap, depth: scaled.depth, reach, open: open.max(ROUNDING), deadline }
     }
 
     /// Whether it is known where the overlap ends.
@@ -53,6 +59,10 @@ impl<'a> GapOverlap<'a> {
         let [low, high] = self.gap.mean_bounds(rect).unwrap_or(UNKNOWN);
         let open = high - low;
         if deeper == 0 || open <= self.open * self.depth.abs() || low == f64::INFINITY {
+            return [low, high];
+        }
+        // Once a cell.
+        if deeper == HALVINGS && self.deadline.has_passed() {
             return [low, high];
         }
         let c = rect.centre();

@@ -1,7 +1,7 @@
 //! What follows from certain bounds of a gap over rectangles: where it is below a depth, in how many parts, and its mean.
 
 use std::cmp::Ordering;
-use std::collections::BinaryHeap;
+use std::collections::{BinaryHeap, VecDeque};
 
 use super::{Gap, Reach};
 use crate::numeric::geometry::Rect;
@@ -183,18 +183,27 @@ const DEEPEST: usize = 60;
 /// More pieces than this are not told apart.
 const MOST: usize = 256;
 
+/// Rectangles that are cut into parts, at most: a thin strip aslant to them falls into ever more pieces.
+const ZOOMS: usize = 512;
+
 /// Rectangles that together hold all points of `outer` where the gap can be below the depth, separate as far as bounds over
 /// rectangles tell them apart.
 pub(super) fn components(lower: &dyn Fn(&Rect) -> f64, depth: f64, outer: &Rect) -> Vec<Rect> {
     let mut done = Vec::new();
-    let mut open = vec![(*outer, 0)];
-    while let Some((rect, level)) = open.pop() {
+    let mut open = VecDeque::from([(*outer, 0)]);
+    let mut zooms = 0;
+    while let Some((rect, level)) = open.pop_front() {
+        zooms += 1;
+        if zooms > ZOOMS {
+            done.push(rect);
+            continue;
+        }
         let parts = clusters(lower, depth, &rect);
         for part in parts {
             let (size, whole) = (part.size(), rect.size());
             let small = (0..2).all(|m| size[m] < 0.25 * whole[m]);
             if small && level < DEEPEST && open.len() + done.len() < MOST {
-                open.push((part, level + 1));
+                open.push_back((part, level + 1));
             } else {
                 done.push(part);
             }

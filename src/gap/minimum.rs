@@ -12,6 +12,9 @@ const MOST_PARTS: usize = 100_000;
 /// Where parts lie further away than this, it is not looked at where another becomes the least: a thousand times as far is a number still.
 const FARTHEST: f64 = 1e300;
 
+/// Parts that lie closer together count as being in one place.
+const NEAREST: f64 = 1e-290;
+
 /// The least of several gaps: a punch with several tips.
 ///
 /// ```
@@ -244,6 +247,8 @@ impl Gap for Minimum {
         let at = |r: f64| [from[0] + r * direction[0], from[1] + r * direction[1]];
         let distance = |part: &AnyGap| (part.known().centre[0] - from[0]).hypot(part.known().centre[1] - from[1]);
         let far = self.parts.iter().map(distance).fold(0.0, f64::max).min(FARTHEST);
+        // Parts of it would be below the range of numbers.
+        let far = if far < NEAREST { 0.0 } else { far };
         let (unit, decades) = if far > 0.0 { (far, 9) } else { (1.0, 24) };
         let (step, last) = (10f64.powf(1.0 / 12.0), unit * 1e3);
         let (mut power, mut even) = (last * 10f64.powi(-decades), 1.0);

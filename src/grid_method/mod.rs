@@ -107,6 +107,11 @@ pub(crate) fn on_several_grids(contact: &Contact, depth: f64, settings: &Setting
     matches!(Overlap::of(contact.gap(), depth), Ok(Some(overlap)) if separate::rectangles(&overlap, settings).is_some())
 }
 
+/// Whether the cells of the one grid that this was solved on have missed a contact, which only [`solution`] finds.
+pub(crate) fn misses_a_contact(overlap: &Overlap, settings: &Settings, scaled: &Scaled, refined: &Refined) -> bool {
+    separate::missed_by(overlap, settings, scaled, refined).is_some()
+}
+
 fn with_stiffness_matrix(
     contact: &Contact,
     scaled: &Scaled,

@@ -138,8 +138,8 @@ pub(crate) fn is_cheap(gap: &AnyGap) -> bool {
 }
 
 /// Bounds of the force by the pressure of a grid, as they are stated.
-pub(crate) fn claimed(scaled: &Scaled, degree: Option<Degree>, trial: &Trial, tolerance: f64) -> Option<[f64; 2]> {
-    let [lower, upper] = force_bounds(scaled, degree, trial, tolerance)?;
+pub(crate) fn claimed(scaled: &Scaled, degree: Option<Degree>, trial: &Trial, settings: &Settings) -> Option<[f64; 2]> {
+    let [lower, upper] = force_bounds(scaled, degree, trial, settings.tolerance, settings.deadline)?;
     let room = if degree.is_none() { REPEATABLE * (upper - lower) } else { 0.0 };
     Some([lower - room, upper + room])
 }
@@ -417,7 +417,7 @@ impl Refinement<'_> {
         if degree.is_none() && (nx.max(ny) > FINEST_PROVED || self.settings.deadline.check().is_err()) {
             return None;
         }
-        claimed(self.scaled, degree, &state.trial(), self.settings.tolerance)
+        claimed(self.scaled, degree, &state.trial(), self.settings)
     }
 
     /// How far off the other kernel makes the force on the same grid. Values at centres err by up to 1.6 times that

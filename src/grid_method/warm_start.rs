@@ -59,16 +59,18 @@ impl Errors {
 }
 
 impl WarmStart {
-    /// The state at a depth of the untilted contact; `None` when the bodies do not touch.
+    /// The state at an overlap of the untilted contact; `None` where it takes several grids.
     ///
     /// # Errors
     /// As [`crate::grid_method::solution`].
-    pub fn at_depth(contact: &Contact, depth: f64, settings: &Settings) -> Result<Option<Self>, Unsolved> {
-        let Some(overlap) = Overlap::of(contact.gap(), depth)? else { return Ok(None) };
+    pub fn at(overlap: &Overlap, settings: &Settings) -> Result<Option<Self>, Unsolved> {
         let scaled = overlap.scaled();
         // Bounds are for the depth that is found.
-        let estimate = Settings { evidence: ErrorBar::Estimate, ..super::within_samples(&overlap, settings) };
+        let estimate = Settings { evidence: ErrorBar::Estimate, ..super::within_samples(overlap, settings) };
         let refined = refinement::refined(&scaled, &estimate, super::method(settings), None)?;
+        if super::misses_a_contact(overlap, settings, &scaled, &refined) {
+            return Ok(None);
+        }
         let held = Self::grown(scaled, refined)?;
         let errors = held.stiffness().map_or(Ok(Errors::default()), |own| Errors::of(&held.refined, own))?;
         Ok(Some(Self { errors, ..held }))
@@ -128,7 +130,7 @@ impl WarmStart {
         let trial = near.refined.state.trial();
         let unit = contact.modulus().e_star() * near.scaled.units.height * near.scaled.units.length;
         let law = near.scaled.gap.known().law.map(|law| law.degree);
-        let bounds = refinement::claimed(&near.scaled, law, &trial, settings.tolerance)?;
+        let bounds = refinement::claimed(&near.scaled, law, &trial, settings)?;
         Some(bounds.map(|force| force * unit))
     }
 

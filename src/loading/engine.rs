@@ -5,6 +5,7 @@ use crate::grid_method::refinement::is_cheap;
 use crate::grid_method::warm_start::WarmStart;
 use crate::grid_method::{self, SharedGrid};
 use crate::loading::{respond, without_grid};
+use crate::overlap::Overlap;
 use crate::problem::{Contact, ErrorBar, Method, Outputs, Settings};
 use crate::solution::{Cost, Origin, Solution, Unsolved, Verdict};
 
@@ -18,6 +19,8 @@ pub(crate) struct Engine<'a> {
     pub cells: usize,
     /// The last full grid of an untilted contact.
     warm_start: Option<WarmStart>,
+    /// Whether one grid has missed a contact.
+    several_grids: bool,
     /// Of all states so far.
     spent: Cost,
 }
@@ -34,6 +37,7 @@ impl<'a> Engine<'a> {
             shared: SharedGrid::new(),
             cells,
             warm_start: None,
+            several_grids: false,
             spent: Cost::default(),
         }
     }
@@ -73,7 +77,7 @@ impl<'a> Engine<'a> {
     fn untilted(&mut self, depth: f64, quick: bool) -> Result<Solution, Unsolved> {
         let apart = || Ok(Solution::apart(self.settings.method, depth, [0.0; 2]));
         let rough = Settings { outputs: Outputs::default(), ..*self.settings };
-        if grid_method::on_several_grids(self.contact, depth, self.settings) {
+        if self.several_grids || grid_method::on_several_grids(self.contact, depth, self.settings) {
             let rough = Settings { tolerance: ROUGH, ..rough };
             return respond(self.contact, depth, [0.0; 2], if quick { &rough } else { self.settings }, false);
         }
@@ -89,9 +93,18 @@ impl<'a> Engine<'a> {
         };
         self.warm_start = match moved {
             Some(moved) => Some(moved),
-            None => WarmStart::at_depth(self.contact, depth, self.settings)?,
+            None => {
+                let Some(overlap) = Overlap::of(self.contact.gap(), depth)? else { return apart() };
+                WarmStart::at(&overlap, self.settings)?
+            }
         };
-        self.warm_start.as_ref().map_or_else(apart, |warm_start| warm_start.solution(self.contact, self.settings))
+        match &self.warm_start {
+            Some(warm_start) => warm_start.solution(self.contact, self.settings),
+            None => {
+                self.several_grids = true;
+                respond(self.contact, depth, [0.0; 2], self.settings, false)
+            }
+        }
     }
 }
 

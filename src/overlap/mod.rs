@@ -10,7 +10,7 @@ mod units;
 
 use std::sync::OnceLock;
 
-use crate::gap::{AnyGap, Gap, Known, Reach, enclosure, lattice};
+use crate::gap::{AnyGap, Degree, Gap, Known, Reach, enclosure, lattice};
 use crate::grid::Grid;
 use crate::numeric::geometry::Rect;
 use crate::solution::{Unsolved, Verdict};
@@ -104,12 +104,22 @@ impl Overlap {
     /// is but one.
     pub fn components(&self) -> &[Rect] {
         self.components.get_or_init(|| {
+            if self.is_connected() {
+                return vec![self.reach];
+            }
             let known = || self.known_components().map(<[Rect]>::to_vec);
             let seen = || search::pieces(&|x, y| self.gap.gap(x, y), self.depth, self.known().centre);
             let pieces = if self.fills_its_box() { None } else { known().or_else(seen) };
             let pieces = pieces.map(|pieces| components::merged(pieces, components::APART));
             pieces.filter(|pieces| !pieces.is_empty()).unwrap_or_else(|| vec![self.reach])
         })
+    }
+
+    /// Whether {f > 0} is known to be one piece, or rings about one axis: by a law it is a star about the centre, and ellipses are convex.
+    fn is_connected(&self) -> bool {
+        let known = self.known();
+        let shrinks = known.law.is_some_and(|law| matches!(law.degree, Degree::Power(_)));
+        shrinks || known.quadratic.is_some() || known.axis.is_some()
     }
 
     /// Whether so much of the rectangle around {f > 0} is filled that it is taken to be one component.

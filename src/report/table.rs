@@ -103,7 +103,7 @@ pub(super) fn facts(s: &Solution, scene: &Scene) -> Vec<[String; 2]> {
         }
     }
     if let Some([low, high]) = s.patch.extent() {
-        let corner = |p: [f64; 2]| format!("({}, {})", border(p[0], fine), border(p[1], fine));
+        let corner = |p: [f64; 2]| format!("({}, {})", border(p[0], s), border(p[1], s));
         row("patch extent", format!("{} to {}{length}", corner(low), corner(high)));
     }
     let centres = [s.patch.centroid, centre_of_pressure(s)].map(|c| c.map(point));
@@ -121,7 +121,7 @@ pub(super) fn facts(s: &Solution, scene: &Scene) -> Vec<[String; 2]> {
     }
     row("patch regions", s.patch.regions.to_string());
     if s.patch.semi_axes.is_none() {
-        row("farthest from the origin", format!("{}{length}", border(s.patch.max_radius, fine)));
+        row("farthest from the origin", format!("{}{length}", border(s.patch.max_radius, s)));
     }
     if let Some(mean) = s.pressure.mean {
         row("mean pressure", format!("{}{pressure}{}", figure(mean), off_by(mean_error(s))));
@@ -209,8 +209,11 @@ fn place(x: f64, fineness: f64) -> String {
 }
 
 /// How far a patch reaches, with the digits that are certain.
-fn border(x: f64, fineness: f64) -> String {
-    let error = CORNER * fineness;
+fn border(x: f64, s: &Solution) -> String {
+    if s.area_error.is_some_and(|error| error <= ROUNDING) {
+        return place(x, 1e-8 * s.patch.area.sqrt());
+    }
+    let error = CORNER * fineness(s);
     if x.abs() <= error {
         return "0".to_owned();
     }
@@ -290,7 +293,7 @@ fn several(scene: &Scene, steps: &[Step], lines: &mut Vec<String>) {
             known(s.stiffness, s.stiffness_error),
             known(s.patch.area, s.area_error),
             s.patch.regions.to_string(),
-            border(s.patch.max_radius, fineness(s)),
+            border(s.patch.max_radius, s),
             s.pressure.mean.map_or("-".into(), |mean| known(mean, mean_error(s))),
             peak(s).unwrap_or_else(|| "-".into()),
             s.error().map_or("-".into(), |error| format!("{error:.1e}")),

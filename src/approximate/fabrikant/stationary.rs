@@ -132,7 +132,10 @@ fn about(
         );
         return Err(given_up(Unsolved::new(Verdict::IterationLimit, reason), reached).into());
     }
-    if let Some(angle) = star.second_part(problem.reach, problem.searched) {
+    // The overlap with the highest of planes is convex.
+    if !problem.overlap.has_planes()
+        && let Some(angle) = star.second_part(problem.reach, problem.searched)
+    {
         return Err(several_parts(angle).into());
     }
     let unit = problem.force_unit();
