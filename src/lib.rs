@@ -34,6 +34,11 @@
 //!
 #![doc = include_str!("theory.md")]
 
+/// Error against run time of every method, scene by scene.
+#[cfg(doc)]
+#[doc = include_str!("../docs/methods.md")]
+pub mod methods {}
+
 mod acceptance;
 pub mod approximate;
 pub mod bracket;

@@ -2,6 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
+use super::Distribution;
 use crate::clock::Deadline;
 use crate::closed_form::{ClosedForm, Ellipse, FlatPunch, Hertz, Power, Quadratic, RoundedCone, Sneddon, Sphere};
 use crate::gap::{self, AnyGap, Axis, Face, Gap, Generatrix};
@@ -263,13 +264,52 @@ pub(crate) fn solution(
         settings.deadline.check().map_err(|e| Unsolved::from(e).with_best(solution.clone()))?;
     }
     if outputs.pressure {
-        match sampled(&form, cells, settings.deadline) {
+        match sampled(&form, cells, settings.deadline, ClosedForm::pressure) {
             Ok(field) => (solution.grid, solution.pressure.field) = (Some(field.grid), Some(field)),
             Err(out_of_time) => return Err(out_of_time.with_best(solution)),
         }
     }
     Ok(solution)
 }
+
+/// Pressure and boundary for a picture: to a few digits, which is as much as can be seen.
+///
+/// # Errors
+/// As [`of`]; `TimeLimit`.
+pub(crate) fn drawn(
+    contact: &Contact,
+    overlap: &Overlap,
+    cells: usize,
+    deadline: Deadline,
+) -> Result<(Pressure, Vec<[f64; 2]>), Unsolved> {
+    let form = of(overlap, contact.modulus(), deadline)?.contact;
+    let boundary = form.patch.boundary(BOUNDARY_POINTS);
+    if !matches!(form.pressure, Distribution::Revolution(_)) {
+        return Ok((sampled(&form, cells, deadline, ClosedForm::pressure)?, boundary));
+    }
+    // Known in the radius alone, by integrals: p sqrt(1 - rho^2), which has no edge, between a few radii.
+    let ([x, y], a) = (form.patch.centre, form.patch.semi_axes[0]);
+    let width = |rho: f64| ((1.0 - rho) * (1.0 + rho)).max(0.0).sqrt();
+    let at = |k: usize| {
+        let rho = (k as f64 + 0.5) / RADII as f64;
+        form.rough_pressure(x + rho * a, y) * width(rho)
+    };
+    let along: Vec<f64> = (0..RADII).map(at).collect();
+    let between = |form: &ClosedForm, u: f64, v: f64| {
+        let rho = (u - x).hypot(v - y) / a;
+        if rho >= 1.0 {
+            return form.pressure(u, v);
+        }
+        let place = (rho * RADII as f64 - 0.5).clamp(0.0, RADII as f64 - 1.0);
+        let k = (place as usize).min(RADII - 2);
+        let share = place - k as f64;
+        (along[k] + share * (along[k + 1] - along[k])) / width(rho)
+    };
+    Ok((sampled(&form, cells, deadline, between)?, boundary))
+}
+
+/// Radii at which a picture has its pressure.
+const RADII: usize = 96;
 
 /// Digits that a pressure, an integral next to a square root, has less than the force.
 const PEAK: f64 = 100.0;
@@ -330,7 +370,12 @@ const FIELD_CELLS: usize = 64;
 
 /// The pressure of a formula at the centres of cells over its patch; where it is infinite, the mean of the neighbourhood
 /// is not defined either and the largest finite value stands.
-fn sampled(form: &ClosedForm, cells: usize, deadline: Deadline) -> Result<Pressure, Unsolved> {
+fn sampled(
+    form: &ClosedForm,
+    cells: usize,
+    deadline: Deadline,
+    pressure: impl Fn(&ClosedForm, f64, f64) -> f64,
+) -> Result<Pressure, Unsolved> {
     let outline = Rect::holding(form.patch.boundary(4 * BOUNDARY_POINTS)).expect("an ellipse has points");
     let grid = Grid::over(&outline, crate::grid_method::domain::shape(&outline, cells));
     // On a disc, cells at the same distance share one integral: whole numbers of half cells from the middle, in order.
@@ -343,7 +388,7 @@ fn sampled(form: &ClosedForm, cells: usize, deadline: Deadline) -> Result<Pressu
             let [x, y] = grid.centre_of(k);
             let [i, j] = [k % grid.shape[0], k / grid.shape[0]].map(from_middle);
             let at = if round { (i.max(j), i.min(j)) } else { (k, 0) };
-            Ok(*known.entry(at).or_insert_with(|| form.pressure(x, y)))
+            Ok(*known.entry(at).or_insert_with(|| pressure(form, x, y)))
         })
         .collect();
     let mut values = values?;

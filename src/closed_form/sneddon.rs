@@ -13,6 +13,7 @@
 
 use std::f64::consts::PI;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU32};
 
 use super::generatrix::{Generatrix, Profile};
 use super::{ClosedForm, Revolution};
@@ -132,6 +133,8 @@ impl Sneddon {
             radius,
             overlap: f64::INFINITY,
             deadline: Deadline::NEVER,
+            integrals: AtomicU32::new(0),
+            is_late: AtomicBool::new(false),
         });
         Ok(Self { e_star: modulus.e_star(), generatrix })
     }

@@ -84,7 +84,7 @@ impl Raster {
         let mut encoder = Encoder::new(&mut file, self.width as u32, self.height as u32);
         encoder.set_color(ColorType::Indexed);
         encoder.set_depth(BitDepth::Eight);
-        encoder.set_compression(png::Compression::Best);
+        encoder.set_compression(png::Compression::Default);
         let mut palette: Vec<u8> = (0..SHADES)
             .flat_map(|k| {
                 let RGBColor(r, g, b) = colour(k);

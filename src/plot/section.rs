@@ -35,7 +35,7 @@ pub struct Section {
 const POSITIONS: usize = 281;
 
 /// Cells along the longer side of the field that displaces the surface.
-const CELLS: usize = 140;
+const CELLS: usize = 80;
 
 /// The line is longer than the patch by this.
 const BEYOND: f64 = 1.7;
@@ -50,9 +50,10 @@ impl Section {
     /// The section of a solved state; `None` without a pressure field or without contact.
     #[must_use]
     pub fn through(contact: &Contact, solution: &Solution) -> Option<Self> {
-        let field = coarsened(solution.pressure.field.as_ref()?, CELLS);
-        let grid = field.grid;
-        let loaded: Vec<([f64; 2], f64)> = grid.loaded(&field.values).collect();
+        let field = solution.pressure.field.as_ref()?;
+        let coarse = coarsened(field, CELLS);
+        let grid = coarse.grid;
+        let loaded: Vec<([f64; 2], f64)> = grid.loaded(&coarse.values).collect();
         let total: f64 = loaded.iter().map(|(_, p)| p).sum();
         if !(total > 0.0) {
             return None;
@@ -76,7 +77,7 @@ impl Section {
             let [ax, ay] = solution.tilt;
             section.punch.push(contact.gap().gap(x, y) - solution.depth - ax * x - ay * y);
             section.surface.push(-displacement(&loaded, grid.spacing, [x, y]) / contact.modulus().e_star());
-            section.pressure.push(interpolated(&field, [x, y]));
+            section.pressure.push(interpolated(field, [x, y]));
         }
         Some(section)
     }

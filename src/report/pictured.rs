@@ -1,12 +1,18 @@
 //! The state that a picture shows: that of the answer where it has a field of its own, else one on a grid.
 
+use crate::clock::Deadline;
+use crate::closed_form::select;
 use crate::grid_method::gap_left;
+use crate::overlap::Overlap;
 use crate::problem::{Contact, ErrorBar, Loading, Method, Outputs, Settings};
 use crate::solution::{Singular, Solution, Unsolved};
 use crate::solve::solve;
 
 /// Cells along the longer side of the grid behind the pictures of an answer that has none, unless the scene says.
 const PICTURE_CELLS: usize = 96;
+
+/// The same where the pressure is known by a formula.
+const FORMULA_CELLS: usize = 144;
 
 /// The state with boundary and pressure, and the gap where the picture shows it. Cells that are fitted to sharp edges are few and large, formulas have none: both are drawn
 /// from a grid at the same depth. The answer itself is not changed by what a picture needs.
@@ -20,8 +26,7 @@ pub(crate) fn pictured(
     gap: bool,
 ) -> Result<Solution, Unsolved> {
     let contact = contact.under(Loading::Single(state.load()));
-    let own = || {
-        let mut state = state.clone();
+    let with_gap = |mut state: Solution| {
         if gap && state.pressure.gap.is_none() {
             state.pressure.gap = gap_left::by_field(&contact, &state, settings.kernel);
         }
@@ -30,7 +35,7 @@ pub(crate) fn pictured(
     let has_own = state.pressure.field.is_some() && state.patch.boundary.is_some();
     let coarse = state.method == Method::EdgeFitted && state.pressure.singular == Some(Singular::Edge);
     if has_own && !coarse {
-        return Ok(own());
+        return Ok(with_gap(state.clone()));
     }
     let outputs = Outputs { patch: true, pressure: true, gap, ..Outputs::default() };
     let cells = Some(settings.cells.unwrap_or(PICTURE_CELLS));
@@ -39,11 +44,22 @@ pub(crate) fn pictured(
         // Whatever error the grid is left with: the answer stands beside it.
         solve(&contact, &settings).remove(0).or_else(Unsolved::accept_best)
     };
-    // The method of the answer where it has a field.
-    let by_formula = (state.method == Method::ClosedForm).then(|| on_grid(Method::ClosedForm));
-    match by_formula {
-        Some(Ok(drawn)) if drawn.pressure.field.is_some() => Ok(drawn),
-        _ => on_grid(Method::Fft).or_else(|unsolved| if has_own { Ok(own()) } else { Err(unsolved) }),
+    // By the formula where that gives the pressure.
+    let by_formula = || {
+        let overlap = Overlap::of(&contact.tilted_gap(state.tilt), state.depth).ok()??;
+        let deadline = Deadline::after(settings.seconds, settings.threads);
+        let (field, boundary) =
+            select::drawn(&contact, &overlap, settings.cells.unwrap_or(FORMULA_CELLS), deadline).ok()?;
+        let mut drawn = state.clone();
+        (drawn.grid, drawn.pressure.field, drawn.patch.boundary) =
+            (Some(field.grid), Some(field), Some(vec![boundary]));
+        Some(with_gap(drawn))
+    };
+    match (state.method == Method::ClosedForm).then(by_formula).flatten() {
+        Some(drawn) => Ok(drawn),
+        None => {
+            on_grid(Method::Fft).or_else(|unsolved| if has_own { Ok(with_gap(state.clone())) } else { Err(unsolved) })
+        }
     }
 }
 
