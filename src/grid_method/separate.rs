@@ -92,7 +92,7 @@ fn is_bare(overlap: &Overlap, piece: &Rect, loads: &PointLoads) -> bool {
 
 /// One of the contacts, solved on the gap that the others left.
 struct Subcontact {
-    beside: DisplacedGap,
+    displaced: DisplacedGap,
     /// `None` when the others have pushed the surface out of reach.
     solved: Option<Refined>,
     /// In the units of its own solve.
@@ -108,16 +108,16 @@ impl Subcontact {
         others: impl IntoIterator<Item = &'a ContactLoads>,
         settings: &Settings,
     ) -> Result<Self, Unsolved> {
-        let beside = DisplacedGap::new(gap.clone(), within, others);
-        let Some(overlap) = Overlap::of(&AnyGap::new(beside.clone()), depth)? else {
-            return Ok(Self { beside, solved: None, scaled: None, loads: ContactLoads::default() });
+        let displaced = DisplacedGap::new(gap.clone(), within, others);
+        let Some(overlap) = Overlap::of(&AnyGap::new(displaced.clone()), depth)? else {
+            return Ok(Self { displaced, solved: None, scaled: None, loads: ContactLoads::default() });
         };
         let scaled = overlap.scaled();
         let refined = refinement::refined(&scaled, settings, Method::Fft, None)?;
         // The finest grid carries the force of all of them together.
         let share = refined.force / refined.state.force();
         let loads = loads(&scaled, &refined, |k| refined.state.solution.pressure[k] * share);
-        Ok(Self { beside, solved: Some(refined), scaled: Some(scaled), loads })
+        Ok(Self { displaced, solved: Some(refined), scaled: Some(scaled), loads })
     }
 }
 
@@ -206,13 +206,13 @@ pub(crate) fn solution(
         // The others' last displacement against the one this contact was solved with.
         let latest = DisplacedGap::new(gap.clone(), rectangles[k], others(&current, k));
         let moved = rectangles[k].corners().into_iter().chain([rectangles[k].centre()]);
-        let moved = moved.map(|p| (latest.displacement(p) - one.beside.displacement(p)).abs()).fold(0.0, f64::max);
+        let moved = moved.map(|p| (latest.displacement(p) - one.displaced.displacement(p)).abs()).fold(0.0, f64::max);
         if let Some(residuals) = &mut state.residuals {
             residuals.penetration += moved / scaled.units.height;
             residuals.complementarity += moved / scaled.units.height;
         }
         // Half of what this contact's load does in the displacement by the others; the rest is in its own overlap.
-        let shared: f64 = one.loads.iter().map(|(p, q)| q * one.beside.displacement(*p)).sum();
+        let shared: f64 = one.loads.iter().map(|(p, q)| q * one.displaced.displacement(*p)).sum();
         state.energy = state.energy.map(|u| u + 0.5 * shared * contact.modulus().e_star());
         states.push(state);
     }
