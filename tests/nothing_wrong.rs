@@ -722,3 +722,15 @@ fn parts_a_subnormal_number_apart() {
     let scene = json!({"effective_modulus": 2.1e9, "gap": gap, "loading": {"force": 3.0}, "solve": {"seconds": 0.1}});
     assert_eq!(answers(&scene, Path::new(".")).len(), 1);
 }
+
+/// A disc of any size lifts off at the same tilt of its own lengths.
+#[test]
+fn tilted_discs_however_large() {
+    let at = |radius: f64| {
+        let scene = json!({"effective_modulus": 2.0, "gap": {"kind": "flat", "outline": {"disc": radius}},
+            "loading": {"depth": 1.0, "tilt": [0.0, 5.0 / radius]}, "solve": {"tolerance": 1e-2}});
+        answers(&scene, Path::new(".")).remove(0).unwrap()
+    };
+    let (small, large) = (at(1.0), at(1e100));
+    assert!((large.force / small.force / 1e100 - 1.0).abs() <= stated(&small) + stated(&large));
+}

@@ -153,7 +153,9 @@ impl FlatPunch {
         let t = Rotation2::new(-self.patch.orientation) * Vector2::from(tilt);
         // P = 2 pi a b c0, int p u = (2 pi/3) a^3 b c1, int p v = (2 pi/3) a b^3 c2.
         let twice_area = 2.0 * PI * a * b;
-        let c = [s * depth / twice_area, 3.0 * su * t.x / (twice_area * a * a), 3.0 * sv * t.y / (twice_area * b * b)];
+        // One length after the other: their product may be beyond the range of numbers.
+        let slope = |stiffness: f64, tilt: f64, length: f64| 3.0 * (stiffness / twice_area) * tilt / length / length;
+        let c = [s * depth / twice_area, slope(su, t.x, a), slope(sv, t.y, b)];
         let energy = 0.5 * (s * depth * depth + su * t.x * t.x + sv * t.y * t.y);
         ClosedForm {
             force: s * depth,

@@ -122,6 +122,10 @@ impl OverlapBounds for GapOverlap<'_> {
         self.reach
     }
 
+    fn has_time(&self) -> bool {
+        !self.deadline.has_passed()
+    }
+
     fn mirrors(&self) -> [Option<f64>; 2] {
         let known = self.gap.known();
         [0, 1].map(|m| known.mirrors[m].then_some(known.centre[m]))

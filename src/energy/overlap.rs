@@ -35,6 +35,11 @@ pub trait OverlapBounds {
     /// A rectangle outside which f <= 0 or no material is, for certain; `None` where no end is known.
     fn reach(&self) -> Option<Rect>;
 
+    /// Whether there is time for more; once there is none, nothing more is shown.
+    fn has_time(&self) -> bool {
+        true
+    }
+
     /// The lines x = c and y = c in which f is its own image, for certain.
     fn mirrors(&self) -> [Option<f64>; 2] {
         [None; 2]

@@ -183,6 +183,9 @@ impl Residual<'_> {
         let mut cells = vec![[0.0; 2]; field.grid.len()];
         let end = shape.map(|n| (n + RING) as isize);
         for j in first[1]..end[1] {
+            if !self.overlap.has_time() {
+                return Norms { gradient: f64::INFINITY, value: f64::INFINITY, cells };
+            }
             let mut i = first[0];
             while i < end[0] {
                 if !set.touches(i, j) {
