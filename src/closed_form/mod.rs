@@ -10,6 +10,8 @@
 //! ```
 
 mod carlson;
+#[cfg(all(feature = "plot", feature = "scene"))]
+pub(crate) mod drawn;
 mod flat_punch;
 mod generatrix;
 mod hertz;

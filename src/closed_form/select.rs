@@ -2,7 +2,6 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use super::Distribution;
 use crate::clock::Deadline;
 use crate::closed_form::{ClosedForm, Ellipse, FlatPunch, Hertz, Power, Quadratic, RoundedCone, Sneddon, Sphere};
 use crate::gap::{self, AnyGap, Axis, Face, Gap, Generatrix};
@@ -272,45 +271,6 @@ pub(crate) fn solution(
     Ok(solution)
 }
 
-/// Pressure and boundary for a picture: to a few digits, which is as much as can be seen.
-///
-/// # Errors
-/// As [`of`]; `TimeLimit`.
-pub(crate) fn drawn(
-    contact: &Contact,
-    overlap: &Overlap,
-    cells: usize,
-    deadline: Deadline,
-) -> Result<(Pressure, Vec<[f64; 2]>), Unsolved> {
-    let form = of(overlap, contact.modulus(), deadline)?.contact;
-    let boundary = form.patch.boundary(BOUNDARY_POINTS);
-    if !matches!(form.pressure, Distribution::Revolution(_)) {
-        return Ok((sampled(&form, cells, deadline, ClosedForm::pressure)?, boundary));
-    }
-    // Known in the radius alone, by integrals: p sqrt(1 - rho^2), which has no edge, between a few radii.
-    let ([x, y], a) = (form.patch.centre, form.patch.semi_axes[0]);
-    let width = |rho: f64| ((1.0 - rho) * (1.0 + rho)).max(0.0).sqrt();
-    let at = |k: usize| {
-        let rho = (k as f64 + 0.5) / RADII as f64;
-        form.rough_pressure(x + rho * a, y) * width(rho)
-    };
-    let along: Vec<f64> = (0..RADII).map(at).collect();
-    let between = |form: &ClosedForm, u: f64, v: f64| {
-        let rho = (u - x).hypot(v - y) / a;
-        if rho >= 1.0 {
-            return form.pressure(u, v);
-        }
-        let place = (rho * RADII as f64 - 0.5).clamp(0.0, RADII as f64 - 1.0);
-        let k = (place as usize).min(RADII - 2);
-        let share = place - k as f64;
-        (along[k] + share * (along[k + 1] - along[k])) / width(rho)
-    };
-    Ok((sampled(&form, cells, deadline, between)?, boundary))
-}
-
-/// Radii at which a picture has its pressure.
-const RADII: usize = 96;
-
 /// Digits that a pressure, an integral next to a square root, has less than the force.
 const PEAK: f64 = 100.0;
 
@@ -363,14 +323,14 @@ fn axis_angle(patch: &Ellipse) -> f64 {
 }
 
 /// Points of the boundary of a closed form.
-const BOUNDARY_POINTS: usize = 128;
+pub(super) const BOUNDARY_POINTS: usize = 128;
 
 /// Cells along the longer side of the field of a closed form.
 const FIELD_CELLS: usize = 64;
 
 /// The pressure of a formula at the centres of cells over its patch; where it is infinite, the mean of the neighbourhood
 /// is not defined either and the largest finite value stands.
-fn sampled(
+pub(super) fn sampled(
     form: &ClosedForm,
     cells: usize,
     deadline: Deadline,

@@ -25,6 +25,7 @@ pub enum Method {
 
 impl Method {
     /// Whether it is one of the approximate methods, which have no pressure field.
+    #[cfg(feature = "cli")]
     pub(crate) fn is_approximate(self) -> bool {
         matches!(self, Self::Ritz | Self::Fabrikant)
     }

@@ -1,7 +1,7 @@
 //! The state that a picture shows: that of the answer where it has a field of its own, else one on a grid.
 
 use crate::clock::Deadline;
-use crate::closed_form::select;
+use crate::closed_form::drawn::drawn;
 use crate::grid_method::gap_left;
 use crate::overlap::Overlap;
 use crate::problem::{Contact, ErrorBar, Loading, Method, Outputs, Settings};
@@ -48,15 +48,14 @@ pub(crate) fn pictured(
     let by_formula = || {
         let overlap = Overlap::of(&contact.tilted_gap(state.tilt), state.depth).ok()??;
         let deadline = Deadline::after(settings.seconds, settings.threads);
-        let (field, boundary) =
-            select::drawn(&contact, &overlap, settings.cells.unwrap_or(FORMULA_CELLS), deadline).ok()?;
-        let mut drawn = state.clone();
-        (drawn.grid, drawn.pressure.field, drawn.patch.boundary) =
+        let (field, boundary) = drawn(&contact, &overlap, settings.cells.unwrap_or(FORMULA_CELLS), deadline).ok()?;
+        let mut shown = state.clone();
+        (shown.grid, shown.pressure.field, shown.patch.boundary) =
             (Some(field.grid), Some(field), Some(vec![boundary]));
-        Some(with_gap(drawn))
+        Some(with_gap(shown))
     };
     match (state.method == Method::ClosedForm).then(by_formula).flatten() {
-        Some(drawn) => Ok(drawn),
+        Some(shown) => Ok(shown),
         None => {
             on_grid(Method::Fft).or_else(|unsolved| if has_own { Ok(with_gap(state.clone())) } else { Err(unsolved) })
         }
