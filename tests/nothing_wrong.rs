@@ -29,6 +29,11 @@ fn stated(state: &Solution) -> f64 {
     state.force_error.expect("a solved state states its error")
 }
 
+/// Of this thread.
+fn cpu_seconds() -> i64 {
+    rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime).tv_sec
+}
+
 /// The force is the truth, within the error that it states and that of the truth.
 fn assert_force(state: &Solution, truth: f64, uncertain: f64) {
     let off = (state.force / truth - 1.0).abs();
@@ -642,12 +647,11 @@ fn approximate_methods_end_with_their_time() {
     let allowed = 0.05;
     let scene = json!({"effective_modulus": 2.45, "gap": gap, "loading": {"depths": [1.0, 0.3]}, "output": ["energy"],
         "solve": {"method": "ritz", "seconds": allowed, "tolerance": 1e-9}});
-    let time = || rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime).tv_sec;
-    let before = time();
+    let before = cpu_seconds();
     for answer in answers(&scene, Path::new(".")) {
         assert_eq!(answer.unwrap_err().verdict, Verdict::TimeLimit);
     }
-    assert!(time() - before < 10);
+    assert!(cpu_seconds() - before < 10);
 }
 
 /// A gap that grows beyond the range of numbers where it is known not to be touched is no overlap that goes on.
@@ -670,10 +674,9 @@ fn steep_walls_end_with_their_time() {
     let pyramid = json!({"kind": "pyramid", "faces": 10, "inclination": 26.68, "at": [1.95, -1.894]});
     let scene = json!({"effective_modulus": 2.28, "loading": {"depth": 1.85},
         "gap": {"kind": "sum", "of": [tips, pyramid, wall]}, "solve": {"method": "fft", "seconds": 0.01}});
-    let time = || rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime).tv_sec;
-    let before = time();
+    let before = cpu_seconds();
     let _ = answers(&scene, Path::new("."));
-    assert!(time() - before < 10);
+    assert!(cpu_seconds() - before < 10);
 }
 
 /// A needle beside a smooth body is not lost under a force, nor along a curve: what it carries is that of the same contact at its depth.
@@ -708,10 +711,9 @@ fn bounds_end_with_their_time() {
     let scene = json!({"effective_modulus": 1.75e8, "gap": {"kind": "formula", "expression": "r^40"}, "output": ["bracket"],
         "loading": {"depth_range": {"steps": 30, "to": 2.05}},
         "solve": {"kernel": "collocation", "method": "closed_form", "tolerance": 1e-100, "seconds": 0.01}});
-    let time = || rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime).tv_sec;
-    let before = time();
+    let before = cpu_seconds();
     assert_eq!(answers(&scene, Path::new(".")).len(), 30);
-    assert!(time() - before < 10);
+    assert!(cpu_seconds() - before < 10);
 }
 
 /// Parts whose centres are apart by the least number there is: the search for where one takes over from the other ends.

@@ -7,7 +7,7 @@ use clap::Args;
 
 use super::outputs::outputs;
 use super::voice::Voice;
-use super::{Failure, checked_threads, inputs, scene};
+use super::{Failure, TimedThreads, inputs, scene};
 use crate::compare::{Plan, compare};
 use crate::error::InputError;
 use crate::plot::{Format, error_against_time};
@@ -32,9 +32,8 @@ pub(super) struct Compare {
     /// Timed runs of each; the median stands
     #[arg(long, value_name = "N", default_value_t = 3)]
     repeats: usize,
-    /// Threads of each run; one by default, so that the methods can be compared
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    threads: usize,
+    #[command(flatten)]
+    threads: TimedThreads,
     /// Write the comparison as JSON; - prints it alone
     #[arg(short = 'o', long, visible_alias = "output", value_name = "FILE")]
     json: Option<PathBuf>,
@@ -51,7 +50,7 @@ impl Compare {
         let wrong = |e: &InputError| Failure::wrong("arguments", e);
         let scene = scene(&self.scene)?;
         let mut plan = Plan::new(scene.settings);
-        plan.settings.threads = checked_threads("--threads", Some(self.threads))?;
+        plan.settings.threads = self.threads.checked()?;
         plan.repeats = self.repeats.max(1);
         plan.heap = Some(super::heap::peak_of);
         let chosen = |name: &str, given: &[usize]| {

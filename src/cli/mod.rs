@@ -204,6 +204,20 @@ impl Threads {
     }
 }
 
+/// The same where run times are shown.
+#[derive(Args)]
+struct TimedThreads {
+    /// Threads of each run; one by default, so that run times can be compared
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    threads: usize,
+}
+
+impl TimedThreads {
+    fn checked(&self) -> Result<usize, Failure> {
+        checked_threads("--threads", Some(self.threads))
+    }
+}
+
 /// A number of threads given at `path`; all cores where none is given.
 fn checked_threads(path: &str, threads: Option<usize>) -> Result<usize, Failure> {
     /// More threads than machines have cores; each takes memory.

@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 
 use super::outputs::outputs;
 use super::voice::Voice;
-use super::{Failure, Overrides, checked_threads, inputs, scene};
+use super::{Failure, Overrides, TimedThreads, inputs, scene};
 use crate::clock::date;
 use crate::compare::Plan;
 use crate::report::{self, Parts, Provenance};
@@ -33,9 +33,8 @@ pub(super) struct Report {
     /// Who made the page; by default whoever is logged in (USER)
     #[arg(long, value_name = "NAME")]
     author: Option<String>,
-    /// Threads to use; one by default, so that the methods can be compared
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    threads: usize,
+    #[command(flatten)]
+    threads: TimedThreads,
 }
 
 /// Parts of a report that may cost more than the answer.
@@ -88,7 +87,7 @@ impl Report {
     pub(super) fn run(&self, voice: Voice) -> Result<ExitCode, Failure> {
         let mut scene = scene(&self.scene)?;
         self.overrides.apply(&mut scene.settings).map_err(|e| Failure::wrong("arguments", &e))?;
-        scene.settings.threads = checked_threads("--threads", Some(self.threads))?;
+        scene.settings.threads = self.threads.checked()?;
         let unwritable = |e: &std::io::Error| Failure::unwritable(&self.output, e);
         let [output] = outputs([("--output", Some(self.output.as_path()))], &inputs(&self.scene, &scene))?;
         // Finer grids take longer than a reader of a report will wait, and show nothing more.

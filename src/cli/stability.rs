@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::outputs::MainOutput;
 use super::voice::Voice;
-use super::{Failure, checked_threads};
+use super::{Failure, TimedThreads};
 use crate::clock::Stopwatch;
 use crate::error::InputError;
 use crate::report::table::{aligned, figure};
@@ -18,16 +18,15 @@ pub(super) struct Stability {
     /// Only the cases whose name holds this text
     #[arg(long, value_name = "TEXT")]
     only: Option<String>,
-    /// Threads of each run; one by default, so that the times can be compared
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    threads: usize,
+    #[command(flatten)]
+    threads: TimedThreads,
     #[command(flatten)]
     output: MainOutput,
 }
 
 impl Stability {
     pub(super) fn run(&self, voice: Voice) -> Result<ExitCode, Failure> {
-        let threads = checked_threads("--threads", Some(self.threads))?;
+        let threads = self.threads.checked()?;
         let output = self.output.target(&[])?;
         let heads =
             ["case", "method", "at", "verdict", "force", "error", "bound", "residual", "condition", "seconds", ""];

@@ -5,7 +5,7 @@ use super::{ClosedForm, Distribution};
 use crate::clock::Deadline;
 use crate::grid::Pressure;
 use crate::overlap::Overlap;
-use crate::problem::Contact;
+use crate::problem::EffectiveModulus;
 use crate::solution::Unsolved;
 
 /// Pressure and boundary for a picture: to a few digits, which is as much as can be seen.
@@ -13,12 +13,12 @@ use crate::solution::Unsolved;
 /// # Errors
 /// As [`of`]; `TimeLimit`.
 pub(crate) fn drawn(
-    contact: &Contact,
+    modulus: EffectiveModulus,
     overlap: &Overlap,
     cells: usize,
     deadline: Deadline,
 ) -> Result<(Pressure, Vec<[f64; 2]>), Unsolved> {
-    let form = of(overlap, contact.modulus(), deadline)?.contact;
+    let form = of(overlap, modulus, deadline)?.contact;
     let boundary = form.patch.boundary(BOUNDARY_POINTS);
     if !matches!(form.pressure, Distribution::Revolution(_)) {
         return Ok((sampled(&form, cells, deadline, ClosedForm::pressure)?, boundary));

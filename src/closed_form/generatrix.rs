@@ -10,6 +10,9 @@ use crate::numeric::quadrature::{Integral, adaptive, from_zero};
 /// g'(r) or g(r).
 pub(super) type Profile = Box<dyn Fn(f64) -> f64 + Send + Sync>;
 
+/// The clock is read once for so many integrals: that costs as much as a short one.
+const CHECKED: u32 = 8;
+
 /// A gap of revolution.
 pub(super) struct Generatrix {
     pub(super) profile: Profile,
@@ -23,7 +26,7 @@ pub(super) struct Generatrix {
     pub(super) overlap: f64,
     /// From then on integrals are NaN.
     pub(super) deadline: Deadline,
-    /// Integrals so far: reading a clock costs as much as a short one, and is done at every eighth.
+    /// Integrals so far.
     pub(super) integrals: AtomicU32,
     /// Whether it has been read to be past the deadline.
     pub(super) is_late: AtomicBool,
@@ -44,7 +47,7 @@ impl Generatrix {
     /// int_0^{pi/2} F dt with r = s sin t on the panel next to the axis, where r has to keep its digits, and
     /// r = s cos theta on the others, where s - r has to: `f(r, sin t, cos t)`.
     fn integral(&self, s: f64, f: impl Fn(f64, f64, f64) -> f64) -> Integral {
-        if self.integrals.fetch_add(1, Ordering::Relaxed).is_multiple_of(8) && self.deadline.has_passed() {
+        if self.integrals.fetch_add(1, Ordering::Relaxed).is_multiple_of(CHECKED) && self.deadline.has_passed() {
             self.is_late.store(true, Ordering::Relaxed);
         }
         if self.is_late.load(Ordering::Relaxed) {

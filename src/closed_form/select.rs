@@ -205,7 +205,7 @@ pub(crate) fn solution(
     let infinite = max.is_none() || max == Some(f64::INFINITY);
     let singular =
         infinite.then(|| if is_pointed(&overlap.gap, overlap, &ellipse) { Singular::Tip } else { Singular::Edge });
-    // The slope of a quadratic form is largest at the end of an axis, that about an axis the same all round.
+    // Without a tilt the slope of a quadratic form is largest at the end of an axis, and about an axis it is the same all round.
     let validity = Validity::of(contact, &[ellipse.boundary(8)], ellipse.area(), form.force);
     let mut solution = Solution {
         method: Method::ClosedForm,

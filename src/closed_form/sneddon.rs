@@ -91,18 +91,20 @@ impl Sneddon {
     /// The same, which gives up at the deadline: what is asked for later is NaN or an error, and a pressure that is not finite is
     /// none.
     #[must_use]
-    pub fn before(mut self, deadline: Deadline) -> Self {
-        if let Some(generatrix) = Arc::get_mut(&mut self.generatrix) {
-            generatrix.deadline = deadline;
-        }
-        self
+    pub fn before(self, deadline: Deadline) -> Self {
+        self.with(|generatrix| generatrix.deadline = deadline)
     }
 
     /// The same where the undeformed bodies are known not to overlap beyond this radius: the slope is looked at no farther than that asks
     /// for, and may be beyond the range of numbers there.
-    pub(crate) fn overlapping_within(mut self, radius: f64) -> Self {
+    pub(crate) fn overlapping_within(self, radius: f64) -> Self {
+        self.with(|generatrix| generatrix.overlap = radius)
+    }
+
+    /// Changes what no contact shares yet.
+    fn with(mut self, change: impl FnOnce(&mut Generatrix)) -> Self {
         if let Some(generatrix) = Arc::get_mut(&mut self.generatrix) {
-            generatrix.overlap = radius;
+            change(generatrix);
         }
         self
     }

@@ -17,20 +17,21 @@ const FULL: usize = 16;
 /// Relative error of a displacement at which an order is enough.
 const DIGITS: f64 = 1e-10;
 
-/// The fewest nodes for 1/r between boxes around these centres. The interpolant of order n of a function that is analytic
+/// Which of the orders has the fewest nodes for 1/r between these boxes. The interpolant of order n of a function that is analytic
 /// within the ellipse of Bernstein of the parameter rho is off by about rho^-n.
-fn order_between(a: &Rect, b: &Rect) -> usize {
+fn level_between(a: &Rect, b: &Rect) -> usize {
     let [at, by] = [a, b].map(Rect::centre);
     let apart = (at[0] - by[0]).hypot(at[1] - by[1]);
     let half = |of: &Rect| 0.5 * of.longer_side();
     // The nearest singularity, in halves of a side from the centre; a box is at most sqrt 2 times its half side wide.
     let nearest = |of: &Rect, other: &Rect| (apart - half(of) - SQRT_2 * half(other)) / half(of);
     let z = nearest(a, b).min(nearest(b, a));
+    let full = ORDERS.len() - 1;
     if z.is_nan() || z <= 1.0 {
-        return FULL;
+        return full;
     }
     let rho = z + (z * z - 1.0).sqrt();
-    ORDERS.into_iter().find(|n| rho.powi(-(*n as i32)) <= DIGITS).unwrap_or(FULL)
+    ORDERS.iter().position(|n| rho.powi(-(*n as i32)) <= DIGITS).unwrap_or(full)
 }
 
 /// The loads of one contact, as few as their displacement at a distance asks for.
@@ -111,8 +112,7 @@ impl DisplacedGap {
         let mut near: [Vec<[f64; 3]>; ORDERS.len()] = Default::default();
         for loads in others {
             let Some(around) = &loads.around else { continue };
-            let order = order_between(&within, around);
-            let Some(k) = ORDERS.iter().position(|n| *n == order) else { continue };
+            let k = level_between(&within, around);
             let scaled = |([a, b], q): &([f64; 2], f64)| [(a - centre[0]) * per, (b - centre[1]) * per, q * per / PI];
             near[k].extend(loads.gathered[k].iter().map(scaled));
         }

@@ -1,6 +1,5 @@
 //! The state that a picture shows: that of the answer where it has a field of its own, else one on a grid.
 
-use crate::clock::Deadline;
 use crate::closed_form::drawn::drawn;
 use crate::grid_method::gap_left;
 use crate::overlap::Overlap;
@@ -14,8 +13,9 @@ const PICTURE_CELLS: usize = 96;
 /// The same where the pressure is known by a formula.
 const FORMULA_CELLS: usize = 144;
 
-/// The state with boundary and pressure, and the gap where the picture shows it. Cells that are fitted to sharp edges are few and large, formulas have none: both are drawn
-/// from a grid at the same depth. The answer itself is not changed by what a picture needs.
+/// The state with boundary and pressure, and the gap where the picture shows it. Cells that are fitted to sharp edges are few and large,
+/// formulas have none: the ones are drawn from a grid at the same depth, the others from the formula. The answer itself is not changed
+/// by what a picture needs.
 ///
 /// # Errors
 /// Those of the grid.
@@ -37,28 +37,29 @@ pub(crate) fn pictured(
     if has_own && !coarse {
         return Ok(with_gap(state.clone()));
     }
-    let outputs = Outputs { patch: true, pressure: true, gap, ..Outputs::default() };
-    let cells = Some(settings.cells.unwrap_or(PICTURE_CELLS));
-    let on_grid = |method| {
-        let settings = Settings { method, cells, outputs, evidence: ErrorBar::Estimate, ..*settings };
-        // Whatever error the grid is left with: the answer stands beside it.
-        solve(&contact, &settings).remove(0).or_else(Unsolved::accept_best)
-    };
     // By the formula where that gives the pressure.
     let by_formula = || {
         let overlap = Overlap::of(&contact.tilted_gap(state.tilt), state.depth).ok()??;
-        let deadline = Deadline::after(settings.seconds, settings.threads);
-        let (field, boundary) = drawn(&contact, &overlap, settings.cells.unwrap_or(FORMULA_CELLS), deadline).ok()?;
+        let deadline = settings.deadline.or_after(settings.seconds, settings.threads);
+        let (field, boundary) =
+            drawn(contact.modulus(), &overlap, settings.cells.unwrap_or(FORMULA_CELLS), deadline).ok()?;
         let mut shown = state.clone();
         (shown.grid, shown.pressure.field, shown.patch.boundary) =
             (Some(field.grid), Some(field), Some(vec![boundary]));
         Some(with_gap(shown))
     };
-    match (state.method == Method::ClosedForm).then(by_formula).flatten() {
-        Some(shown) => Ok(shown),
-        None => {
-            on_grid(Method::Fft).or_else(|unsolved| if has_own { Ok(with_gap(state.clone())) } else { Err(unsolved) })
-        }
+    if state.method == Method::ClosedForm
+        && let Some(shown) = by_formula()
+    {
+        return Ok(shown);
+    }
+    let outputs = Outputs { patch: true, pressure: true, gap, ..Outputs::default() };
+    let cells = Some(settings.cells.unwrap_or(PICTURE_CELLS));
+    let settings = Settings { method: Method::Fft, cells, outputs, evidence: ErrorBar::Estimate, ..*settings };
+    // Whatever error the grid is left with: the answer stands beside it.
+    match solve(&contact, &settings).remove(0).or_else(Unsolved::accept_best) {
+        Err(_) if has_own => Ok(with_gap(state.clone())),
+        on_grid => on_grid,
     }
 }
 

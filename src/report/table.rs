@@ -202,10 +202,12 @@ fn fineness(s: &Solution) -> f64 {
 
 /// A length with the digits that it is known to; 0 where it is not known to be another.
 fn place(x: f64, fineness: f64) -> String {
-    if x.abs() <= fineness {
-        return "0".to_owned();
-    }
-    rounded(x, fineness / x.abs())
+    beyond(x, fineness, 1.0)
+}
+
+/// A length that is known to this, with as many digits as if it were known to so many times that; 0 where it is not known to be another.
+fn beyond(x: f64, error: f64, times: f64) -> String {
+    if x.abs() <= error { "0".to_owned() } else { rounded(x, times * error / x.abs()) }
 }
 
 /// How far a patch reaches, with the digits that are certain.
@@ -213,11 +215,7 @@ fn border(x: f64, s: &Solution) -> String {
     if s.area_error.is_some_and(|error| error <= ROUNDING) {
         return place(x, 1e-8 * s.patch.area.sqrt());
     }
-    let error = CORNER * fineness(s);
-    if x.abs() <= error {
-        return "0".to_owned();
-    }
-    rounded(x, 10.0 * error / x.abs())
+    beyond(x, CORNER * fineness(s), 10.0)
 }
 
 /// An acute corner of a patch, where the pressure fades, is found so many times less well than a smooth border: that of the
