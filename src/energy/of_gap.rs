@@ -2,7 +2,7 @@
 
 use super::overlap::{Interval, Jet, OverlapBounds};
 use crate::clock::Deadline;
-use crate::gap::{AnyGap, Gap, Reach};
+use crate::gap::{AnyGap, Gap, Material, Reach};
 use crate::numeric;
 use crate::numeric::geometry::Rect;
 use crate::overlap::Scaled;
@@ -112,6 +112,10 @@ impl OverlapBounds for GapOverlap<'_> {
 
     fn mean(&self, rect: &Rect) -> Interval {
         self.below_depth(self.mean_of_gap(rect, HALVINGS))
+    }
+
+    fn ends(&self) -> bool {
+        self.gap.known().material != Material::Everywhere
     }
 
     fn material(&self, rect: &Rect) -> bool {

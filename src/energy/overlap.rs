@@ -22,6 +22,11 @@ pub trait OverlapBounds {
     /// Bounds of the mean of f over a rectangle.
     fn mean(&self, rect: &Rect) -> Interval;
 
+    /// Whether there may be a rectangle without material: false is certain.
+    fn ends(&self) -> bool {
+        true
+    }
+
     /// Whether there may be material in a rectangle: false is certain.
     fn material(&self, _rect: &Rect) -> bool {
         true
@@ -229,6 +234,10 @@ impl OverlapBounds for Raised<'_> {
 
     fn mean(&self, rect: &Rect) -> Interval {
         self.raised(self.overlap.mean(rect))
+    }
+
+    fn ends(&self) -> bool {
+        self.overlap.ends()
     }
 
     fn material(&self, rect: &Rect) -> bool {

@@ -108,7 +108,8 @@ impl Residual<'_> {
                 let lanes = LANES.min(count - start);
                 let wanted = |k: usize| {
                     let i = first + k as isize;
-                    k < lanes && !loaded(i, j) && (0..4).any(|q| !known(i, j, q)) && overlap.material(&self.rect(i, j))
+                    let open = k < lanes && !loaded(i, j) && (0..4).any(|q| !known(i, j, q));
+                    open && (!overlap.ends() || overlap.material(&self.rect(i, j)))
                 };
                 if !(0..lanes).any(wanted) {
                     continue;

@@ -231,14 +231,12 @@ impl Gap for AnyGap {
         let steep = self.transform.slope_inward(slope);
         let own = self.inner.bounds(&self.transform.rect_inward(rect), steep)?;
         let [low, high] = self.transform.bounds_outward(own, steep, rect);
-        // The turned rectangle has less room than the upright one around it.
-        match self.taylor(rect).filter(|_| !self.transform.is_upright()) {
-            Some(taylor) => {
-                let [a, b] = taylor.bounds(rect.size(), slope);
-                Some([low.max(a), high.min(b)])
-            }
-            None => Some([low, high]),
+        if self.transform.is_upright() {
+            return Some([low, high]);
         }
+        // The turned rectangle has less room than the upright one around it.
+        let [a, b] = self.taylor(rect).map_or([low, high], |taylor| taylor.bounds(rect.size(), slope));
+        Some([low.max(a), high.min(b)])
     }
 
     fn taylor(&self, rect: &Rect) -> Option<Taylor> {

@@ -260,18 +260,23 @@ impl Gap for Polyhedron {
     }
 
     fn taylor(&self, rect: &Rect) -> Option<Taylor> {
-        let top = self.highest(rect.centre()[0], rect.centre()[1]).1;
-        // One plane is the highest in all corners, so it is throughout.
-        let over = |c: [f64; 2]| {
-            let [x, y] = c.map(Interval::point);
-            let at = |p: &[f64; 3]| Interval::point(p[0]) * x + Interval::point(p[1]) * y + Interval::point(p[2]);
-            let own = at(top).lo;
-            self.fan.filter(|&(faces, _)| faces > MANY).map_or_else(
-                || self.planes.iter().all(|p| p == top || at(p).hi <= own),
-                |(faces, _)| self.near(faces, rect).iter().all(|p| p == top || at(p).hi <= own),
-            )
+        let ([x, y], [w, h]) = (rect.centre(), rect.size());
+        let top = self.highest(x, y).1;
+        let (far_x, far_y) = (x.abs() + w, y.abs() + h);
+        let size = |p: &[f64; 3]| p[0].abs() * far_x + p[1].abs() * far_y + p[2].abs();
+        // The most by which another plane rises above the highest of the centre, anywhere in the rectangle. Twelve roundings at most, each
+        // of a number below the sum of both sizes.
+        let over = |p: &[f64; 3]| {
+            let [a, b, c] = [0, 1, 2].map(|k| p[k] - top[k]);
+            let rise = a * x + b * y + c + 0.5 * (a.abs() * w + b.abs() * h);
+            rise + 8.0 * f64::EPSILON * (size(p) + size(top)) <= 0.0
         };
-        if !rect.corners().into_iter().all(over) {
+        let below = |planes: &[[f64; 3]]| planes.iter().all(|p| p == top || over(p));
+        let highest = match self.fan.filter(|&(faces, _)| faces > MANY) {
+            Some((faces, _)) => below(&self.near(faces, rect)),
+            None => below(&self.planes),
+        };
+        if !highest {
             return None;
         }
         let [x, y] = rect.centre().map(Interval::point);

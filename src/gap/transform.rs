@@ -196,8 +196,14 @@ impl Transform {
         let (gx, gy) = (gx + steeper, gy + steeper);
         let two = Interval::point(2.0);
         let curved = steep * scale;
+        let value = (own.value + off) / per - self.plane_at(rect.centre());
+        if self.turn == Rotation2::identity() {
+            let [a, b, _] = self.plane.map(Interval::point);
+            let (gradient, hessian) = ([steep * gx - a, steep * gy - b], [xx, xy, yy].map(|v| curved * v));
+            return Taylor { value, gradient, hessian }.finite();
+        }
         Taylor {
-            value: (own.value + off) / per - self.plane_at(rect.centre()),
+            value,
             gradient: [
                 steep * (c * gx - s * gy) - Interval::point(self.plane[0]),
                 steep * (s * gx + c * gy) - Interval::point(self.plane[1]),

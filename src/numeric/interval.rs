@@ -427,6 +427,7 @@ impl From<f64> for Interval {
 impl Neg for Interval {
     type Output = Self;
 
+    #[inline]
     fn neg(self) -> Self {
         Self { lo: -self.hi, hi: -self.lo, defined: self.defined }
     }
@@ -435,6 +436,7 @@ impl Neg for Interval {
 impl Add for Interval {
     type Output = Self;
 
+    #[inline]
     fn add(self, other: Self) -> Self {
         if self.is_empty() || other.is_empty() {
             return Self::EMPTY;
@@ -471,6 +473,7 @@ fn times(a: f64, b: f64) -> f64 {
 impl Mul for Interval {
     type Output = Self;
 
+    #[inline]
     fn mul(self, other: Self) -> Self {
         if self.is_empty() || other.is_empty() {
             return Self::EMPTY;
@@ -484,10 +487,13 @@ impl Mul for Interval {
                 return Self { defined, ..Self::ZERO };
             }
         }
-        let corners =
-            [times(self.lo, other.lo), times(self.lo, other.hi), times(self.hi, other.lo), times(self.hi, other.hi)];
-        let lo = corners.into_iter().fold(f64::INFINITY, f64::min);
-        let hi = corners.into_iter().fold(f64::NEG_INFINITY, f64::max);
+        let mut corners = [self.lo * other.lo, self.lo * other.hi, self.hi * other.lo, self.hi * other.hi];
+        if corners.iter().any(|c| c.is_nan()) {
+            corners =
+                [times(self.lo, other.lo), times(self.lo, other.hi), times(self.hi, other.lo), times(self.hi, other.hi)];
+        }
+        let [a, b, c, d] = corners;
+        let (lo, hi) = (a.min(b).min(c.min(d)), a.max(b).max(c.max(d)));
         let product = Self::outward(lo, hi, defined);
         // The sign of a product is exact.
         let positive = (self.lo >= 0.0 && other.lo >= 0.0) || (self.hi <= 0.0 && other.hi <= 0.0);
@@ -504,11 +510,19 @@ impl Div for Interval {
     type Output = Self;
 
     /// No value where the divisor is 0.
+    #[inline]
     fn div(self, other: Self) -> Self {
         if self.is_empty() || other.is_empty() || (other.lo == 0.0 && other.hi == 0.0) {
             return Self::EMPTY;
         }
         let defined = self.defined && other.defined && !other.has_zero();
+        if other.lo == other.hi && other.lo > 0.0 && other.lo.is_finite() {
+            let quotient = Self::outward(self.lo / other.lo, self.hi / other.lo, defined);
+            // The sign of a quotient is exact.
+            let least = if self.lo >= 0.0 { 0.0 } else { f64::NEG_INFINITY };
+            let most = if self.hi <= 0.0 { 0.0 } else { f64::INFINITY };
+            return Self { lo: quotient.lo.max(least), hi: quotient.hi.min(most), ..quotient };
+        }
         if other.lo < 0.0 && other.hi > 0.0 {
             return Self { defined, ..Self::UNKNOWN };
         }
