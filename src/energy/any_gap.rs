@@ -51,7 +51,7 @@ const RING: f64 = 2.5;
 /// `above_least`: the depth above what the gap is nowhere less than.
 /// Bounds no wider than `enough`, relative to the force, are not made narrower.
 pub(super) fn bounds(overlap: &GapOverlap, above_least: f64, trial: &Trial, enough: f64) -> Option<[f64; 2]> {
-    let known = [trial.displacement.is_some(), false];
+    let known = [trial.displacement_reaches(), false];
     known.into_iter().find_map(|known| by_trial(overlap, above_least, trial, known, enough))
 }
 

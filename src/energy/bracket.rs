@@ -1,6 +1,7 @@
 //! The energy from below and from above, from any pressure.
 
-use super::field::{COEFFICIENTS, Field};
+use super::basis::NODES;
+use super::field::{COEFFICIENTS, Field, RING};
 use super::overlap::OverlapBounds;
 use super::residual::{Halves, Norms, Residual};
 use crate::grid::Grid;
@@ -91,6 +92,23 @@ impl Trial<'_> {
         Some((field?, halves))
     }
 
+    /// Whether the displacement is known as far around every cell under pressure as it is looked at there.
+    pub(super) fn displacement_reaches(&self) -> bool {
+        let Some(u) = self.displacement else { return false };
+        let ([nx, ny], far) = (self.grid.shape, NODES + RING);
+        let known = |i: usize, j: usize| {
+            let steps = [0, far, 2 * far];
+            let inside = |k: usize, n: usize| k >= far && k - far < n;
+            steps.iter().all(|b| {
+                steps.iter().all(|a| {
+                    let (x, y) = (i + a, j + b);
+                    inside(x, nx) && inside(y, ny) && u[(y - far) * nx + x - far] != 0.0
+                })
+            })
+        };
+        (0..self.pressure.len()).filter(|k| self.pressure[*k] > 0.0).all(|k| known(k % nx, k / nx))
+    }
+
     fn halves(&self, overlap: &dyn OverlapBounds) -> Halves {
         let (mirrors, middle) = (overlap.mirrors(), self.grid.extent().centre());
         let near = |m: usize, c: f64| (c - middle[m]).abs() <= ASIDE * self.grid.spacing[m];
@@ -158,7 +176,7 @@ pub fn energy_bracket(overlap: &dyn OverlapBounds, trial: &Trial) -> EnergyBrack
     if !positive || trial.grid.is_empty() {
         return unknown();
     }
-    for known in [trial.displacement.is_some(), false] {
+    for known in [trial.displacement_reaches(), false] {
         let Some((field, halves)) = trial.field(overlap, known) else { return unknown() };
         let bracket = of_field(overlap, &field, halves);
         if !known || bracket.width.is_finite() && bracket.lower.is_finite() {

@@ -24,7 +24,7 @@ use crate::numeric::quadrature::GaussLegendre;
 const NEAR: f64 = 4.0;
 
 /// The same for the cells whose norms are added one by one.
-const FAR: f64 = 20.0;
+const FAR: f64 = 12.0;
 
 /// Points along half a side for the integrals of Z_j: in the inner half of it, and in the outer half.
 const FINE: [usize; 2] = [6, 10];

@@ -154,11 +154,24 @@ impl std::fmt::Debug for AnyGap {
     }
 }
 
+/// Points that are seen in the gap's own frame at once.
+const AT_ONCE: usize = 16;
+
 #[warn(clippy::missing_trait_methods)]
 impl Gap for AnyGap {
     fn gap(&self, x: f64, y: f64) -> f64 {
         let [u, v] = self.transform.inward([x, y]);
         self.transform.height_outward(self.inner.gap(u, v), [x, y])
+    }
+
+    fn gaps(&self, points: &[[f64; 2]], to: &mut [f64]) {
+        let mut own = [[0.0; 2]; AT_ONCE];
+        for (points, to) in points.chunks(AT_ONCE).zip(to.chunks_mut(AT_ONCE)) {
+            let own = &mut own[..points.len()];
+            points.iter().zip(own.iter_mut()).for_each(|(p, own)| *own = self.transform.inward(*p));
+            self.inner.gaps(own, to);
+            points.iter().zip(to).for_each(|(p, to)| *to = self.transform.height_outward(*to, *p));
+        }
     }
 
     fn gradient(&self, x: f64, y: f64) -> Option<[f64; 2]> {
@@ -208,13 +221,11 @@ impl Gap for AnyGap {
         } else if let Some(planes) = &self.turned {
             mean::of_planes(planes, &self.unturned(cell))
         } else {
-            mean::by_quadrature(
-                |x, y| {
-                    let [u, v] = self.transform.inward([x, y]);
-                    self.inner.gap(u, v)
-                },
-                cell,
-            )
+            let inner = |points: &[[f64; 2]], to: &mut [f64]| {
+                let own: Vec<[f64; 2]> = points.iter().map(|p| self.transform.inward(*p)).collect();
+                self.inner.gaps(&own, to);
+            };
+            mean::by_values(&inner, cell)
         };
         self.transform.height_outward(own, cell.centre())
     }

@@ -35,10 +35,30 @@ type OfCell<'a> = dyn Fn(&dyn Gap, usize, usize) -> f64 + 'a;
 
 fn in_cells<E>(gap: &dyn Gap, grid: &Grid, of: &OfCell, before: &dyn Fn() -> Result<(), E>) -> Result<Vec<f64>, E> {
     let mut values = vec![f64::INFINITY; grid.len()];
-    if !grid.is_empty() {
-        Block { from: [0; 2], to: grid.shape }.fill(gap, grid, of, before, &mut values)?;
+    if grid.is_empty() {
+        return Ok(values);
+    }
+    let ([nx, ny], mirrored) = (grid.shape, mirrored(gap, grid));
+    let from = [0, 1].map(|m| if mirrored[m] { grid.shape[m] / 2 } else { 0 });
+    Block { from, to: grid.shape }.fill(gap, grid, of, before, &mut values)?;
+    if mirrored[0] {
+        for row in values.chunks_exact_mut(nx) {
+            (0..nx / 2).for_each(|i| row[i] = row[nx - 1 - i]);
+        }
+    }
+    if mirrored[1] {
+        (0..ny / 2).for_each(|j| values.copy_within((ny - 1 - j) * nx..(ny - j) * nx, j * nx));
     }
     Ok(values)
+}
+
+/// Share of a cell by which a mirror of the gap may lie off the middle of the grid: what rounding does.
+const ASIDE: f64 = 1e-12;
+
+/// Along which axes the gap is its own image in the middle of the grid.
+fn mirrored(gap: &dyn Gap, grid: &Grid) -> [bool; 2] {
+    let (known, middle) = (gap.describe(), grid.extent().centre());
+    [0, 1].map(|m| known.mirrors[m] && (known.centre[m] - middle[m]).abs() <= ASIDE * grid.spacing[m])
 }
 
 /// Cells from a corner to another, the second one beyond the last.

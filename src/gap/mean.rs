@@ -69,18 +69,30 @@ const DEEPEST: u32 = 4;
 /// Two rules that agree to this share of the variation in the cell are taken as exact.
 const AGREEMENT: f64 = 1e-7;
 
+/// Values at some points, written to as many places.
+pub(super) type Values<'a> = dyn Fn(&[[f64; 2]], &mut [f64]) + 'a;
+
 /// Tensor 3-point Gauss, halved where it disagrees with itself (kinks, edges). Exact to degree 5.
-pub(super) fn by_quadrature(g: impl Fn(f64, f64) -> f64 + Copy, cell: &Rect) -> f64 {
+pub(super) fn by_quadrature(g: impl Fn(f64, f64) -> f64, cell: &Rect) -> f64 {
+    by_values(&|points, to| points.iter().zip(to).for_each(|(p, to)| *to = g(p[0], p[1])), cell)
+}
+
+/// The same from values at several points at once.
+pub(super) fn by_values(g: &Values, cell: &Rect) -> f64 {
     let (mean, low, high) = gauss(g, cell);
+    if !mean.is_finite() {
+        return f64::INFINITY;
+    }
     // Material must reach into the corners; a cell that was fitted to an edge may miss it by rounding.
-    let complete = cell.scaled(1.0 - 1e-9).corners().iter().all(|c| g(c[0], c[1]).is_finite());
-    if !(mean.is_finite() && complete) {
+    let mut corners = [0.0; 4];
+    g(&cell.scaled(1.0 - 1e-9).corners(), &mut corners);
+    if !corners.iter().all(|g| g.is_finite()) {
         return f64::INFINITY;
     }
     refine(g, cell, mean, AGREEMENT * (high - low), DEEPEST)
 }
 
-fn refine(g: impl Fn(f64, f64) -> f64 + Copy, cell: &Rect, whole: f64, tolerance: f64, deeper: u32) -> f64 {
+fn refine(g: &Values, cell: &Rect, whole: f64, tolerance: f64, deeper: u32) -> f64 {
     let [x, y] = cell.centre();
     let quarters = [
         Rect { min: cell.min, max: [x, y] },
@@ -97,17 +109,17 @@ fn refine(g: impl Fn(f64, f64) -> f64 + Copy, cell: &Rect, whole: f64, tolerance
     0.25 * (refined(0) + refined(1) + refined(2) + refined(3))
 }
 
-fn gauss(g: impl Fn(f64, f64) -> f64, cell: &Rect) -> (f64, f64, f64) {
-    let [x, y] = cell.centre();
-    let [w, h] = cell.size();
+/// Mean, least and greatest value of the rule.
+fn gauss(g: &Values, cell: &Rect) -> (f64, f64, f64) {
+    let ([x, y], [w, h]) = (cell.centre(), cell.size());
+    let mut values = [0.0; 9];
+    let points = std::array::from_fn::<_, 9, _>(|k| [x + 0.5 * w * NODES[k / 3].0, y + 0.5 * h * NODES[k % 3].0]);
+    g(&points, &mut values);
     let (mut mean, mut low, mut high) = (0.0, f64::INFINITY, f64::NEG_INFINITY);
-    for (s, u) in NODES {
-        for (t, v) in NODES {
-            let value = g(x + 0.5 * w * s, y + 0.5 * h * t);
-            mean += u * v * value;
-            low = value.min(low);
-            high = value.max(high);
-        }
+    for (k, value) in values.into_iter().enumerate() {
+        mean += NODES[k / 3].1 * NODES[k % 3].1 * value;
+        low = value.min(low);
+        high = value.max(high);
     }
     (mean, low, high)
 }

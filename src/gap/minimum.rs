@@ -137,6 +137,10 @@ impl Gap for Minimum {
         self.parts.iter().map(|part| part.gap(x, y)).fold(f64::INFINITY, least)
     }
 
+    fn gaps(&self, points: &[[f64; 2]], to: &mut [f64]) {
+        points.iter().zip(to).for_each(|(p, to)| *to = self.gap(p[0], p[1]));
+    }
+
     fn gradient(&self, x: f64, y: f64) -> Option<[f64; 2]> {
         self.parts[self.least([x, y])].gradient(x, y)
     }

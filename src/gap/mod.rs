@@ -120,6 +120,11 @@ pub trait Gap: Send + Sync {
     /// The gap at (x, y), in units of length.
     fn gap(&self, x: f64, y: f64) -> f64;
 
+    /// The gap at several points: `to[k]` at `points[k]`.
+    fn gaps(&self, points: &[[f64; 2]], to: &mut [f64]) {
+        points.iter().zip(to).for_each(|(p, to)| *to = self.gap(p[0], p[1]));
+    }
+
     /// (dg/dx, dg/dy) where it is known; at a kink, that of one of the sides.
     fn gradient(&self, _x: f64, _y: f64) -> Option<[f64; 2]> {
         None
@@ -147,7 +152,7 @@ pub trait Gap: Send + Sync {
 
     /// Mean of the gap over a rectangle. Infinite where any part has no material.
     fn mean(&self, cell: &Rect) -> f64 {
-        mean::by_quadrature(|x, y| self.gap(x, y), cell)
+        mean::by_values(&|points, to| self.gaps(points, to), cell)
     }
 
     /// Bounds of g(x) - slope . (x - c) over a rectangle with centre c: nowhere less than the first, nowhere more than the

@@ -176,6 +176,10 @@ impl Gap for Sum {
         if sum.is_nan() && self.parts.iter().any(|part| part.gap(x, y) == f64::INFINITY) { f64::INFINITY } else { sum }
     }
 
+    fn gaps(&self, points: &[[f64; 2]], to: &mut [f64]) {
+        points.iter().zip(to).for_each(|(p, to)| *to = self.gap(p[0], p[1]));
+    }
+
     fn gradient(&self, x: f64, y: f64) -> Option<[f64; 2]> {
         self.parts.iter().try_fold([0.0; 2], |sum, part| part.gradient(x, y).map(|g| [sum[0] + g[0], sum[1] + g[1]]))
     }

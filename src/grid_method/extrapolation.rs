@@ -22,11 +22,41 @@ pub enum Ends {
     Unknown,
 }
 
-/// The limit of grid energies (cell means), which converge smoothly from one side, the cells doubling.
+/// Share of the last step that is left of an energy, and half the range of that share.
 ///
-/// What is left is a share of the last step. Its range was measured on 5000 contacts along and against the grid, of aspects to
-/// 200 and exponents to 8, regular and irregular pyramids, on grids of 10 to 96 cells of which the coarsest has 24 and more
-/// under pressure: on two coarse grids steps still vary with how the cells lie, and a step that is small by luck leaves more.
+/// `examples/estimate_factors.rs` draws contacts along and against the grid, of aspects to 200 and exponents to 8, regular and irregular
+/// pyramids, on grids of which the coarsest has 12 to 24 cells, and prints what is left; these are what it prints, with room. On two
+/// coarse grids steps still vary with how the cells lie.
+#[derive(Clone, Copy)]
+struct Left {
+    share: f64,
+    spread: f64,
+}
+
+/// First order: as much as the last step is left on two grids; on more, as a geometric series has it, times these.
+const AT_EDGES: [Left; 2] = [Left { share: 1.0, spread: 0.5 }, Left { share: 1.0, spread: 0.15 }];
+
+/// Second order, on two, on three and on more grids.
+const AT_CORNERS: [Left; 3] =
+    [Left { share: 0.37, spread: 0.22 }, Left { share: 0.315, spread: 0.14 }, Left { share: 0.315, spread: 0.12 }];
+
+/// Steps at corners that fall by less than this may have any share to go: more for each unit that is missing.
+const SLOW_AT_CORNERS: [f64; 2] = [3.0, 0.06];
+
+/// A step at corners that is smaller than the one before by more than this is so by chance: more is left for each unit.
+const SMALL_AT_CORNERS: [f64; 2] = [4.5, 0.09];
+
+/// Third order or not known: on two grids; on more, where all of what a step adds may be missing; and once steps fall alike.
+const ELSEWHERE: [Left; 3] =
+    [Left { share: 0.22, spread: 0.17 }, Left { share: 0.21, spread: 0.21 }, Left { share: 0.17, spread: 0.07 }];
+
+/// By what steps fall on smooth contacts.
+const SMOOTH: std::ops::Range<f64> = 5.5..11.0;
+
+/// Steps that fall by less show no order.
+const LEAST_RATIO: f64 = 1.5;
+
+/// The limit of grid energies (cell means), which converge smoothly from one side, the cells doubling: a share of the last step is left.
 ///
 /// Forces must not be extrapolated like this: the contact is a whole number of cells and the force jitters with it.
 #[must_use]
@@ -43,23 +73,22 @@ pub fn of_energies(coarse_to_fine: &[f64], ends: Ends) -> Option<Estimate> {
         // No order to be seen: keep the last value, its error the last step.
         return Some(Estimate { value: last, error: step.abs().max(0.25 * before.unwrap_or(0.0).abs()) });
     }
-    let smooth = steps.len() >= 3 && steps[steps.len() - 3..].windows(2).all(|s| SMOOTH.contains(&(s[0] / s[1])));
-    // By how much a step is smaller than the one before would have it.
-    let small_by_chance = |usual: f64| 0.09 * (ratio.unwrap_or(usual) - usual).max(0.0);
-    let (share, spread) = match (ends, ratio) {
-        (Ends::Edges, None) => (1.0, 0.5),
-        (Ends::Edges, Some(ratio)) => (1.0 / (ratio - 1.0), 0.15 / (ratio - 1.0)),
-        (Ends::Corners, None) => (0.37, 0.22),
-        (Ends::Corners, Some(ratio)) => {
-            let spread = if steps.len() == 2 { 0.14 } else { 0.12 };
-            // Steps that hardly fall yet may have any share to go.
-            let slow = 0.06 * (3.0 - ratio).max(0.0);
-            (0.315 + small_by_chance(4.5), spread + small_by_chance(4.5) + slow)
+    let settled = steps.len() >= 3 && steps[steps.len() - 3..].windows(2).all(|s| SMOOTH.contains(&(s[0] / s[1])));
+    let Left { share, spread } = match (ends, ratio) {
+        (Ends::Edges, None) => AT_EDGES[0],
+        (Ends::Edges, Some(ratio)) => {
+            let Left { share, spread } = AT_EDGES[1];
+            Left { share: share / (ratio - 1.0), spread: spread / (ratio - 1.0) }
         }
-        (Ends::Unknown, None) => (0.22, 0.17),
-        (Ends::Unknown, Some(_)) if smooth => (0.17, 0.07),
-        // Until steps fall alike, all of what they add may be missing.
-        (Ends::Unknown, Some(_)) => (0.21, 0.21),
+        (Ends::Corners, None) => AT_CORNERS[0],
+        (Ends::Corners, Some(ratio)) => {
+            let Left { share, spread } = AT_CORNERS[if steps.len() == 2 { 1 } else { 2 }];
+            let by_chance = SMALL_AT_CORNERS[1] * (ratio - SMALL_AT_CORNERS[0]).max(0.0);
+            let slow = SLOW_AT_CORNERS[1] * (SLOW_AT_CORNERS[0] - ratio).max(0.0);
+            Left { share: share + by_chance, spread: spread + by_chance + slow }
+        }
+        (Ends::Unknown, None) => ELSEWHERE[0],
+        (Ends::Unknown, Some(_)) => ELSEWHERE[if settled { 2 } else { 1 }],
     };
     // A step that is small by luck counts as the one before would have it.
     let size = match ends {
@@ -68,12 +97,6 @@ pub fn of_energies(coarse_to_fine: &[f64], ends: Ends) -> Option<Estimate> {
     };
     Some(Estimate { value: last + share * step, error: spread * size })
 }
-
-/// Steps that fall by less show no order.
-const LEAST_RATIO: f64 = 1.5;
-
-/// By what steps fall on smooth contacts.
-const SMOOTH: std::ops::Range<f64> = 5.5..11.0;
 
 /// The last of a sequence of forces, with the error that its last steps suggest.
 #[must_use]

@@ -323,6 +323,19 @@ impl Refinement<'_> {
                 best = Some(found);
                 continue;
             }
+            // Bounds are no narrower than what the energy of this grid leaves: the next grid is one that may leave little enough.
+            let short = self.law.map_or(0.0, |_| self.energies.last().map_or(0.0, |low| value - low));
+            let finer = cells as f64 * (0.5 * short / (tolerance * value)).sqrt();
+            if finer > cells as f64 && finer <= FINEST_PROVED.min(finest) as f64 && self.provable().is_some() {
+                while ((coarsest << next) as f64) < finer {
+                    next += 1;
+                }
+                if coarsest << next <= finest {
+                    // Should there be no time for it, this grid stands without bounds.
+                    best = Some(Refined { error: error.max(short), ..found });
+                    continue;
+                }
+            }
             let proved = self.proved(&found.state);
             if proved.is_none() && matches!(self.provable(), Some(Some(_))) && cells < FINE_ENOUGH {
                 best = Some(found);

@@ -226,6 +226,10 @@ pub(crate) trait Chain<T: Real>: Copy {
     fn plus(self, b: Self) -> Self;
     /// -a.
     fn minus(self) -> Self;
+    /// Whether no derivative is other than 0.
+    fn is_constant(self) -> bool;
+    /// Value and derivatives by a map that is linear.
+    fn linear(self, f: impl Fn(T) -> T) -> Self;
 }
 
 impl<T: Real> Chain<T> for Dual<T> {
@@ -252,7 +256,15 @@ impl<T: Real> Chain<T> for Dual<T> {
     }
 
     fn minus(self) -> Self {
-        Self { value: -self.value, gradient: self.gradient.map(|g| -g) }
+        self.linear(|v| -v)
+    }
+
+    fn is_constant(self) -> bool {
+        self.gradient.iter().all(|g| g.is_zero())
+    }
+
+    fn linear(self, f: impl Fn(T) -> T) -> Self {
+        Self { value: f(self.value), gradient: self.gradient.map(f) }
     }
 }
 
@@ -307,6 +319,14 @@ impl<T: Real> Chain<T> for Jet<T> {
     }
 
     fn minus(self) -> Self {
-        Self { value: -self.value, gradient: self.gradient.map(|g| -g), hessian: self.hessian.map(|h| -h) }
+        self.linear(|v| -v)
+    }
+
+    fn is_constant(self) -> bool {
+        self.gradient.iter().chain(&self.hessian).all(|d| d.is_zero())
+    }
+
+    fn linear(self, f: impl Fn(T) -> T) -> Self {
+        Self { value: f(self.value), gradient: self.gradient.map(&f), hessian: self.hessian.map(&f) }
     }
 }

@@ -162,6 +162,10 @@ impl Interval {
             return Self::point(1.0) / self.powi(-n);
         }
         let base = if n % 2 == 0 { self.abs() } else { self };
+        if n == 2 {
+            let square = Self::outward(base.lo * base.lo, base.hi * base.hi, self.defined);
+            return Self { lo: square.lo.max(0.0), ..square };
+        }
         // By squaring: at most 2 log2(n) roundings of half a unit each.
         let slack = 4.0 * f64::EPSILON * f64::from(n);
         let (lo, hi) = (below(base.lo.powi(n), slack), above(base.hi.powi(n), slack));
@@ -489,8 +493,12 @@ impl Mul for Interval {
         }
         let mut corners = [self.lo * other.lo, self.lo * other.hi, self.hi * other.lo, self.hi * other.hi];
         if corners.iter().any(|c| c.is_nan()) {
-            corners =
-                [times(self.lo, other.lo), times(self.lo, other.hi), times(self.hi, other.lo), times(self.hi, other.hi)];
+            corners = [
+                times(self.lo, other.lo),
+                times(self.lo, other.hi),
+                times(self.hi, other.lo),
+                times(self.hi, other.hi),
+            ];
         }
         let [a, b, c, d] = corners;
         let (lo, hi) = (a.min(b).min(c.min(d)), a.max(b).max(c.max(d)));

@@ -3,6 +3,7 @@
 mod advice;
 mod far;
 mod kinks;
+mod lanes;
 mod parse;
 mod planes;
 mod structure;
@@ -18,6 +19,7 @@ use crate::error::InputError;
 use crate::numeric::Interval;
 use crate::numeric::derivatives::{Dual, Jet};
 use crate::numeric::geometry::Rect;
+use lanes::{LANES, Lanes};
 use structure::Tree;
 use tape::Tape;
 
@@ -260,6 +262,18 @@ impl Formula {
         }
     }
 
+    /// The formula at several points; inside its region.
+    fn values_at(&self, points: &[[f64; 2]], to: &mut [f64]) {
+        for (points, to) in points.chunks(LANES).zip(to.chunks_mut(LANES)) {
+            // Places beyond the last point repeat it.
+            let along = |m: usize| Lanes(std::array::from_fn(|k| points[k.min(points.len() - 1)][m]));
+            let Lanes(values) = self.tape.run(self.variables(along(0), along(1)));
+            for ((p, to), value) in points.iter().zip(to).zip(values) {
+                *to = if value.is_finite() { value } else { self.value(p[0], p[1]) };
+            }
+        }
+    }
+
     fn jet(&self, rect: &Rect) -> Option<Jet<Interval>> {
         let sides = [0, 1].map(|m| Interval::new(rect.min[m], rect.max[m]));
         let one = |m: usize| Jet {
@@ -288,6 +302,13 @@ impl Gap for Formula {
         match &self.region {
             Some(region) if !region.contains([x, y]) => f64::INFINITY,
             _ => self.value(x, y),
+        }
+    }
+
+    fn gaps(&self, points: &[[f64; 2]], to: &mut [f64]) {
+        match &self.region {
+            Some(_) => points.iter().zip(to).for_each(|(p, to)| *to = self.gap(p[0], p[1])),
+            None => self.values_at(points, to),
         }
     }
 
@@ -371,7 +392,7 @@ impl Gap for Formula {
                     let ([w, h], here) = (cell.size(), q.about(cell.centre()));
                     here.value + (here.hessian[0] * w * w + here.hessian[2] * h * h) / 24.0
                 }
-                None => mean::by_quadrature(|x, y| self.value(x, y), cell),
+                None => mean::by_values(&|points, to| self.values_at(points, to), cell),
             },
         }
     }

@@ -245,6 +245,10 @@ macro_rules! with_derivatives {
                 match f {
                     Two::Add => return self.plus(b),
                     Two::Subtract => return self.plus(b.minus()),
+                    // 0 times what has no bound is not 0 here: that is left to [`Chain::chain2`].
+                    Two::Multiply if b.is_constant() && !w.is_zero() => return self.linear(|d| d * w),
+                    Two::Multiply if self.is_constant() && !v.is_zero() => return b.linear(|d| v * d),
+                    Two::Divide if b.is_constant() => return self.linear(|d| d / w),
                     _ => {}
                 }
                 let value = f.value(v, w);
