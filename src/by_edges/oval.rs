@@ -7,7 +7,7 @@ use super::estimated::in_users_units;
 use crate::edge_fitted::{Limits, oval};
 use crate::gap::{AnyGap, Gap};
 use crate::numeric::geometry::Rect;
-use crate::numeric::scalar::maximum;
+use crate::numeric::scalar::{bisected, maximum};
 use crate::overlap::{Overlap, Scaled, Units};
 use crate::problem::{Contact, Settings};
 
@@ -76,16 +76,9 @@ impl Strip {
         if !(gap(lowest) < self.depth) {
             return None;
         }
-        let end = |mut outside: f64| {
-            let mut inside = lowest;
-            if !(gap(outside) > self.depth) {
-                return None;
-            }
-            for _ in 0..60 {
-                let middle = 0.5 * (inside + outside);
-                if gap(middle) < self.depth { inside = middle } else { outside = middle }
-            }
-            Some(inside)
+        let end = |outside: f64| {
+            let own = gap(outside) > self.depth;
+            own.then(|| bisected(|r| gap(r) < self.depth, [lowest, outside], 60)[0])
         };
         Some([end(0.0)?, end(1.001 * self.farthest)?])
     }

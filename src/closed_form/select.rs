@@ -7,6 +7,7 @@ use crate::closed_form::{ClosedForm, Ellipse, FlatPunch, Hertz, Power, Quadratic
 use crate::gap::{self, AnyGap, Axis, Face, Gap, Generatrix};
 use crate::grid::{Grid, Pressure};
 use crate::numeric::geometry::Rect;
+use crate::numeric::scalar::{TO_THE_LAST_DIGIT, bisected};
 use crate::overlap::Overlap;
 use crate::problem::{Contact, EffectiveModulus, Method, Settings};
 use crate::solution::{
@@ -158,17 +159,8 @@ fn revolution(
 /// Radius at which the material ends, infinite when it does not within the reach.
 fn end_of_material(gap: &AnyGap, [x, y]: [f64; 2], farthest: f64) -> f64 {
     let solid = |r: f64| gap.gap(x + r, y) < f64::INFINITY;
-    let (mut inside, mut outside) = (0.0, 1.001 * farthest);
-    if solid(outside) {
-        return f64::INFINITY;
-    }
-    loop {
-        let middle = 0.5 * (inside + outside);
-        if middle <= inside || middle >= outside {
-            return inside;
-        }
-        if solid(middle) { inside = middle } else { outside = middle }
-    }
+    let outside = 1.001 * farthest;
+    if solid(outside) { f64::INFINITY } else { bisected(solid, [0.0, outside], TO_THE_LAST_DIGIT)[0] }
 }
 
 /// The state at an overlap under this tilt, in the user's units.
