@@ -6,7 +6,7 @@ use crate::clock::Deadline;
 use crate::closed_form::{ClosedForm, Ellipse, FlatPunch, Hertz, Power, Quadratic, RoundedCone, Sneddon, Sphere};
 use crate::gap::{self, AnyGap, Axis, Face, Gap, Generatrix};
 use crate::grid::{Grid, Pressure};
-use crate::numeric::geometry::Rect;
+use crate::numeric::geometry::{Rect, farthest};
 use crate::numeric::scalar::{TO_THE_LAST_DIGIT, bisected};
 use crate::overlap::Overlap;
 use crate::problem::{Contact, EffectiveModulus, Method, Settings};
@@ -179,11 +179,6 @@ pub(crate) fn solution(
     let outputs = settings.outputs;
     let reference = contact.gap().known().reference;
     let [a, b] = ellipse.semi_axes;
-    let farthest = || {
-        let distances =
-            ellipse.boundary(BOUNDARY_POINTS).into_iter().map(|p| (p[0] - reference[0]).hypot(p[1] - reference[1]));
-        distances.fold(0.0, f64::max)
-    };
     if !outputs.patch {
         left_out.push("the boundary as a polyline".to_owned());
     }
@@ -222,7 +217,11 @@ pub(crate) fn solution(
             area: ellipse.area(),
             centroid: Some(ellipse.centre),
             regions: 1,
-            max_radius: if ellipse.centre == reference { a.max(b) } else { farthest() },
+            max_radius: if ellipse.centre == reference {
+                a.max(b)
+            } else {
+                farthest(&ellipse.boundary(BOUNDARY_POINTS), reference)
+            },
             pieces: vec![Piece {
                 area: ellipse.area(),
                 force: form.force,

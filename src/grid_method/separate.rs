@@ -15,7 +15,7 @@ use super::single_grid;
 use crate::consistency::{nothing_left_out, too_few_cells};
 use crate::gap::{AnyGap, Gap, enclosure};
 use crate::grid::{Grid, Pressure};
-use crate::numeric::geometry::Rect;
+use crate::numeric::geometry::{Rect, distance};
 use crate::overlap::{Overlap, Scaled};
 use crate::problem::{Contact, ErrorBar, Method, Settings};
 use crate::solution::{Origin, Patch, Piece, PressureSummary, Solution, TouchesEdge, Unsolved, Validity, Verdict};
@@ -83,7 +83,7 @@ fn is_bare(overlap: &Overlap, piece: &Rect, loads: &PointLoads) -> bool {
         return false;
     }
     let left = |p: [f64; 2]| {
-        let displacement = |(at, q): &([f64; 2], f64)| q / (PI * (p[0] - at[0]).hypot(p[1] - at[1]));
+        let displacement = |(at, q): &([f64; 2], f64)| q / (PI * distance(p, *at));
         overlap.depth - loads.iter().map(displacement).sum::<f64>()
     };
     let found = enclosure::least(&overlap.gap, piece, 0.0, left(piece.centre()));

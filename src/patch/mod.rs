@@ -6,7 +6,7 @@ mod pieces;
 use crate::discrete::{Discrete, DiscreteSolution};
 use crate::grid::Grid;
 use crate::matrix_free;
-use crate::numeric::geometry::{area, centroid};
+use crate::numeric::geometry::{area, centroid, farthest};
 use crate::numeric::scalar::root;
 use crate::solution::Patch;
 
@@ -42,12 +42,11 @@ pub(crate) fn with_peaks(problem: &Discrete, solution: &DiscreteSolution, refere
         moment[1] += share * c[1];
     }
     let (pieces, peaks) = pieces::of(&problem.grid, &solution.pressure, &starts, &loops).into_iter().unzip();
-    let distance = |p: &[f64; 2]| (p[0] - reference[0]).hypot(p[1] - reference[1]);
     let patch = Patch {
         area: total,
         centroid: (total > 0.0).then(|| moment.map(|m| m / total)),
         regions: areas.iter().filter(|&&a| a > 0.0).count(),
-        max_radius: loops.iter().flatten().map(distance).fold(0.0, f64::max),
+        max_radius: farthest(loops.iter().flatten(), reference),
         pieces,
         boundary: Some(loops),
         semi_axes: None,
