@@ -2,7 +2,8 @@
 //! a value. The radii are sampled: integrals begin anew at them, and one that is missed costs steps, not digits; what lies between two of
 //! them is enclosed by who proves by it.
 
-use super::tape::{Number, One, Op, Tape, Two};
+use super::functions::{Number, One, Two};
+use super::tape::{Op, Tape};
 use crate::numeric::scalar::{TO_THE_LAST_DIGIT, bisected};
 
 /// A value, and a mark that differs where any comparison on the way to it fell out in another way.

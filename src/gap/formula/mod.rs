@@ -2,6 +2,7 @@
 
 mod advice;
 mod far;
+mod functions;
 mod kinks;
 mod parse;
 mod planes;
@@ -18,6 +19,7 @@ use crate::error::InputError;
 use crate::numeric::Interval;
 use crate::numeric::derivatives::{Dual, Jet};
 use crate::numeric::geometry::Rect;
+use functions::{Number, Two};
 use structure::Tree;
 use tape::Tape;
 
@@ -271,9 +273,9 @@ impl Formula {
     }
 
     /// x, y, r and theta from x and y.
-    fn variables<T: tape::Number>(&self, x: T, y: T) -> [T; 4] {
-        let r = if self.tape.uses(R) { x.two(y, tape::Two::Hypot) } else { T::constant(0.0) };
-        let theta = if self.tape.uses(THETA) { y.two(x, tape::Two::Atan2) } else { T::constant(0.0) };
+    fn variables<T: Number>(&self, x: T, y: T) -> [T; 4] {
+        let r = if self.tape.uses(R) { x.two(y, Two::Hypot) } else { T::constant(0.0) };
+        let theta = if self.tape.uses(THETA) { y.two(x, Two::Atan2) } else { T::constant(0.0) };
         [x, y, r, theta]
     }
 }
