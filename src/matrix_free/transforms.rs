@@ -8,6 +8,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use realfft::{ComplexToReal, RealToComplex};
+
 use super::columns::Columns;
 use super::lanes::{GROUP, Lane, Workspace, first, share, share_rows};
 use super::real::Real;
