@@ -1,6 +1,8 @@
 //! The non-linear spring: what a curve says of itself, against forces that it did not see; and what is written of it.
 #![cfg(feature = "cli")]
 
+mod random;
+
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
@@ -9,6 +11,7 @@ use contact_patch::closed_form::RoundedCone;
 use contact_patch::curve::{About, Beyond, Pose, TiltRange, TiltTable, TiltedForce, WarmContact};
 use contact_patch::gap::{AnyGap, Cone, Flat, Gap, Outline, Paraboloid, Polyhedron, Revolved, Sum};
 use contact_patch::{Contact, Curve, CurveRange, EffectiveModulus, Load, Loading, Method, Settings, Unsolved, solve};
+use random::Random;
 use serde_json::Value;
 
 fn contact(gap: impl Gap + 'static, loading: Loading) -> Contact {
@@ -340,11 +343,8 @@ fn threads_and_the_start_of_a_curve() {
 fn no_state_is_solved_where_a_map_is_all_noise() {
     // A ball of radius 1, with noise of 1e-3 in its heights.
     let (n, h) = (33, 0.05);
-    let mut seed = 1u64;
-    let mut noise = || {
-        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        1e-3 * ((seed >> 33) as f64 / f64::from(1u32 << 31) - 1.0)
-    };
+    let mut random = Random(1);
+    let mut noise = || random.between(-1e-3, 1e-3);
     let row = |j: usize, noise: &mut dyn FnMut() -> f64| -> String {
         let height = |i: usize| 0.5 * h * h * ((i as f64 - 16.0).powi(2) + (j as f64 - 16.0).powi(2));
         (0..n).map(|i| format!("{:e} ", height(i) + noise())).collect::<String>() + "\n"

@@ -1,11 +1,14 @@
 //! Cells fitted to the edges of the material: flat polygons, flats with flanks, rings, against independent values and laws.
 
+mod random;
+
 use contact_patch::bracket::Evidence;
 use contact_patch::gap::{AnyGap, Flat, Gap, Outline, Paraboloid, Place, Polyhedron, Revolved};
 use contact_patch::{
     Contact, EffectiveModulus, Load, Loading, Method, Origin, Outputs, Settings, Solution, Unsolved, Verdict, plan,
     solve,
 };
+use random::Random;
 
 fn contact(e_star: f64, gap: impl Gap + 'static, loading: Loading) -> Contact {
     Contact::new(EffectiveModulus::from_e_star(e_star).unwrap(), gap, loading).unwrap()
@@ -198,11 +201,8 @@ fn a_corner_alone_is_pressed_alike_on_any_square() {
 
 #[test]
 fn any_star_shaped_polygon_lies_between_its_circles() {
-    let mut state = 20_260_112_u64;
-    let mut lot = || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 11) as f64 / (1_u64 << 53) as f64
-    };
+    let mut numbers = Random(20_260_112);
+    let mut lot = || numbers.next();
     let settings = Settings { tolerance: 1e-2, ..Settings::default() };
     for count in [3, 4, 5, 6, 7, 8, 9, 11] {
         let radii: Vec<f64> = (0..count).map(|_| 0.5 + lot()).collect();

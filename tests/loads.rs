@@ -1,6 +1,8 @@
 //! Loads and the spring: forces, moments, stiffness against differences, curves and what is written of them.
 #![cfg(all(feature = "qp", feature = "scene", feature = "formula"))]
 
+mod random;
+
 use contact_patch::gap::{
     AnyGap, Cone, Flat, Formula, Gap, HeightMap, Heights, Outline, Paraboloid, Place, Polyhedron, Power, Revolved,
     Sphere, Sum, Surface, Zero,
@@ -9,6 +11,7 @@ use contact_patch::{
     Contact, Discrete, EffectiveModulus, Grid, Kernel, Load, Loading, Method, Outputs, Scene, Settings, Solution,
     Unsolved, Verdict, matrix_free, solve,
 };
+use random::Random;
 
 fn contact(gap: impl Gap + 'static, loading: Loading) -> Contact {
     Contact::new(EffectiveModulus::from_e_star(1.0).unwrap(), gap, loading).unwrap()
@@ -170,11 +173,8 @@ fn a_flat_disc_turns_by_the_moment_over_four_thirds_of_its_radius_cubed() {
 
 /// Waves of many lengths on a bowl, always the same.
 fn rough() -> HeightMap {
-    let mut state = 7_u64;
-    let mut random = move || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 11) as f64 / (1_u64 << 53) as f64
-    };
+    let mut numbers = Random(7);
+    let mut random = move || numbers.next();
     let waves: Vec<[f64; 4]> = (0..40)
         .map(|_| {
             let (k, turn) = (2.0 + 10.0 * random(), std::f64::consts::TAU * random());

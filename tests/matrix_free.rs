@@ -1,5 +1,7 @@
 //! The matrix-free solver against a dense active set, and the laws it must keep whatever the gap.
 
+mod random;
+
 use contact_patch::closed_form::Hertz;
 use contact_patch::gap::Paraboloid;
 use contact_patch::matrix_free::{Settings, Solver, solve, solve_nested};
@@ -8,16 +10,7 @@ use contact_patch::{
     Verdict,
 };
 use nalgebra::{DMatrix, DVector};
-
-/// Numbers in [0, 1) that are the same on every run (Knuth's MMIX generator).
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
-    }
-}
+use random::Random;
 
 fn cells(shape: [usize; 2], spacing: [f64; 2]) -> Grid {
     Grid { origin: [0.0, 0.0], spacing, shape }

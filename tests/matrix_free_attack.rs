@@ -1,26 +1,11 @@
 //! The matrix-free solver against gaps of every kind, drawn at random: it always ends, with an answer that fulfils the conditions of
 //! contact when they are recomputed from the pressure alone, or with a verdict.
 
+mod random;
+
 use contact_patch::matrix_free::{Settings, displacement, solve, solve_nested};
 use contact_patch::{Discrete, Grid, Kernel, Unsolved, Verdict};
-
-/// Numbers in [0, 1) that are the same on every run (Knuth's MMIX generator).
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn of<T: Copy>(&mut self, all: &[T]) -> T {
-        all[(self.next() * all.len() as f64) as usize]
-    }
-
-    fn below(&mut self, n: usize) -> usize {
-        (self.next() * n as f64) as usize
-    }
-}
+use random::Random;
 
 const FAMILIES: usize = 12;
 

@@ -1,6 +1,8 @@
 //! What the numbers of a result say of themselves: errors, peaks that are infinite, pieces, edges of data, validity, units.
 #![cfg(feature = "cli")]
 
+mod random;
+
 use std::f64::consts::{FRAC_PI_4, PI};
 
 use contact_patch::gap::{AnyGap, Cone, DataEdge, Minimum, Paraboloid, Place, Power, Sphere};
@@ -8,6 +10,7 @@ use contact_patch::{
     Contact, EffectiveModulus, ForceEvidence, Kernel, Loading, Method, Outputs, Scene, Settings, Singular, Solution,
     report, solve,
 };
+use random::Random;
 use serde_json::{Value, json};
 
 fn solved(gap: &AnyGap, loading: Loading, settings: &Settings) -> Solution {
@@ -37,18 +40,10 @@ fn fft(cells: Option<usize>, kernel: Kernel) -> Settings {
     Settings { method: Method::Fft, cells, kernel, tolerance, ..Settings::default() }
 }
 
-/// Numbers that repeat from run to run.
-fn numbers(seed: u64) -> impl FnMut() -> f64 {
-    let mut state = seed;
-    move || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 11) as f64 / (1_u64 << 53) as f64
-    }
-}
-
 #[test]
 fn errors_of_stiffness_energy_area_and_peak_hold() {
-    let mut random = numbers(2026);
+    let mut numbers = Random(2026);
+    let mut random = || numbers.next();
     for n in 0..24 {
         let at = [random(), random()];
         let gap = if n % 2 == 0 {

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use crate::gap::{AnyGap, Gap, Generatrix};
-use crate::numeric::geometry::centroid;
+use crate::numeric::geometry::{centroid, distance};
 use crate::problem::Contact;
 use crate::solution::Validity;
 
@@ -35,12 +35,9 @@ impl Validity {
         for line in boundary.iter().filter(|line| !line.is_empty()) {
             let middle = centroid(line);
             // Around an axis of revolution the farthest point stands for all.
-            let round = known.axis.is_some_and(|axis| {
-                let off = [0, 1].map(|m| middle[m] - axis.at[m]);
-                off[0].hypot(off[1]) <= 1e-9 * area.sqrt()
-            });
-            let distance = |p: &&[f64; 2]| (p[0] - middle[0]).hypot(p[1] - middle[1]);
-            let farthest = || line.iter().max_by(|p, q| distance(p).total_cmp(&distance(q))).copied();
+            let round = known.axis.is_some_and(|axis| distance(middle, axis.at) <= 1e-9 * area.sqrt());
+            let away = |p: &&[f64; 2]| distance(**p, middle);
+            let farthest = || line.iter().max_by(|p, q| away(p).total_cmp(&away(q))).copied();
             let looks: Vec<[f64; 2]> =
                 if round { farthest().into_iter().collect() } else { line.iter().step_by(every).copied().collect() };
             // On a line, and half way to its middle.

@@ -1,8 +1,9 @@
 //! What is estimated on cells that are fitted to a contact, in the user's units.
 
+use super::flat::middle;
 use super::{Found, field_grid};
 use crate::edge_fitted::{Estimated, resample};
-use crate::numeric::geometry::Rect;
+use crate::numeric::geometry::{Rect, farthest};
 use crate::overlap::Units;
 use crate::problem::{Contact, Settings};
 use crate::solution::Patch;
@@ -23,9 +24,8 @@ pub(super) fn in_users_units(
     let outward = |p: [f64; 2]| units.outward(p);
     let boundary: Vec<Vec<[f64; 2]>> = ends.into_iter().map(|line| line.into_iter().map(outward).collect()).collect();
     let reference = contact.gap().known().reference;
-    let away = |p: &[f64; 2]| (p[0] - reference[0]).hypot(p[1] - reference[1]);
     let (strongest, largest) = cells.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
-    let at = outward([0, 1].map(|m| strongest.iter().map(|c| 0.25 * c[m]).sum()));
+    let at = outward(middle(strongest));
     let field = || {
         let all: Vec<_> = cells.iter().map(|(c, p)| (c.map(outward), p.max(0.0) * unit_pressure)).collect();
         Some(resample(&all, field_grid(&Rect::holding(boundary.iter().flatten().copied())?)))
@@ -45,7 +45,7 @@ pub(super) fn in_users_units(
             area: area * length * length,
             centroid: Some(outward(centroid)),
             regions: 1,
-            max_radius: boundary.iter().flatten().map(away).fold(0.0, f64::max),
+            max_radius: farthest(boundary.iter().flatten(), reference),
             boundary: Some(boundary),
             ..Patch::default()
         },

@@ -4,7 +4,7 @@ use super::Found;
 use super::estimated::in_users_units;
 use super::layer::FlatTip;
 use crate::edge_fitted::{FlankedFlat, Limits, flanked};
-use crate::numeric::geometry::{Rect, area, centroid, convex_hull, meeting};
+use crate::numeric::geometry::{Rect, area, centroid, convex_hull, distance, meeting};
 use crate::overlap::Units;
 use crate::problem::{Contact, Settings};
 
@@ -100,6 +100,5 @@ impl FlankedTip {
 /// Corners without those that coincide.
 fn distinct(corners: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     let n = corners.len();
-    let same = |p: [f64; 2], q: [f64; 2]| (p[0] - q[0]).hypot(p[1] - q[1]) <= CLOSE;
-    (0..n).filter(|&k| !same(corners[k], corners[(k + 1) % n])).map(|k| corners[k]).collect()
+    (0..n).filter(|&k| !(distance(corners[k], corners[(k + 1) % n]) <= CLOSE)).map(|k| corners[k]).collect()
 }

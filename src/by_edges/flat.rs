@@ -3,7 +3,7 @@
 use super::{Found, field_grid};
 use crate::edge_fitted::{FlatStiffness, Limits, Outline, flat_stiffness, resample};
 use crate::gap::Face;
-use crate::numeric::geometry::{Rect, area, centroid};
+use crate::numeric::geometry::{Rect, area, centroid, farthest};
 use crate::problem::{Contact, Settings};
 use crate::solution::Patch;
 
@@ -100,7 +100,6 @@ impl Flat {
         let strongest = cells.iter().max_by(|a, b| a.1.total_cmp(&b.1)).map_or(self.origin, |(c, _)| middle(c));
         let rect = Rect::holding(self.corners.iter().copied()).unwrap_or(Rect::around(self.origin, [self.length; 2]));
         let reference = contact.gap().known().reference;
-        let distance = |p: &[f64; 2]| (p[0] - reference[0]).hypot(p[1] - reference[1]);
         Found {
             force,
             energy: force.map(|p| 0.5 * p * depth),
@@ -114,7 +113,7 @@ impl Flat {
                 area: area(&self.corners),
                 centroid: Some(centroid(&self.corners)),
                 regions: 1,
-                max_radius: self.corners.iter().map(distance).fold(0.0, f64::max),
+                max_radius: farthest(&self.corners, reference),
                 boundary: Some(vec![self.corners.clone()]),
                 ..Patch::default()
             },

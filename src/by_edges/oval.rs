@@ -6,8 +6,8 @@ use super::Found;
 use super::estimated::in_users_units;
 use crate::edge_fitted::{Limits, oval};
 use crate::gap::{AnyGap, Gap};
-use crate::numeric::geometry::Rect;
-use crate::numeric::scalar::maximum;
+use crate::numeric::geometry::{Rect, farthest};
+use crate::numeric::scalar::{bisected, maximum};
 use crate::overlap::{Overlap, Scaled, Units};
 use crate::problem::{Contact, Settings};
 
@@ -49,8 +49,7 @@ impl Strip {
         if !(gap.gap(centre[0], centre[1]) > depth) {
             return None;
         }
-        let away = |p: [f64; 2]| (p[0] - centre[0]).hypot(p[1] - centre[1]);
-        let farthest = reach.corners().into_iter().map(away).fold(0.0, f64::max);
+        let farthest = farthest(&reach.corners(), centre);
         let strip = Self { gap, depth, units, centre, farthest };
         let rays: Option<Vec<[f64; 2]>> = (0..=RAYS).map(|k| strip.along(FRAC_PI_2 * k as f64 / RAYS as f64)).collect();
         let rays = rays.filter(|rays| rays.iter().all(|[a, b]| b - a < WIDEST * (a + b)))?;
@@ -76,16 +75,9 @@ impl Strip {
         if !(gap(lowest) < self.depth) {
             return None;
         }
-        let end = |mut outside: f64| {
-            let mut inside = lowest;
-            if !(gap(outside) > self.depth) {
-                return None;
-            }
-            for _ in 0..60 {
-                let middle = 0.5 * (inside + outside);
-                if gap(middle) < self.depth { inside = middle } else { outside = middle }
-            }
-            Some(inside)
+        let end = |outside: f64| {
+            let own = gap(outside) > self.depth;
+            own.then(|| bisected(|r| gap(r) < self.depth, [lowest, outside], 60)[0])
         };
         Some([end(0.0)?, end(1.001 * self.farthest)?])
     }

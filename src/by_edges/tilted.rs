@@ -6,7 +6,7 @@ use super::flat::Flat;
 use super::{Found, Moments, field_grid};
 use crate::edge_fitted::{Given, Limits, Tilted, resample, tilted};
 use crate::gap::Face;
-use crate::numeric::geometry::{Rect, convex_hull, left_of};
+use crate::numeric::geometry::{Rect, convex_hull, farthest, left_of};
 use crate::problem::{Contact, Settings};
 use crate::solution::{Patch, Piece, Unsolved, Verdict};
 
@@ -95,8 +95,7 @@ impl Tilting {
         let cells: Vec<_> = state.cells.iter().map(|(c, p)| (c.map(|q| flat.outward(q)), p * of_pressure)).collect();
         let boundary: Vec<Vec<[f64; 2]>> =
             state.regions.iter().flat_map(|region| &region.boundary).map(outward).collect();
-        let distance = |p: &[f64; 2]| (p[0] - reference[0]).hypot(p[1] - reference[1]);
-        let max_radius = boundary.iter().flatten().map(distance).fold(0.0, f64::max);
+        let max_radius = farthest(boundary.iter().flatten(), reference);
         let rect = Rect::holding(boundary.iter().flatten().copied()).unwrap_or(Rect::around(flat.origin, [length; 2]));
         let strongest =
             cells.iter().max_by(|a, b| a.1.total_cmp(&b.1)).map_or(flat.origin, |(c, _)| super::flat::middle(c));

@@ -10,6 +10,7 @@
 //! ```
 
 mod carlson;
+mod disc_contact;
 #[cfg(all(feature = "plot", feature = "scene"))]
 pub(crate) mod drawn;
 mod flat_punch;

@@ -6,7 +6,8 @@ use crate::clock::Deadline;
 use crate::closed_form::{ClosedForm, Ellipse, FlatPunch, Hertz, Power, Quadratic, RoundedCone, Sneddon, Sphere};
 use crate::gap::{self, AnyGap, Axis, Face, Gap, Generatrix};
 use crate::grid::{Grid, Pressure};
-use crate::numeric::geometry::Rect;
+use crate::numeric::geometry::{Rect, farthest};
+use crate::numeric::scalar::{TO_THE_LAST_DIGIT, bisected};
 use crate::overlap::Overlap;
 use crate::problem::{Contact, EffectiveModulus, Method, Settings};
 use crate::solution::{
@@ -158,17 +159,8 @@ fn revolution(
 /// Radius at which the material ends, infinite when it does not within the reach.
 fn end_of_material(gap: &AnyGap, [x, y]: [f64; 2], farthest: f64) -> f64 {
     let solid = |r: f64| gap.gap(x + r, y) < f64::INFINITY;
-    let (mut inside, mut outside) = (0.0, 1.001 * farthest);
-    if solid(outside) {
-        return f64::INFINITY;
-    }
-    loop {
-        let middle = 0.5 * (inside + outside);
-        if middle <= inside || middle >= outside {
-            return inside;
-        }
-        if solid(middle) { inside = middle } else { outside = middle }
-    }
+    let outside = 1.001 * farthest;
+    if solid(outside) { f64::INFINITY } else { bisected(solid, [0.0, outside], TO_THE_LAST_DIGIT)[0] }
 }
 
 /// The state at an overlap under this tilt, in the user's units.
@@ -187,11 +179,6 @@ pub(crate) fn solution(
     let outputs = settings.outputs;
     let reference = contact.gap().known().reference;
     let [a, b] = ellipse.semi_axes;
-    let farthest = || {
-        let distances =
-            ellipse.boundary(BOUNDARY_POINTS).into_iter().map(|p| (p[0] - reference[0]).hypot(p[1] - reference[1]));
-        distances.fold(0.0, f64::max)
-    };
     if !outputs.patch {
         left_out.push("the boundary as a polyline".to_owned());
     }
@@ -230,7 +217,11 @@ pub(crate) fn solution(
             area: ellipse.area(),
             centroid: Some(ellipse.centre),
             regions: 1,
-            max_radius: if ellipse.centre == reference { a.max(b) } else { farthest() },
+            max_radius: if ellipse.centre == reference {
+                a.max(b)
+            } else {
+                farthest(&ellipse.boundary(BOUNDARY_POINTS), reference)
+            },
             pieces: vec![Piece {
                 area: ellipse.area(),
                 force: form.force,

@@ -11,16 +11,15 @@
 //! h(r) = (2/pi) int_a^r (D(s) - d)/sqrt(r^2 - s^2) ds. Where this is not so, p and h are looked at themselves. All
 //! three are sampled, so a wave of the generatrix shorter than a hundredth of the contact can pass unseen.
 
-use std::f64::consts::PI;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32};
 
+use super::ClosedForm;
+use super::disc_contact::DiscContact;
 use super::generatrix::{Generatrix, Profile};
-use super::{ClosedForm, Revolution};
 use crate::clock::Deadline;
 use crate::error::InputError;
-use crate::numeric::quadrature::{adaptive, from_zero};
-use crate::numeric::scalar::{maximum, root};
+use crate::numeric::scalar::root;
 use crate::problem::EffectiveModulus;
 use crate::solution::{Unsolved, Verdict};
 
@@ -31,7 +30,7 @@ pub struct Sneddon {
     generatrix: Arc<Generatrix>,
 }
 
-/// Points at which the conditions of a disc are looked at, inside the contact and outside.
+/// Radii at which a crossing is looked for.
 const LOOKS: usize = 96;
 
 /// Most kinks: the time grows with their square, to a third of a second.
@@ -181,7 +180,7 @@ impl Sneddon {
                 continue;
             }
             let contact =
-                Contact { generatrix: Arc::clone(g), a, depth: d, edge: if a < g.radius { 0.0 } else { excess } };
+                DiscContact { generatrix: Arc::clone(g), a, depth: d, edge: if a < g.radius { 0.0 } else { excess } };
             if let Err(reason) = contact.is_disc() {
                 refused = Some(reason);
                 continue;
@@ -267,142 +266,4 @@ fn contacts(g: &Generatrix, excess: &mut impl FnMut(f64) -> f64) -> Result<Vec<f
         all.push(g.radius);
     }
     Ok(all)
-}
-
-#[derive(Debug)]
-struct Contact {
-    generatrix: Arc<Generatrix>,
-    a: f64,
-    depth: f64,
-    /// d - D(a): not zero only where the rim is sharp.
-    edge: f64,
-}
-
-impl Contact {
-    /// Why the contact is not a disc, if it is not.
-    fn is_disc(&self) -> Result<(), String> {
-        let (g, a, d) = (&self.generatrix, self.a, self.depth);
-        let slack = 1e-9 * d;
-        let mut radii: Vec<f64> = (1..=LOOKS).map(|k| a * k as f64 / LOOKS as f64).collect();
-        radii.extend((1..=8).map(|k| a / LOOKS as f64 * 0.25f64.powi(k)));
-        for &b in &g.kinks {
-            radii.extend([1e-6, 1e-4, 1e-2].iter().flat_map(|h| [b * (1.0 - h), b, b * (1.0 + h)]).filter(|&r| r < a));
-        }
-        radii.sort_by(f64::total_cmp);
-        let mut before = 0.0;
-        let grows = radii.iter().all(|&s| {
-            let here = g.abel(s).value;
-            let grows = here >= before - slack;
-            before = here;
-            grows
-        });
-        if !grows {
-            let tension = |&&r: &&f64| !(self.pressure_to(r, 1e-7) >= -1e-6 * d / a);
-            if let Some(r) = radii.iter().filter(|&&r| r < a).find(tension) {
-                return Err(format!("the contact is not a disc: at r = {r:e} its pressure would be negative"));
-            }
-        }
-        // Outside, up to where the gap reaches the depth: no point there can touch any more.
-        let mut r = a;
-        let mut checked = vec![];
-        for k in 0.. {
-            r *= 1.0 + 0.01 * f64::from(k.min(100));
-            if r > g.radius || (k > 0 && g.gap(r) >= d) {
-                break;
-            }
-            if k > 400 {
-                return Err("the contact is not a disc: the gap stays below the depth far outside".to_owned());
-            }
-            checked.push(r);
-        }
-        checked.extend(g.kinks.iter().flat_map(|b| [*b, b * 1.0001]).filter(|&b| b > a && b < r.min(g.radius)));
-        let closed = |r: f64| {
-            // r^2 - s^2 = (r sin t)^2: h = (2/pi) int (D(s) - d) dt.
-            let end = ((r - a) * (r + a)).sqrt().atan2(a);
-            let opening = adaptive(|t| g.abel(r * t.cos()).value - d, 0.0, end, &[], 1e-6);
-            opening.value < -1e-7 * d
-        };
-        // D >= d beyond is enough; only where it is not, the opening itself is looked at.
-        if checked.iter().all(|&r| g.abel(r).value >= d - slack) {
-            return Ok(());
-        }
-        if let Some(r) = checked.iter().find(|&&r| closed(r)) {
-            return Err(format!("the contact is not a disc of radius {a:e}: it would touch again at r = {r:e}"));
-        }
-        Ok(())
-    }
-}
-
-impl Contact {
-    /// p/E* without a second derivative, s^2 = r^2 + w^2, W^2 = a^2 - r^2:
-    /// p = (E*/pi) [(d - D(r))/W + int_0^W (D(s) - D(r))/w^2 dw].
-    fn pressure_to(&self, r: f64, tolerance: f64) -> f64 {
-        let (g, a) = (&self.generatrix, self.a);
-        let width = ((a - r) * (a + r)).max(0.0).sqrt();
-        if width == 0.0 {
-            return if self.edge > 0.0 { f64::INFINITY } else { 0.0 };
-        }
-        let here = if r > 0.0 { g.abel(r).value } else { 0.0 };
-        let share = |w: f64| (g.abel(r.hypot(w)).value - here) / w / w;
-        let breaks: Vec<f64> =
-            g.kinks.iter().filter(|&&b| b > r && b < a).map(|b| ((b - r) * (b + r)).sqrt()).chain([r]).collect();
-        // Past a kink b, D goes like (s - b)^(1/2): smooth in v, w = w_b + v^2.
-        let past = |from: f64, to: f64| {
-            adaptive(|v| 2.0 * v * share(from + v * v), 0.0, (to - from).sqrt(), &[], tolerance).value
-        };
-        let mut ends: Vec<f64> = breaks.into_iter().filter(|&b| b > 0.0 && b < width).chain([width]).collect();
-        ends.sort_by(f64::total_cmp);
-        let first = ends[0];
-        let inner = if r > 0.0 {
-            adaptive(share, 0.0, first, &[], tolerance).value
-        } else {
-            from_zero(share, first, 0.1 * tolerance).value
-        };
-        let integral = inner + ends.windows(2).map(|pair| past(pair[0], pair[1])).sum::<f64>();
-        (((self.depth - here) / width) + integral) / PI
-    }
-}
-
-impl Revolution for Contact {
-    /// About 1e-8 of the mean pressure.
-    fn pressure(&self, r: f64) -> f64 {
-        self.pressure_to(r, 1e-9)
-    }
-
-    fn rough_pressure(&self, r: f64) -> f64 {
-        self.pressure_to(r, 1e-4)
-    }
-
-    /// int_0^a q^2 ds/P.
-    fn energy_over_force(&self, force: f64) -> f64 {
-        let (g, d, a) = (&self.generatrix, self.depth, self.a);
-        let q2 = |s: f64| (1.0 - g.abel(s).value / d).powi(2);
-        let mut ends: Vec<f64> = g.kinks.iter().copied().filter(|&b| b < a).collect();
-        ends.push(a);
-        let first = from_zero(q2, ends[0], 1e-11).value;
-        // Past a kink b, D goes like (s - b)^(1/2): smooth in w, s^2 = b^2 + w^2.
-        let past = |b: f64, end: f64| {
-            let share = |w: f64| q2(b.hypot(w)) * w / b.hypot(w);
-            adaptive(share, 0.0, ((end - b) * (end + b)).sqrt(), &[], 1e-11).value
-        };
-        let sum = first + ends.windows(2).map(|pair| past(pair[0], pair[1])).sum::<f64>();
-        d * (d / force * sum)
-    }
-
-    fn peak(&self) -> Option<f64> {
-        let (g, a) = (&self.generatrix, self.a);
-        if self.edge > 0.0 {
-            return None;
-        }
-        // At the axis g grows like r^m; the pressure there is finite only for m > 1.
-        let first = g.kinks.first().copied().unwrap_or(a).min(a);
-        let (near, far) = (g.gap(1e-5 * first), g.gap(1e-3 * first));
-        let sharp_tip = near > 0.0 && (far / near).ln() < 1.001 * 100f64.ln();
-        let steepest = g.slope_beside(a, -1.0).abs();
-        let corner = |&b: &f64| (g.slope_beside(b, 1.0) - g.slope_beside(b, -1.0)).abs() > 1e-3 * steepest;
-        if sharp_tip || g.kinks.iter().filter(|&&b| b < a).any(corner) {
-            return None;
-        }
-        Some(maximum(|r| self.pressure(r), 0.0, a, 24).value)
-    }
 }

@@ -8,6 +8,8 @@
 //!
 //! which is convex, of fourth order, and exact for quadratics. Before the first knot P = P0 (s/s0)^m, m = K0 s0/P0 >= 1.
 
+use crate::numeric::scalar::root;
+
 /// A knot: overlap, force, stiffness, and r of the interval that begins here.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Knot {
@@ -163,24 +165,11 @@ impl Spline {
             return Some(first.overlap_by_power(force));
         }
         let k = self.knots.partition_point(|knot| knot.force < force).min(self.knots.len() - 1) - 1;
-        let (mut low, mut high) = (self.knots[k].overlap, self.knots[k + 1].overlap);
-        let mut s = 0.5 * (low + high);
-        for _ in 0..100 {
-            let [there, slope, _] = self.at(s, beyond)?;
-            if there < force {
-                low = s
-            } else {
-                high = s
-            }
-            // Convex and increasing: Newton's step, kept between what is known.
-            let next = s + (force - there) / slope;
-            let next = if next > low && next < high { next } else { 0.5 * (low + high) };
-            if (next - s).abs() <= f64::EPSILON * s {
-                return Some(next);
-            }
-            s = next;
-        }
-        Some(s)
+        let [low, high] = [k, k + 1].map(|k| self.knots[k].overlap);
+        let excess = |s: f64| self.at(s, beyond).map_or(f64::NAN, |[there, ..]| there - force);
+        // Rounding may hide the root beside a knot.
+        let end = if excess(low) < 0.0 { high } else { low };
+        Some(root(excess, low, high).map_or(end, |found| found.at))
     }
 }
 

@@ -1,8 +1,8 @@
 //! Pressure in cells, resampled onto a uniform grid by exact means.
 
-use super::mesh::{Point, cross, dot, minus, norm};
+use super::mesh::{Point, norm};
 use crate::grid::{Grid, Pressure};
-use crate::numeric::geometry::{area, clip};
+use crate::numeric::geometry::{area, clip, disc_in_polygon};
 
 /// The means over the cells of a grid of a pressure that is constant in convex cells.
 #[must_use]
@@ -44,25 +44,6 @@ pub(crate) fn resample_rings(rings: &[([f64; 2], f64)], centre: Point, grid: Gri
         rings.iter().filter(meets).map(|(radii, p)| p * shared(*radii)).sum::<f64>() / grid.cell_area()
     };
     Pressure { grid, values: (0..grid.len()).map(mean).collect() }
-}
-
-/// The area that a polygon, counter-clockwise, shares with the disc of radius `r` about the origin: side by side, the triangle
-/// with the origin cut by the circle.
-fn disc_in_polygon(corners: &[Point], r: f64) -> f64 {
-    let sector = |p: Point, q: Point| 0.5 * r * r * cross(p, q).atan2(dot(p, q));
-    let side = |p: Point, q: Point| {
-        let d = minus(q, p);
-        let (a, b, c) = (dot(d, d), dot(p, d), dot(p, p) - r * r);
-        let root = (b * b - a * c).max(0.0).sqrt();
-        let (enter, leave) = ((-b - root) / a, (-b + root) / a);
-        if root == 0.0 || enter >= 1.0 || leave <= 0.0 {
-            return sector(p, q);
-        }
-        let at = |t: f64| [p[0] + t * d[0], p[1] + t * d[1]];
-        let (u, v) = (at(enter.max(0.0)), at(leave.min(1.0)));
-        sector(p, u) + 0.5 * cross(u, v) + sector(v, q)
-    };
-    (0..corners.len()).map(|k| side(corners[k], corners[(k + 1) % corners.len()])).sum()
 }
 
 /// The area that a convex polygon shares with a rectangle.

@@ -2,41 +2,16 @@
 
 use std::sync::OnceLock;
 
+use crate::numeric::quadrature::GaussLegendre;
+
 /// The most nodes of a rule.
 pub(crate) const MOST: usize = 12;
 
-/// Nodes on [-1, 1] and weights of the Gauss-Legendre rule with `n` nodes (1 <= n <= 12), by Newton's method on P_n.
+/// Nodes on [-1, 1] and weights of the Gauss-Legendre rule with `n` nodes (1 <= n <= 12).
 pub(crate) fn legendre(n: usize) -> &'static (Vec<f64>, Vec<f64>) {
     static RULES: OnceLock<Vec<(Vec<f64>, Vec<f64>)>> = OnceLock::new();
-    &RULES.get_or_init(|| (0..=MOST).map(make_legendre).collect())[n.min(MOST)]
-}
-
-fn make_legendre(n: usize) -> (Vec<f64>, Vec<f64>) {
-    let (mut nodes, mut weights) = (vec![0.0; n], vec![0.0; n]);
-    let size = n as f64;
-    for i in 0..n {
-        let mut x = -(std::f64::consts::PI * (i as f64 + 0.75) / (size + 0.5)).cos();
-        let mut slope = 1.0;
-        for _ in 0..60 {
-            let (mut p, mut q) = (1.0, 0.0);
-            for k in 1..=n {
-                let k = k as f64;
-                (p, q) = (((2.0 * k - 1.0) * x * p - (k - 1.0) * q) / k, p);
-            }
-            slope = size * (x * p - q) / (x * x - 1.0);
-            let step = p / slope;
-            x -= step;
-            if step.abs() < 1e-16 {
-                break;
-            }
-        }
-        if 2 * i + 1 == n {
-            x = 0.0;
-        }
-        nodes[i] = x;
-        weights[i] = 2.0 / ((1.0 - x * x) * slope * slope);
-    }
-    (nodes, weights)
+    &RULES.get_or_init(|| (0..=MOST).map(|n| GaussLegendre::new(n).nodes().iter().copied().unzip()).collect())
+        [n.min(MOST)]
 }
 
 /// The values at `x` of the Lagrange polynomials of `nodes`.

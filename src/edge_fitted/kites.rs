@@ -345,7 +345,8 @@ fn strip(mesh: &Mesh) -> Option<(Vec<Point>, Vec<[usize; 4]>)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::edge_fitted::polygon::{cleaned, convex_pieces, double_area};
+    use crate::edge_fitted::polygon::{cleaned, convex_pieces};
+    use crate::numeric::geometry::area;
 
     fn check(outline: &[Point], pieces: &[Vec<Point>], area: f64, n: usize, length: f64) {
         let mesh = mesh(outline, pieces, n, 4.0, f64::INFINITY).unwrap();
@@ -382,7 +383,7 @@ mod tests {
         for p in [vec![[0.0, 0.0], [2.0, 0.1], [0.4, 1.1]], star, bow] {
             let length = (0..p.len()).map(|i| norm(minus(p[i], p[(i + 1) % p.len()]))).sum();
             let pieces: Vec<_> = convex_pieces(&p).unwrap().iter().map(|q| cleaned(q)).collect();
-            check(&p, &pieces, 0.5 * double_area(&p), 5, length);
+            check(&p, &pieces, area(&p), 5, length);
         }
     }
 }

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::gauss::legendre;
-pub(crate) use crate::numeric::geometry::cross;
+pub(crate) use crate::numeric::geometry::{cross, dot, minus, norm};
 
 /// A point of the plane.
 pub(crate) type Point = [f64; 2];
@@ -77,24 +77,6 @@ impl Mesh {
         };
         range(0).max(range(1))
     }
-}
-
-/// a - b.
-#[inline(always)]
-pub(crate) fn minus(a: Point, b: Point) -> Point {
-    [a[0] - b[0], a[1] - b[1]]
-}
-
-/// The scalar product.
-#[inline(always)]
-pub(crate) fn dot(a: Point, b: Point) -> f64 {
-    a[0] * b[0] + a[1] * b[1]
-}
-
-/// The length.
-#[inline(always)]
-pub(crate) fn norm(a: Point) -> f64 {
-    dot(a, a).sqrt()
 }
 
 /// A bilinear quadrilateral: x(s, t) = centre + s along[0] + t along[1] + s t twist, s and t in [-1, 1].

@@ -5,10 +5,10 @@ use nalgebra::Matrix3;
 use super::Limits;
 use super::kites;
 use super::mesh::{Mesh, Point, dot};
-use super::polygon::{STRAIGHT, cleaned, convex_pieces, double_area, rectilinear_frame, symmetries};
+use super::polygon::{STRAIGHT, cleaned, convex_pieces, rectilinear_frame, symmetries};
 use super::rectilinear::{graded_both, split, tensor};
 use super::symmetry::{Isometry, Orbits};
-use crate::numeric::geometry::clip;
+use crate::numeric::geometry::{area, clip};
 
 /// The exponent of the grading. Near a sharp edge p ~ s^(-1/2) and the energy of cells of size h(s) errs by the integral
 /// of h^3 s^(-3): n^-3 for nodes (i/n)^beta with beta > 3; 4 is the least whole number.
@@ -68,7 +68,7 @@ impl Outline {
         let pieces: Vec<Vec<Point>> = convex_pieces(&corners)?.iter().map(|p| cleaned(p)).collect();
         let frame = rectilinear_frame(&corners);
         let displaced = displaced(&corners, &pieces)?;
-        (double_area(&corners) > 0.0 && displaced < 1e-3).then_some(Self { corners, frame, pieces, displaced })
+        (area(&corners) > 0.0 && displaced < 1e-3).then_some(Self { corners, frame, pieces, displaced })
     }
 
     /// Whether the coarsest mesh leaves room for a finer one.

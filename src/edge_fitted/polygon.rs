@@ -2,14 +2,10 @@
 
 use super::mesh::{Point, cross, dot, minus, norm};
 use super::symmetry::Isometry;
+use crate::numeric::geometry::{area, centroid};
 
 /// What counts as rounding in the direction of a side and in the place of a corner, over the size of the polygon.
 pub(crate) const STRAIGHT: f64 = 1e-13;
-
-/// Twice the signed area; positive counter-clockwise.
-pub(crate) fn double_area(p: &[Point]) -> f64 {
-    (0..p.len()).map(|i| cross(p[i], p[(i + 1) % p.len()])).sum()
-}
 
 /// A closed line without the points that lie on the line of their neighbours.
 pub(crate) fn straightened(mut p: Vec<Point>) -> Vec<Point> {
@@ -27,7 +23,7 @@ pub(crate) fn straightened(mut p: Vec<Point>) -> Vec<Point> {
 /// Counter-clockwise, without corners that lie on the line of their neighbours or coincide.
 pub(crate) fn cleaned(corners: &[Point]) -> Vec<Point> {
     let mut p = corners.to_vec();
-    if double_area(&p) < 0.0 {
+    if area(&p) < 0.0 {
         p.reverse();
     }
     loop {
@@ -66,13 +62,7 @@ pub(crate) fn rectilinear_frame(p: &[Point]) -> Option<Point> {
 /// The rotations and mirrors about the centroid that map the corners to each other.
 pub(crate) fn symmetries(p: &[Point]) -> Vec<Isometry> {
     let n = p.len();
-    let area = double_area(p);
-    let mut c = [0.0; 2];
-    for i in 0..n {
-        let (a, b) = (p[i], p[(i + 1) % n]);
-        let w = cross(a, b) / (3.0 * area);
-        c = [c[0] + w * (a[0] + b[0]), c[1] + w * (a[1] + b[1])];
-    }
+    let c = centroid(p);
     let size = p.iter().map(|q| norm(minus(*q, c))).fold(0.0, f64::max);
     let close = |a: Point, b: Point| norm(minus(a, b)) <= 1e-12 * size;
     let mut group = Vec::new();
@@ -175,8 +165,8 @@ mod tests {
         let ell = vec![[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]];
         for p in [&star, &ell] {
             let pieces = convex_pieces(p).unwrap();
-            let area: f64 = pieces.iter().map(|q| double_area(q)).sum();
-            assert!((area - double_area(p)).abs() < 1e-12);
+            let covered: f64 = pieces.iter().map(|q| area(q)).sum();
+            assert!((covered - area(p)).abs() < 1e-12);
             assert!(pieces.iter().all(|q| is_convex(&cleaned(q))));
         }
         assert_eq!(symmetries(&star).len(), 10);

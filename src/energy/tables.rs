@@ -24,7 +24,7 @@ use crate::numeric::quadrature::GaussLegendre;
 const NEAR: f64 = 4.0;
 
 /// The same for the cells whose norms are added one by one.
-const FAR: f64 = 12.0;
+const FAR: f64 = 20.0;
 
 /// Points along half a side for the integrals of Z_j: in the inner half of it, and in the outer half.
 const FINE: [usize; 2] = [6, 10];
@@ -163,6 +163,7 @@ impl Tables {
         block: &mut [[[f64; 5]; 5]],
     ) {
         let h = self.h;
+        let square = h[0] == h[1];
         let rule = GaussLegendre::new(N);
         let along = |m: usize| -> Vec<f64> {
             let shifted = |x: f64| (0..within[m] + 2).map(move |n| (0.5 * x - (n as f64 - 0.5)) * h[m]);
@@ -172,7 +173,8 @@ impl Tables {
         let projection = Projection::<N>::new(&rule);
         for b in 0..=within[1] {
             for a in 0..=within[0] {
-                if a <= without[0] && b <= without[1] {
+                // Of square cells what lies at (a, b) is the transpose of what lies at (b, a).
+                if a <= without[0] && b <= without[1] || square && b > a {
                     continue;
                 }
                 let at = |k: usize, l: usize| {
@@ -184,18 +186,26 @@ impl Tables {
                 for (row, nodal) in c.iter_mut().zip(nodal) {
                     row.iter_mut().zip(nodal).for_each(|(c, n)| *c -= n);
                 }
-                let images = if a == 0 || b == 0 { 2.0 } else { 4.0 };
+                let mut images = if a == 0 || b == 0 { 2.0 } else { 4.0 };
                 let near = a <= self.near[0] && b <= self.near[1];
                 if near {
-                    let to = &mut block[b * (self.near[0] + 1) + a];
-                    to.iter_mut().zip(&c).for_each(|(to, row)| to.copy_from_slice(&row[..5]));
+                    let own: [[f64; 5]; 5] = std::array::from_fn(|n| std::array::from_fn(|m| c[n][m]));
+                    block[b * (self.near[0] + 1) + a] = own;
+                    if square {
+                        block[a * (self.near[0] + 1) + b] = std::array::from_fn(|n| own.map(|row| row[n]));
+                    }
                     c.iter_mut().take(5).for_each(|row| row[..5].fill(0.0));
+                }
+                let mut steps = [a as f64, b as f64];
+                if square && a != b {
+                    images *= 2.0;
+                    steps = [0.5 * (steps[0] + steps[1]); 2];
                 }
                 self.most[usize::from(!near)] += images * supremum(&c);
                 let [gradient, value] = norms(&c, h);
-                for (m, steps) in [a, b].into_iter().enumerate() {
-                    self.rest.gradient[m] += images * steps as f64 * gradient;
-                    self.rest.value[m] += images * steps as f64 * value;
+                for (m, steps) in steps.into_iter().enumerate() {
+                    self.rest.gradient[m] += images * steps * gradient;
+                    self.rest.value[m] += images * steps * value;
                 }
             }
         }

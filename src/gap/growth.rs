@@ -301,15 +301,11 @@ pub(super) fn reach(growth: impl Fn(Interval, f64) -> Option<Growth>, depth: f64
         true
     };
     let radius = |exponent: i32| f64::from(exponent).exp2();
-    let [mut low, mut high] = EXPONENTS;
-    if !holds(radius(high)) {
+    if !holds(radius(EXPONENTS[1])) {
         return escape(growth, depth).unwrap_or(Reach::Unknown);
     }
-    while high - low > 1 {
-        let middle = low.midpoint(high);
-        *if holds(radius(middle)) { &mut high } else { &mut low } = middle;
-    }
-    Reach::Within(Rect::around([0.0; 2], [radius(high); 2]))
+    let beyond = radius(least_exponent(EXPONENTS, |exponent| holds(radius(exponent))));
+    Reach::Within(Rect::around([0.0; 2], [beyond; 2]))
 }
 
 /// A direction along which the gap stays below the depth beyond some radius.
@@ -327,14 +323,19 @@ fn escape(growth: impl Fn(Interval, f64) -> Option<Growth>, depth: f64) -> Optio
     };
     let at_last = f64::from(EXPONENTS[1] / 2).exp2();
     let k = (0..sectors).find(|&k| below(k, at_last).is_some())?;
-    let (mut low, mut high) = (EXPONENTS[0], EXPONENTS[1] / 2);
+    let angle = below(k, at_last)?;
+    let holds = |exponent: i32| below(k, f64::from(exponent).exp2()).is_some();
+    let beyond = f64::from(least_exponent([EXPONENTS[0], EXPONENTS[1] / 2], holds)).exp2();
+    Some(Reach::Unbounded { from: [beyond * angle.cos(), beyond * angle.sin()], along: angle })
+}
+
+/// The least exponent above `low` from which on a condition holds that holds at `high`.
+fn least_exponent([mut low, mut high]: [i32; 2], mut holds: impl FnMut(i32) -> bool) -> i32 {
     while high - low > 1 {
         let middle = low.midpoint(high);
-        *if below(k, f64::from(middle).exp2()).is_some() { &mut high } else { &mut low } = middle;
+        *if holds(middle) { &mut high } else { &mut low } = middle;
     }
-    let angle = below(k, at_last)?;
-    let beyond = f64::from(high).exp2();
-    Some(Reach::Unbounded { from: [beyond * angle.cos(), beyond * angle.sin()], along: angle })
+    high
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@ use super::{AnyGap, Gap, Generatrix, Growth, Known, Material, Reach, Taylor, enc
 use crate::error::InputError;
 use crate::numeric::Interval;
 use crate::numeric::geometry::Rect;
+use crate::numeric::scalar::bisected;
 
 /// More parts than this are refused.
 const MOST_PARTS: usize = 100_000;
@@ -266,14 +267,10 @@ impl Gap for Minimum {
             } else {
                 even += 1.0;
             }
-            let mut b = next;
-            let least = self.least(at(b));
-            let Some((mut a, before)) = last_seen.replace((b, least)).filter(|seen| seen.1 != least) else { continue };
-            for _ in 0..60 {
-                let middle = 0.5 * (a + b);
-                *if self.least(at(middle)) == before { &mut a } else { &mut b } = middle;
-            }
-            kinks.push(b);
+            let least = self.least(at(next));
+            let seen = last_seen.replace((next, least)).filter(|seen| seen.1 != least);
+            let Some((place, before)) = seen else { continue };
+            kinks.push(bisected(|r| self.least(at(r)) == before, [place, next], 60)[1]);
         }
     }
 

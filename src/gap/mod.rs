@@ -6,8 +6,8 @@
 //! A gap says what is *known* of it: what follows from the way it is written ([`Known`], [`Gap::reach`], [`Gap::bounds`] and the other
 //! methods with a default that knows nothing). It never searches or samples; [`crate::overlap`] does, and marks what it found.
 
-mod analytic;
 mod any;
+mod cone;
 mod declared;
 pub(crate) mod enclosure;
 mod envelope;
@@ -22,21 +22,24 @@ pub(crate) mod lattice;
 mod mean;
 mod minimum;
 mod outline;
+mod paraboloid;
 mod polyhedron;
+mod power;
 mod profile;
 mod radial;
 mod range;
 mod revolved;
 mod ridges;
 mod rounded_tip;
+mod sphere;
 mod spline;
 mod spline_map;
 mod sum;
 mod taylor;
 mod transform;
 
-pub use analytic::{Cone, Paraboloid, Power, Sphere};
 pub use any::AnyGap;
+pub use cone::Cone;
 pub use declared::Declared;
 pub use flat::Flat;
 #[cfg(feature = "formula")]
@@ -46,11 +49,14 @@ pub use height_map::{HeightMap, Heights, MapFormat, Surface, Zero};
 pub use known::{Axis, Degree, Face, Generatrix, Known, Law, Material, Quadratic};
 pub use minimum::Minimum;
 pub use outline::Outline;
+pub use paraboloid::Paraboloid;
 pub use polyhedron::Polyhedron;
+pub use power::Power;
 pub use profile::{Along, Interpolation, Line, LineFormat, Profile};
 pub use revolved::Revolved;
 pub use ridges::{Ridge, Ridges};
 pub use rounded_tip::RoundedTip;
+pub use sphere::Sphere;
 pub use spline_map::SplineMap;
 pub use sum::Sum;
 pub use taylor::Taylor;

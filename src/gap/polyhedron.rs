@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use super::analytic::slope_of;
+use super::cone::slope_of;
 use super::envelope::{Lowest, least_rise};
 use super::ridges::{corner_window, unit};
 use super::{AnyGap, Degree, Gap, Growth, Known, Law, Material, Quadratic, Reach, Ridges, Taylor, mean, radial, range};

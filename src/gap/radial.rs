@@ -1,8 +1,33 @@
 //! Gaps that are smooth functions of the distance from the origin: bounds, Taylor form and growth from those of one variable.
 
-use super::{Growth, Taylor};
+use super::{Axis, Generatrix, Growth, Known, Material, Reach, Taylor};
 use crate::numeric::Interval;
 use crate::numeric::geometry::Rect;
+
+/// Room for the rounding of a radius.
+const ROUNDING: f64 = 1.0 + 1e-14;
+
+/// A radius beyond the range of numbers is none.
+pub(super) fn disc(radius: f64) -> Reach {
+    if radius == f64::INFINITY {
+        Reach::Unbounded { from: [0.0; 2], along: 0.0 }
+    } else if radius > 0.0 {
+        Reach::Within(Rect::around([0.0; 2], [radius * ROUNDING; 2]))
+    } else {
+        Reach::Nowhere
+    }
+}
+
+/// What bodies of revolution about the origin that rise from 0 there have in common.
+pub(super) fn rising(generatrix: Generatrix) -> Known {
+    Known {
+        floor: 0.0,
+        axis: Some(Axis { at: [0.0; 2], generatrix }),
+        material: Material::Everywhere,
+        mirrors: [true; 2],
+        ..Known::nothing()
+    }
+}
 
 /// The sides of a rectangle as intervals.
 pub(super) fn sides(rect: &Rect) -> [Interval; 2] {

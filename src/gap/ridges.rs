@@ -1,6 +1,6 @@
 //! The ridges of a polyhedral gap: the stretches of straight line on which two of its planes meet.
 
-use crate::numeric::geometry::{Rect, clip};
+use crate::numeric::geometry::{Rect, clip, distance};
 
 /// One ridge.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,7 +43,7 @@ impl Ridges {
                 // Each ridge once, from the face of lower number.
                 let Some(other) = face.beyond[i].filter(|&other| other > k) else { continue };
                 let (p, q) = (face.corners[i], face.corners[(i + 1) % n]);
-                if (q[0] - p[0]).hypot(q[1] - p[1]) <= same {
+                if distance(q, p) <= same {
                     continue;
                 }
                 let ended = [face.beyond[(i + n - 1) % n].is_some(), face.beyond[(i + 1) % n].is_some()];
@@ -270,6 +270,7 @@ fn corners_within(planes: &[[f64; 3]], window: &Rect) -> Vec<[f64; 2]> {
 #[cfg(test)]
 mod tests {
     use crate::gap::{Gap, Polyhedron};
+    use crate::numeric::geometry::distance;
 
     /// The jump of the gradient across every ridge, and every corner on three of them at least.
     #[test]
@@ -325,7 +326,7 @@ mod tests {
             let [a, b] = [fan.ridges(), Polyhedron::new(fan.planes().to_vec()).unwrap().ridges()].map(Option::unwrap);
             assert_eq!((a.corners.len(), a.all.len()), (b.corners.len(), b.all.len()));
             for c in &a.corners {
-                assert!(b.corners.iter().any(|d| (d[0] - c[0]).hypot(d[1] - c[1]) < 1e-14));
+                assert!(b.corners.iter().any(|d| distance(*d, *c) < 1e-14));
             }
         }
     }

@@ -12,8 +12,9 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use super::analytic::{disc, rising, slope_of};
+use super::cone::slope_of;
 use super::radial::{self, Profile, distances};
+use super::radial::{disc, rising};
 use super::ridges::unit;
 use super::{Gap, Generatrix, Growth, Known, Material, Reach, Taylor};
 use crate::error::{InputError, positive};

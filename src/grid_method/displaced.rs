@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, SQRT_2};
 
 use crate::gap::{AnyGap, Gap, Known, Reach};
-use crate::numeric::geometry::Rect;
+use crate::numeric::geometry::{Rect, distance};
 
 /// Loads at points: where, and the force divided by E*.
 pub(crate) type PointLoads = Vec<([f64; 2], f64)>;
@@ -20,8 +20,7 @@ const DIGITS: f64 = 1e-10;
 /// Which of the orders has the fewest nodes for 1/r between these boxes. The interpolant of order n of a function that is analytic
 /// within the ellipse of Bernstein of the parameter rho is off by about rho^-n.
 fn level_between(a: &Rect, b: &Rect) -> usize {
-    let [at, by] = [a, b].map(Rect::centre);
-    let apart = (at[0] - by[0]).hypot(at[1] - by[1]);
+    let apart = distance(a.centre(), b.centre());
     let half = |of: &Rect| 0.5 * of.longer_side();
     // The nearest singularity, in halves of a side from the centre; a box is at most sqrt 2 times its half side wide.
     let nearest = |of: &Rect, other: &Rect| (apart - half(of) - SQRT_2 * half(other)) / half(of);

@@ -11,6 +11,7 @@ pub(crate) mod refinement;
 mod separate;
 pub(crate) mod sharp_edges;
 pub(crate) mod single_grid;
+mod together;
 mod unresolved;
 pub(crate) mod warm_start;
 

@@ -12,13 +12,13 @@ use super::displaced::{ContactLoads, DisplacedGap, PointLoads};
 use super::refined::Refined;
 use super::refinement;
 use super::single_grid;
+use super::together::together;
 use crate::consistency::{nothing_left_out, too_few_cells};
 use crate::gap::{AnyGap, Gap, enclosure};
-use crate::grid::{Grid, Pressure};
-use crate::numeric::geometry::Rect;
+use crate::numeric::geometry::{Rect, distance};
 use crate::overlap::{Overlap, Scaled};
 use crate::problem::{Contact, ErrorBar, Method, Settings};
-use crate::solution::{Origin, Patch, Piece, PressureSummary, Solution, TouchesEdge, Unsolved, Validity, Verdict};
+use crate::solution::{Solution, Unsolved, Verdict};
 
 /// More contacts than that share one grid.
 const MOST: usize = 256;
@@ -31,9 +31,6 @@ const FAR: f64 = 4.0;
 
 /// Sweeps over all contacts at one tolerance.
 const SWEEPS: usize = 20;
-
-/// Cells along the longer side of the field that all contacts share.
-const FIELD: usize = 1024;
 
 /// Whether what is asked for allows more than one grid.
 fn may_be_several(settings: &Settings) -> bool {
@@ -83,7 +80,7 @@ fn is_bare(overlap: &Overlap, piece: &Rect, loads: &PointLoads) -> bool {
         return false;
     }
     let left = |p: [f64; 2]| {
-        let displacement = |(at, q): &([f64; 2], f64)| q / (PI * (p[0] - at[0]).hypot(p[1] - at[1]));
+        let displacement = |(at, q): &([f64; 2], f64)| q / (PI * distance(p, *at));
         overlap.depth - loads.iter().map(displacement).sum::<f64>()
     };
     let found = enclosure::least(&overlap.gap, piece, 0.0, left(piece.centre()));
@@ -286,110 +283,4 @@ fn growth(
     }
     let mean = |i: usize, j: usize| if with_matrix { 0.5 * (matrix[i][j] + matrix[j][i]) } else { matrix[i][j] };
     Ok([0, 1, 2].map(|i| [0, 1, 2].map(|j| mean(i, j))))
-}
-
-/// One state from those of all contacts; `missed` is the force that the last sweep still changed.
-fn together(states: Vec<Solution>, settings: &Settings, missed: f64) -> Solution {
-    let force: f64 = states.iter().map(|s| s.force).sum();
-    let error: f64 = states.iter().map(|s| s.force_error.unwrap_or(0.0) * s.force).sum();
-    let singular = states.iter().find_map(|s| s.pressure.singular);
-    let strongest =
-        states.iter().max_by(|a, b| a.pressure.max.unwrap_or(0.0).total_cmp(&b.pressure.max.unwrap_or(0.0)));
-    let finite = |s: &&Solution| singular.is_none() && s.pressure.singular.is_none();
-    let (max, max_error) = strongest.filter(finite).map_or((None, None), |s| (s.pressure.max, s.pressure.max_error));
-    let at = states.iter().find(|s| s.pressure.singular.is_some()).or(strongest).and_then(|s| s.pressure.at);
-    let area: f64 = states.iter().map(|s| s.patch.area).sum();
-    let centroid =
-        |m: usize| states.iter().filter_map(|s| s.patch.centroid.map(|c| c[m] * s.patch.area)).sum::<f64>() / area;
-    let mut pieces: Vec<Piece> = states.iter().flat_map(|s| s.patch.pieces.iter().cloned()).collect();
-    pieces.sort_by(|a, b| b.force.total_cmp(&a.force));
-    // Errors add up as the numbers do; that of the stiffness, found for all at once, is at most the largest.
-    let added = |error: fn(&Solution) -> Option<f64>, value: fn(&Solution) -> Option<f64>| {
-        let all: Option<f64> = states.iter().map(|s| Some(error(s)? * value(s)?)).sum();
-        Some(all? / states.iter().map(value).sum::<Option<f64>>()?).filter(|share| share.is_finite())
-    };
-    let area_error = added(|s| s.area_error, |s| Some(s.patch.area));
-    let energy_error = added(|s| s.energy_error, |s| s.energy).map(|error| error + missed / force);
-    let stiffness_error =
-        states.iter().map(|s| s.stiffness_error).try_fold(0.0_f64, |all, error| Some(all.max(error?)));
-    let edges = states.iter().filter_map(|s| s.touches_edge.map(|edge| (s.force, edge)));
-    let strongest_edge = edges.clone().max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, edge)| edge);
-    let beside: f64 = edges.map(|(force, edge)| force * edge.share.unwrap_or(0.0)).sum();
-    let touches_edge = strongest_edge.map(|edge| TouchesEdge { share: Some(beside / force), ..edge });
-    let doubtful =
-        |of: fn(&Validity) -> f64| states.iter().filter_map(|s| s.validity.as_ref().map(of)).reduce(f64::max);
-    let validity = states[0].validity.map(|first| Validity {
-        slope: doubtful(|v| v.slope).unwrap_or(first.slope),
-        size_over_radius: None,
-        pressure_over_modulus: doubtful(|v| v.pressure_over_modulus).unwrap_or(first.pressure_over_modulus),
-    });
-    let finest = |s: &&Solution| s.grid.map_or(f64::INFINITY, |grid| grid.spacing[0].min(grid.spacing[1]));
-    let grid = states.iter().min_by(|a, b| finest(a).total_cmp(&finest(b))).and_then(|s| s.grid);
-    let patch = Patch {
-        area,
-        centroid: (area > 0.0).then(|| [centroid(0), centroid(1)]),
-        regions: states.iter().map(|s| s.patch.regions).sum(),
-        max_radius: states.iter().map(|s| s.patch.max_radius).fold(0.0, f64::max),
-        boundary: settings
-            .outputs
-            .patch
-            .then(|| states.iter().filter_map(|s| s.patch.boundary.clone()).flatten().collect()),
-        pieces,
-        semi_axes: None,
-        angle: None,
-    };
-    let fields: Vec<&Pressure> = states.iter().filter_map(|s| s.pressure.field.as_ref()).collect();
-    let field = (settings.outputs.pressure || settings.outputs.gap).then(|| spread(&fields)).flatten();
-    let worst = |of: fn(&crate::Residuals) -> f64| {
-        states.iter().filter_map(|s| s.residuals.as_ref().map(of)).fold(0.0, f64::max)
-    };
-    let residuals = crate::Residuals {
-        complementarity: worst(|r| r.complementarity),
-        tension: worst(|r| r.tension),
-        penetration: worst(|r| r.penetration),
-    };
-    let count = states.len();
-    let sum = |of: fn(&Solution) -> Option<f64>| states.iter().map(of).sum::<Option<f64>>();
-    let mut all = states[0].clone();
-    all.origin = Origin::SeparateContacts { count };
-    all.force = force;
-    all.force_error = Some((error + missed) / force);
-    all.energy = sum(|s| s.energy);
-    all.moment = sum(|s| s.moment.map(|m| m[0])).zip(sum(|s| s.moment.map(|m| m[1]))).map(|(x, y)| [x, y]);
-    all.pressure =
-        PressureSummary { max, max_error, singular, mean: (area > 0.0).then(|| force / area), at, field, gap: None };
-    (all.stiffness_error, all.energy_error, all.area_error) = (stiffness_error, energy_error, area_error);
-    (all.touches_edge, all.validity, all.grid) = (touches_edge, validity, grid);
-    all.patch = patch;
-    all.residuals = Some(residuals);
-    all.cost.unknowns = states.iter().map(|s| s.cost.unknowns).max().unwrap_or(0);
-    all.left_out = vec!["the grid between the contacts: each has one of its own".to_owned()];
-    all.remarks = vec![format!("{count} contacts far apart, solved in turn on what the others leave of the gap")];
-    all
-}
-
-/// The pressures of several grids as means over the cells of one around all of them; no load is lost.
-fn spread(fields: &[&Pressure]) -> Option<Pressure> {
-    let all = fields.iter().map(|f| f.grid.extent()).reduce(|a, b| a.union(&b))?;
-    let finest = fields.iter().flat_map(|f| f.grid.spacing).fold(f64::INFINITY, f64::min);
-    let [w, h] = all.size();
-    let spacing = finest.max(w.max(h) / FIELD as f64);
-    let shape = [w, h].map(|side| ((side / spacing).ceil() as usize).max(1));
-    let grid = Grid::over(&all, shape);
-    let mut values = vec![0.0; grid.len()];
-    for field in fields {
-        for (k, &p) in field.values.iter().enumerate().filter(|(_, p)| **p != 0.0) {
-            let cell = field.grid.cell(k % field.grid.shape[0], k / field.grid.shape[0]);
-            let place = |x: f64, m: usize| ((x - grid.origin[m]) / grid.spacing[m]).clamp(0.0, grid.shape[m] as f64);
-            let [from, to] =
-                [[place(cell.min[0], 0), place(cell.min[1], 1)], [place(cell.max[0], 0), place(cell.max[1], 1)]];
-            for j in from[1] as usize..(to[1].ceil() as usize).min(grid.shape[1]) {
-                for i in from[0] as usize..(to[0].ceil() as usize).min(grid.shape[0]) {
-                    let overlap = |n: usize, m: usize| (to[m].min(n as f64 + 1.0) - from[m].max(n as f64)).max(0.0);
-                    values[j * grid.shape[0] + i] += p * overlap(i, 0) * overlap(j, 1);
-                }
-            }
-        }
-    }
-    Some(Pressure { grid, values })
 }

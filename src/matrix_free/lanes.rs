@@ -9,72 +9,47 @@ use super::real::Real;
 /// Rows handed over together: what passes between rows and columns then comes in pieces of several cache lines.
 pub(super) const GROUP: usize = 32;
 
-/// Numbers that begin with a cache line; grown as needed.
-#[derive(Debug)]
-pub(super) struct AlignedVec<T>(Vec<T>);
-
-/// Bytes of a cache line.
-const LINE: usize = 64;
-
-impl<T> Default for AlignedVec<T> {
-    fn default() -> Self {
-        Self(Vec::new())
+/// The first n of some numbers, with what was left in them; grown as needed.
+pub(super) fn first<T: Copy + Default>(numbers: &mut Vec<T>, n: usize) -> &mut [T] {
+    if numbers.len() < n {
+        numbers.resize(n, T::default());
     }
-}
-
-impl<T: Copy + Default> AlignedVec<T> {
-    /// So many of them, with what was left in them.
-    pub(super) fn of(&mut self, n: usize) -> &mut [T] {
-        let spare = LINE / size_of::<T>();
-        if self.0.len() < n + spare {
-            self.0.resize(n + spare, T::default());
-        }
-        // Where the allocation cannot be aligned the numbers are as good, only slower.
-        let skip = self.0.as_ptr().align_offset(LINE);
-        let skip = if skip <= spare { skip } else { 0 };
-        &mut self.0[skip..skip + n]
-    }
+    &mut numbers[..n]
 }
 
 /// Workspace for the transforms of a [`super::transforms::Transforms`], grown as needed, kept from product to product.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Workspace<T> {
     /// The columns between the passes.
-    pub(super) columns: AlignedVec<Complex<T>>,
+    pub(super) columns: Vec<Complex<T>>,
     pub(super) lanes: Vec<Lane<T>>,
 }
 
 /// Workspace that one thread needs.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Lane<T> {
-    pub(super) row: AlignedVec<T>,
-    /// Spectra of a group of rows.
-    pub(super) spectra: AlignedVec<Complex<T>>,
-    pub(super) column: AlignedVec<Complex<T>>,
-    pub(super) fft: AlignedVec<Complex<T>>,
+    row: Vec<T>,
+    /// Spectra of a group of rows, or a column.
+    spectra: Vec<Complex<T>>,
+    fft: Vec<Complex<T>>,
 }
 
-impl<T> Default for Lane<T> {
-    fn default() -> Self {
-        Self {
-            row: AlignedVec::default(),
-            spectra: AlignedVec::default(),
-            column: AlignedVec::default(),
-            fft: AlignedVec::default(),
-        }
-    }
-}
-
-impl<T> Default for Workspace<T> {
-    fn default() -> Self {
-        Self { columns: AlignedVec::default(), lanes: Vec::new() }
+impl<T: Real> Lane<T> {
+    /// Room for a row, spectra and the scratch of their transforms, with what was left in it.
+    pub(super) fn room(
+        &mut self,
+        row: usize,
+        spectra: usize,
+        fft: usize,
+    ) -> (&mut [T], &mut [Complex<T>], &mut [Complex<T>]) {
+        (first(&mut self.row, row), first(&mut self.spectra, spectra), first(&mut self.fft, fft))
     }
 }
 
 impl<T> Workspace<T> {
     /// Bytes held.
     pub(super) fn bytes(&self) -> usize {
-        size_of::<Complex<T>>() * self.columns.0.capacity()
+        size_of::<Complex<T>>() * self.columns.capacity()
     }
 }
 

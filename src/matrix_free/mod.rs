@@ -20,7 +20,6 @@ mod monotone;
 mod nested;
 mod operator;
 mod real;
-mod rows;
 mod solver;
 mod symbol;
 mod transforms;

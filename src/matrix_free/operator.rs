@@ -44,19 +44,12 @@ fn good_width(n: usize) -> usize {
     2 * good_length(n.div_ceil(2))
 }
 
-/// Above so many cells a padded transform is done as two of half the length; of fewer the work beside the transforms is more than
-/// what that saves.
-const WHOLE: usize = 64;
-
 /// Symbol of the displacement by pressure over `shape` cells (the upper half of twice as many rows when `mirrored`),
 /// coefficients times `scale`.
 pub(super) fn compliance(table: &InfluenceTable, scale: f64, shape: [usize; 2], mirrored: bool) -> Symbol {
     let halves = if mirrored { 2 } else { 1 };
     let rows = halves * shape[1];
-    let split = shape.map(|n| n > WHOLE);
-    let width = if split[0] { 2 * good_width(shape[0]) } else { good_width(2 * shape[0]) };
-    let height = if split[1] { 2 * good_length(shape[1]) } else { good_length(2 * shape[1]) };
-    let length = [width, halves * height];
+    let length = [good_width(2 * shape[0]), halves * good_length(2 * shape[1])];
     let symbol = Symbol::of(length, |j, row| {
         if j < rows {
             for (to, from) in row.iter_mut().zip(&table.row(j)[..shape[0]]) {
@@ -64,7 +57,7 @@ pub(super) fn compliance(table: &InfluenceTable, scale: f64, shape: [usize; 2], 
             }
         }
     });
-    Symbol { split, mirrored, ..symbol }
+    Symbol { mirrored, ..symbol }
 }
 
 /// Symbol of the approximate inverse of [`compliance`].
@@ -229,7 +222,7 @@ mod tests {
             ([7, 1], [1.0, 0.1]),
             ([1, 1], [1.0, 1.0]),
             ([12, 11], [0.2, 0.1]),
-            // Long enough to be split.
+            // Longer ones.
             ([70, 3], [1.0, 1.0]),
             ([3, 71], [1.0, 1.0]),
             ([65, 67], [1.0, 0.7]),
@@ -322,7 +315,7 @@ mod tests {
             ([3, 9], [1.0, 0.3], 2..5, 3..9),
             ([4, 8], [1.0, 1.0], 3..4, 1..2),
             ([1, 1], [1.0, 1.0], 0..1, 0..1),
-            // Long enough to be split.
+            // Longer ones.
             ([70, 5], [1.0, 1.0], 0..5, 1..4),
             ([4, 67], [1.0, 1.0], 0..67, 0..67),
             ([5, 80], [1.0, 0.5], 11..40, 3..80),

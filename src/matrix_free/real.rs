@@ -1,4 +1,4 @@
-//! The two precisions, their planners, and how their numbers lie in memory.
+//! The two precisions, and their planners.
 
 use std::cell::RefCell;
 use std::ops::Mul;
@@ -6,15 +6,6 @@ use std::ops::Mul;
 use realfft::RealFftPlanner;
 use rustfft::num_complex::Complex;
 use rustfft::{FftNum, FftPlanner};
-
-/// Side of the squares in which rows become columns: a side is a whole number of cache lines.
-pub(super) const TILE: usize = 8;
-
-/// Distance of sequences of `n` numbers that are worked on side by side: lengths that are powers of two would share their place
-/// in the cache, and each is to begin with a cache line.
-pub(super) fn apart(n: usize) -> usize {
-    (n.div_ceil(TILE) | 1) * TILE
-}
 
 /// A precision to compute in.
 pub(super) trait Real: FftNum + Mul<Output = Self> + Default {

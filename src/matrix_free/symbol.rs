@@ -2,7 +2,7 @@
 
 use rustfft::num_complex::Complex;
 
-use super::real::{Real, apart};
+use super::real::Real;
 
 /// Pairs of columns of a symbol that are transformed together: their rows then share cache lines.
 const PAIRS: usize = 8;
@@ -11,15 +11,13 @@ const PAIRS: usize = 8;
 pub(super) struct Symbol {
     /// Lengths of the whole transform.
     pub(super) length: [usize; 2],
-    /// Along x and y: the second half of every field is zero, and the transform is done as two of half its length.
-    pub(super) split: [bool; 2],
     /// The fields have a mirror at the lower edge of their rows and are held by their upper half.
     pub(super) mirrored: bool,
     pub(super) values: Vec<f64>,
 }
 
 impl Symbol {
-    /// The transform, for fields neither split nor mirrored, of the kernel whose row j, offsets i = 0..=length_x/2, is what `fill`
+    /// The transform, for fields that are not mirrored, of the kernel whose row j, offsets i = 0..=length_x/2, is what `fill`
     /// puts in place of zeros.
     pub(super) fn of(length: [usize; 2], fill: impl Fn(usize, &mut [f64])) -> Self {
         let [mx, my] = length;
@@ -47,19 +45,19 @@ impl Symbol {
         }
         // Two real even columns make one complex transform.
         let mut values = vec![0.0; columns * half];
-        let mut work = vec![zero; PAIRS * apart(my)];
+        let mut work = vec![zero; PAIRS * my];
         for first in (0..columns).step_by(2 * PAIRS) {
             let pairs = (columns - first).div_ceil(2).min(PAIRS);
             for j in 0..half {
                 let row = &rows[j * columns..(j + 1) * columns][first..];
-                for (pair, column) in row.chunks(2).zip(work.chunks_exact_mut(apart(my))) {
+                for (pair, column) in row.chunks(2).zip(work.chunks_exact_mut(my)) {
                     let value = Complex { re: pair[0], im: pair.get(1).copied().unwrap_or(0.0) };
                     column[j] = value;
                     column[(my - j) % my] = value;
                 }
             }
-            for (c, column) in work.chunks_exact_mut(apart(my)).enumerate().take(pairs) {
-                across.process_with_scratch(&mut column[..my], &mut scratch);
+            for (c, column) in work.chunks_exact_mut(my).enumerate().take(pairs) {
+                across.process_with_scratch(column, &mut scratch);
                 let k = first + 2 * c;
                 for (l, value) in column[..half].iter().enumerate() {
                     values[k * half + l] = value.re;
@@ -69,7 +67,7 @@ impl Symbol {
                 }
             }
         }
-        Self { length, split: [false; 2], mirrored: false, values }
+        Self { length, mirrored: false, values }
     }
 
     /// The kernel that has this symbol.

@@ -5,13 +5,13 @@
 //! not change a bit of the result.
 
 use std::ops::Range;
+use std::sync::Arc;
 
-use rustfft::num_complex::Complex;
+use realfft::{ComplexToReal, RealToComplex};
 
 use super::columns::Columns;
-use super::lanes::{GROUP, Lane, Workspace, share, share_rows};
-use super::real::{Real, TILE, apart};
-use super::rows::Rows;
+use super::lanes::{GROUP, Lane, Workspace, first, share, share_rows};
+use super::real::Real;
 use super::symbol::Symbol;
 
 /// The transforms of a convolution, ready to be applied.
@@ -20,7 +20,8 @@ pub(super) struct Transforms<T> {
     shape: [usize; 2],
     /// Lengths of the transforms that the product stands for.
     length: [usize; 2],
-    rows: Rows<T>,
+    forward: Arc<dyn RealToComplex<T>>,
+    inverse: Arc<dyn ComplexToReal<T>>,
     columns: Columns<T>,
     /// The symbol over the number of points, column by column, as the columns want it.
     symbol: Vec<T>,
@@ -35,14 +36,14 @@ impl<T> std::fmt::Debug for Transforms<T> {
 impl<T: Real> Transforms<T> {
     /// Over `shape` cells.
     pub(super) fn new(shape: [usize; 2], symbol: &Symbol) -> Self {
-        let Symbol { length, split, mirrored, ref values } = *symbol;
-        let over = [length[0], if mirrored { length[1] / 2 } else { length[1] }];
-        let [width, height] = [0, 1].map(|k| if split[k] { over[k] / 2 } else { over[k] });
-        let (rows, columns) = (Rows::new(width, split[0]), Columns::new(height, split[1], mirrored));
-        let norm = 1.0 / (over[0] as f64 * over[1] as f64);
+        let Symbol { length, mirrored, ref values } = *symbol;
+        let [width, height] = [length[0], if mirrored { length[1] / 2 } else { length[1] }];
+        let (forward, inverse) =
+            T::with_planners(|real, _| (real.plan_fft_forward(width), real.plan_fft_inverse(width)));
+        let columns = Columns::new(height, mirrored);
         let values: Vec<_> = values.chunks_exact(length[1] / 2 + 1).collect();
-        let symbol = columns.arrange(rows.frequencies().map(|k| values[k]), norm, rows.columns());
-        Self { shape, length, rows, columns, symbol }
+        let symbol = columns.arrange(&values, 1.0 / (width as f64 * height as f64));
+        Self { shape, length, forward, inverse, columns, symbol }
     }
 
     /// Number of cells along x and y.
@@ -72,79 +73,48 @@ impl<T: Real> Transforms<T> {
             return;
         }
         let base = given.start.min(wanted.start);
-        let (columns, height) = (self.rows.columns(), given.end.max(wanted.end) - base);
-        let (width, pitch) = (apart(columns), apart(height));
-        let (row_room, column_room) = (self.rows.room(), self.columns.room());
+        let (points, width) = (self.length[0], self.length[0] / 2 + 1);
+        // Columns whose length is a power of two would share their place in the cache.
+        let pitch = (given.end.max(wanted.end) - base) | 1;
+        let row_fft = self.forward.get_scratch_len().max(self.inverse.get_scratch_len());
+        let [column_points, column_fft] = self.columns.room();
         room.lanes.resize_with(lanes, Lane::default);
         let Workspace { columns: turned, lanes } = room;
-        let turned = turned.of(columns * pitch);
+        let turned = first(turned, width * pitch);
 
         share_rows(lanes, turned, pitch, given.start - base..given.end - base, |lane, rows, parts, at| {
-            let (row, spectra, fft) =
-                (lane.row.of(row_room[0]), lane.spectra.of(rows.len() * width), lane.fft.of(row_room[1]));
+            let (row, spectra, fft) = lane.room(points, rows.len() * width, row_fft);
             for (j, spectrum) in rows.clone().zip(spectra.chunks_exact_mut(width)) {
-                self.rows.there(&p[(base + j) * nx..][..nx], &mut spectrum[..columns], row, fft);
+                row[..nx].copy_from_slice(&p[(base + j) * nx..][..nx]);
+                row[nx..].fill(T::of(0.0));
+                let done = self.forward.process_with_scratch(row, spectrum, fft);
+                debug_assert!(done.is_ok());
             }
-            to_columns(spectra, width, parts, at..at + rows.len());
+            for (k, column) in parts.iter_mut().enumerate() {
+                let from = spectra[k..].iter().step_by(width);
+                column[at..at + rows.len()].iter_mut().zip(from).for_each(|(to, from)| *to = *from);
+            }
         });
         let size = self.columns.numbers();
-        share(lanes, turned, TILE * pitch, |lane, tile, columns| {
-            let (both, fft) = (lane.column.of(column_room[0]), lane.fft.of(column_room[1]));
-            for (column, symbol) in
-                columns.chunks_exact_mut(pitch).zip(self.symbol[tile * TILE * size..].chunks_exact(size))
-            {
-                self.columns.product(column, symbol, &given, &wanted, base, both, fft);
-            }
+        share(lanes, turned, pitch, |lane, k, column| {
+            let (_, both, fft) = lane.room(0, column_points, column_fft);
+            self.columns.product(column, &self.symbol[k * size..(k + 1) * size], [&given, &wanted], both, fft);
         });
         let turned = &*turned;
         share(lanes, &mut u[wanted.start * nx..wanted.end * nx], GROUP * nx, |lane, group, rows| {
-            let (first, here) = (wanted.start - base + group * GROUP, rows.len() / nx);
-            let (row, spectra, fft) =
-                (lane.row.of(row_room[0]), lane.spectra.of(here * width), lane.fft.of(row_room[1]));
-            to_rows(turned, pitch, first..first + here, spectra, width);
+            let (at, count) = (wanted.start - base + group * GROUP, rows.len() / nx);
+            let (row, spectra, fft) = lane.room(points, count * width, row_fft);
+            for (k, column) in turned.chunks_exact(pitch).enumerate() {
+                let to = spectra[k..].iter_mut().step_by(width);
+                column[at..at + count].iter().zip(to).for_each(|(from, to)| *to = *from);
+            }
             for (u, spectrum) in rows.chunks_exact_mut(nx).zip(spectra.chunks_exact_mut(width)) {
-                self.rows.back(&mut spectrum[..columns], u, row, fft);
+                // Zero up to rounding; the transform wants it exactly.
+                (spectrum[0].im, spectrum[width - 1].im) = (T::of(0.0), T::of(0.0));
+                let done = self.inverse.process_with_scratch(spectrum, row, fft);
+                debug_assert!(done.is_ok());
+                u.copy_from_slice(&row[..nx]);
             }
         });
-    }
-}
-
-/// Spectra, `width` apart, into the numbers `at` of the columns: by tiles, which stay in the nearest cache.
-fn to_columns<T: Real>(spectra: &[Complex<T>], width: usize, columns: &mut [&mut [Complex<T>]], at: Range<usize>) {
-    for (c, columns) in columns.chunks_mut(TILE).enumerate() {
-        for j in (0..at.len()).step_by(TILE) {
-            let rows = at.start + j..at.end.min(at.start + j + TILE);
-            let from = &spectra[j * width + c * TILE..];
-            for (k, column) in columns.iter_mut().enumerate() {
-                let to = &mut column[rows.clone()];
-                match <&mut [_; TILE]>::try_from(&mut *to) {
-                    Ok(to) => *to = std::array::from_fn(|t| from[t * width + k]),
-                    Err(_) => to.iter_mut().enumerate().for_each(|(t, to)| *to = from[t * width + k]),
-                }
-            }
-        }
-    }
-}
-
-/// The way back of [`to_columns`]: the numbers `at` of columns, `pitch` apart, into spectra.
-fn to_rows<T: Real>(columns: &[Complex<T>], pitch: usize, at: Range<usize>, spectra: &mut [Complex<T>], width: usize) {
-    for (c, columns) in columns.chunks(TILE * pitch).enumerate() {
-        for j in (0..at.len()).step_by(TILE) {
-            let here = TILE.min(at.len() - j);
-            let mut tile = [[Complex::default(); TILE]; TILE];
-            for (k, column) in columns.chunks_exact(pitch).take(TILE).enumerate() {
-                // There is room behind the last rows, and behind the last columns.
-                if let Some(from) = column[at.start + j..].first_chunk::<TILE>() {
-                    tile.iter_mut().zip(from).for_each(|(to, from)| to[k] = *from);
-                } else {
-                    tile.iter_mut().zip(&column[at.start + j..]).for_each(|(to, from)| to[k] = *from);
-                }
-            }
-            for (t, row) in tile.iter().enumerate().take(here) {
-                if let Some(to) = spectra[(j + t) * width + c * TILE..].first_chunk_mut() {
-                    *to = *row;
-                }
-            }
-        }
     }
 }

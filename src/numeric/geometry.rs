@@ -147,6 +147,34 @@ pub(crate) fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
     a[0] * b[1] - a[1] * b[0]
 }
 
+/// a - b.
+#[inline(always)]
+pub(crate) fn minus(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+    [a[0] - b[0], a[1] - b[1]]
+}
+
+/// The scalar product.
+#[inline(always)]
+pub(crate) fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
+    a[0] * b[0] + a[1] * b[1]
+}
+
+/// The length.
+#[inline(always)]
+pub(crate) fn norm(a: [f64; 2]) -> f64 {
+    dot(a, a).sqrt()
+}
+
+/// How far two points are from each other.
+pub(crate) fn distance(p: [f64; 2], q: [f64; 2]) -> f64 {
+    (p[0] - q[0]).hypot(p[1] - q[1])
+}
+
+/// The largest distance of points from one; 0 without points.
+pub(crate) fn farthest<'a>(points: impl IntoIterator<Item = &'a [f64; 2]>, from: [f64; 2]) -> f64 {
+    points.into_iter().map(|p| distance(*p, from)).fold(0.0, f64::max)
+}
+
 /// Where two lines a x + b y + c = 0 meet, each in units of its own so that nothing overflows; not a number where they do not.
 pub(crate) fn meeting(lines: [[f64; 3]; 2]) -> [f64; 2] {
     let [p, q] = lines.map(|line| line.map(|v| v / line[0].abs().max(line[1].abs())));
@@ -157,6 +185,25 @@ pub(crate) fn meeting(lines: [[f64; 3]; 2]) -> [f64; 2] {
 /// Twice the area of a triangle, positive where p lies left of the way from a to b.
 pub(crate) fn left_of(a: [f64; 2], b: [f64; 2], p: [f64; 2]) -> f64 {
     cross([b[0] - a[0], b[1] - a[1]], [p[0] - a[0], p[1] - a[1]])
+}
+
+/// The area that a polygon, counter-clockwise, shares with the disc of radius `r` about the origin: side by side, the triangle
+/// with the origin cut by the circle.
+pub(crate) fn disc_in_polygon(corners: &[[f64; 2]], r: f64) -> f64 {
+    let sector = |p: [f64; 2], q: [f64; 2]| 0.5 * r * r * cross(p, q).atan2(dot(p, q));
+    let side = |p: [f64; 2], q: [f64; 2]| {
+        let d = minus(q, p);
+        let (a, b, c) = (dot(d, d), dot(p, d), dot(p, p) - r * r);
+        let root = (b * b - a * c).max(0.0).sqrt();
+        let (enter, leave) = ((-b - root) / a, (-b + root) / a);
+        if root == 0.0 || enter >= 1.0 || leave <= 0.0 {
+            return sector(p, q);
+        }
+        let at = |t: f64| [p[0] + t * d[0], p[1] + t * d[1]];
+        let (u, v) = (at(enter.max(0.0)), at(leave.min(1.0)));
+        sector(p, u) + 0.5 * cross(u, v) + sector(v, q)
+    };
+    (0..corners.len()).map(|k| side(corners[k], corners[(k + 1) % corners.len()])).sum()
 }
 
 /// Corners of the convex hull of points, counter-clockwise (Andrew 1979); of points on a line its ends.

@@ -65,6 +65,22 @@ pub fn root(mut f: impl FnMut(f64) -> f64, a: f64, b: f64) -> Option<Root> {
     Some(Root { at: if fa.abs() < fb.abs() { a } else { b }, bracket: [a.min(b), a.max(b)], evaluations })
 }
 
+/// The ends between which `holds` changes, from one where it does to one where it does not, halved `halvings` times or until no
+/// number lies between. What `holds` at the ends is not asked for.
+pub(crate) fn bisected(mut holds: impl FnMut(f64) -> bool, [mut yes, mut no]: [f64; 2], halvings: usize) -> [f64; 2] {
+    for _ in 0..halvings {
+        let middle = 0.5 * (yes + no);
+        if middle == yes || middle == no {
+            break;
+        }
+        *if holds(middle) { &mut yes } else { &mut no } = middle;
+    }
+    [yes, no]
+}
+
+/// More halvings than there are numbers to halve between any two.
+pub(crate) const TO_THE_LAST_DIGIT: usize = 2200;
+
 /// A maximum: where it is, how high, and between which neighbours.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Maximum {
@@ -98,12 +114,21 @@ pub fn maximum(mut f: impl FnMut(f64) -> f64, a: f64, b: f64, samples: usize) ->
             (k, best) = (j, (point(j), value));
         }
     }
-    let (mut low, mut high) = (point(k.saturating_sub(1)), point((k + 1).min(n)));
+    golden(f, [point(k.saturating_sub(1)), point((k + 1).min(n))], GOLDEN_STEPS, best)
+}
+
+/// The largest of `best` (a place and its value) and of what golden sections of a bracket see.
+pub(crate) fn golden(
+    mut f: impl FnMut(f64) -> f64,
+    [mut low, mut high]: [f64; 2],
+    steps: usize,
+    mut best: (f64, f64),
+) -> Maximum {
     let golden = 0.5 * (5f64.sqrt() - 1.0);
     let mut left = high - golden * (high - low);
     let mut right = low + golden * (high - low);
     let (mut f_left, mut f_right) = (f(left), f(right));
-    for _ in 0..GOLDEN_STEPS {
+    for _ in 0..steps {
         for (x, value) in [(left, f_left), (right, f_right)] {
             if value > best.1 {
                 best = (x, value);
@@ -141,6 +166,14 @@ mod tests {
         }
         let found = root(|x: f64| x.exp() - 2.0, 0.0, 1.0).unwrap();
         assert!(found.evaluations < 14, "{found:?}");
+    }
+
+    #[test]
+    fn halves_end_beside_each_other() {
+        for place in [1e-300, 0.3, 1.0] {
+            let [yes, no] = bisected(|x| x <= place, [0.0, 2.0], TO_THE_LAST_DIGIT);
+            assert!(yes == place && no == place.next_up());
+        }
     }
 
     #[test]

@@ -6,6 +6,7 @@ use std::cell::Cell;
 use super::descent::{along, descend, magnitudes, spread};
 use crate::gap::Reach;
 use crate::numeric::geometry::Rect;
+use crate::numeric::scalar::{bisected, golden};
 
 /// A ray that stays inside for so many times the shortest one is taken to have no end.
 const LONGEST: f64 = 1e12;
@@ -33,6 +34,9 @@ const MOST_LOOKS: usize = 400_000;
 
 /// What the rectangle found is enlarged by, relative to its sides: rays and refined peaks are good to about 1e-6.
 const MARGIN: f64 = 1e-3;
+
+/// A peak whose value is not known before.
+const NONE: (f64, f64) = (f64::NAN, f64::NEG_INFINITY);
 
 /// Where `gap` is less than `depth`, starting from `centre`; never [`Reach::Unknown`].
 ///
@@ -212,7 +216,7 @@ fn border_seed(gap: &dyn Fn(f64, f64) -> f64, depth: f64, rect: &Rect) -> Option
             let (before, after) = (values[i.saturating_sub(1)], values[(i + 1).min(PROBES)]);
             if values[i] <= before && values[i] <= after && (values[i] < before || values[i] < after) {
                 let cell = [i.saturating_sub(1), (i + 1).min(PROBES)].map(|i| i as f64 / PROBES as f64);
-                let t = peak(|t| -value(t), cell, 40);
+                let t = golden(|t| -value(t), cell, 40, NONE).at;
                 if value(t) < depth {
                     return Some(at(t));
                 }
@@ -261,7 +265,7 @@ fn piece(inside: &dyn Fn([f64; 2]) -> bool, seed: [f64; 2], looks: &Cell<usize>)
                 continue;
             }
             let middle = radii[k].0;
-            let angle = peak(|a| reach(a, exit(a)), [middle - step, middle + step], 60);
+            let angle = golden(|a| reach(a, exit(a)), [middle - step, middle + step], 60, NONE).at;
             let r = exit(angle);
             if r > LONGEST * shortest || !r.is_finite() {
                 return None;
@@ -305,30 +309,7 @@ fn leave(inside: impl Fn(f64) -> bool, guess: f64) -> f64 {
             beyond = within;
         }
     }
-    for _ in 0..24 {
-        let middle = 0.5 * (within + beyond);
-        *if inside(middle) { &mut within } else { &mut beyond } = middle;
-    }
-    beyond
-}
-
-/// Golden-section search for the largest value.
-fn peak(value: impl Fn(f64) -> f64, [mut a, mut b]: [f64; 2], steps: usize) -> f64 {
-    const GOLDEN: f64 = 0.618_033_988_749_894_8;
-    let (mut c, mut d) = (b - GOLDEN * (b - a), a + GOLDEN * (b - a));
-    let (mut at_c, mut at_d) = (value(c), value(d));
-    for _ in 0..steps {
-        if at_c >= at_d {
-            (b, d, at_d) = (d, c, at_c);
-            c = b - GOLDEN * (b - a);
-            at_c = value(c);
-        } else {
-            (a, c, at_c) = (c, d, at_d);
-            d = a + GOLDEN * (b - a);
-            at_d = value(d);
-        }
-    }
-    if at_c >= at_d { c } else { d }
+    bisected(inside, [within, beyond], 24)[1]
 }
 
 #[cfg(test)]

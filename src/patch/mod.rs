@@ -6,7 +6,8 @@ mod pieces;
 use crate::discrete::{Discrete, DiscreteSolution};
 use crate::grid::Grid;
 use crate::matrix_free;
-use crate::numeric::geometry::{area, centroid};
+use crate::numeric::geometry::{area, centroid, farthest};
+use crate::numeric::scalar::root;
 use crate::solution::Patch;
 
 /// The patch of a solved problem, with boundaries placed between cell centres.
@@ -41,12 +42,11 @@ pub(crate) fn with_peaks(problem: &Discrete, solution: &DiscreteSolution, refere
         moment[1] += share * c[1];
     }
     let (pieces, peaks) = pieces::of(&problem.grid, &solution.pressure, &starts, &loops).into_iter().unzip();
-    let distance = |p: &[f64; 2]| (p[0] - reference[0]).hypot(p[1] - reference[1]);
     let patch = Patch {
         area: total,
         centroid: (total > 0.0).then(|| moment.map(|m| m / total)),
         regions: areas.iter().filter(|&&a| a > 0.0).count(),
-        max_radius: loops.iter().flatten().map(distance).fold(0.0, f64::max),
+        max_radius: farthest(loops.iter().flatten(), reference),
         pieces,
         boundary: Some(loops),
         semi_axes: None,
@@ -101,22 +101,8 @@ fn edge_between(p: f64, gap: f64, h: f64) -> f64 {
     // The unknown k comes from a cell mean next to a square root: keep the edge between the two centres.
     let [nearest, farthest] = [0.05, 0.95];
     let excess = |t: f64| (1.0 - t).powi(3) - c * t;
-    if excess(nearest) <= 0.0 {
-        return nearest;
-    }
-    if excess(farthest) >= 0.0 {
-        return farthest;
-    }
-    // Falling and convex: Newton's method comes up from the left.
-    let mut t = nearest;
-    for _ in 0..30 {
-        let step = excess(t) / (3.0 * (1.0 - t).powi(2) + c);
-        t += step;
-        if step < 1e-12 {
-            break;
-        }
-    }
-    t
+    let beyond = if excess(nearest) > 0.0 { farthest } else { nearest };
+    root(excess, nearest, farthest).map_or(beyond, |found| found.at)
 }
 
 /// Marching squares on the lattice of cell centres, with one ring of free cells around it. Contact cells that meet at a

@@ -84,6 +84,16 @@ pub(super) fn round_step(largest: f64, parts: f64) -> f64 {
     steps.into_iter().find(|step| largest / step <= parts).unwrap_or(10.0 * decade)
 }
 
+/// The power of ten that is no greater.
+pub(super) fn decade_below(x: f64) -> f64 {
+    10f64.powf(x.log10().floor())
+}
+
+/// The power of ten that is no less.
+pub(super) fn decade_above(x: f64) -> f64 {
+    10f64.powf(x.log10().ceil())
+}
+
 /// A decade of a logarithmic axis; what lies between is not written.
 pub(super) fn decade(x: &f64) -> String {
     let power = x.log10().round();

@@ -5,7 +5,7 @@ use plotters::prelude::*;
 
 use super::axes::{self, px};
 use super::frame::{Frame, Medium};
-use super::{COLOURS, Error, FONT, Fault, Figure, Format, render};
+use super::{COLOURS, Error, Fault, Figure, Format, render};
 use crate::curve::Curve;
 use crate::numeric::cubic::Cubic;
 use crate::units::UnitLabels;
@@ -196,19 +196,13 @@ impl Figure for Picture<'_> {
             .x_label_area_size(frame.bottom)
             .y_label_area_size(frame.left)
             .build_cartesian_2d(range(0), range(1))?;
-        chart
-            .configure_mesh()
+        frame
+            .styled(&mut chart.configure_mesh())
             .x_desc(axes::named("depth", self.units.length(), power[0]))
             .y_desc(axes::named("force", self.units.force(), power[1]))
             .x_label_formatter(&|x| axes::tick(*x))
             .y_label_formatter(&|y| axes::tick(*y))
             .x_labels(if frame.medium == Medium::Phone { 5 } else { 9 })
-            .label_style((FONT, frame.label))
-            .axis_desc_style((FONT, frame.label))
-            .light_line_style(TRANSPARENT)
-            .bold_line_style(axes::GRID.stroke_width(px(1)))
-            .axis_style(BLACK.stroke_width(px(1)))
-            .set_all_tick_mark_size(px(5))
             .draw()?;
         let at = |p: &[f64; 2]| (p[0] / unit[0], p[1] / unit[1]);
         chart.draw_series(LineSeries::new(self.line.iter().map(at), COLOURS[1].stroke_width(px(2))))?;

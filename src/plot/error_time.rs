@@ -36,7 +36,7 @@ pub(crate) fn error_against_time_on(
     let uncertainty = if reference.uncertainty.is_finite() { reference.uncertainty } else { 0.0 };
     // A decade below what can be told, or below the smallest error of a method that is not the reference itself.
     let smallest = runs.iter().map(|(_, f)| f.error.abs()).filter(|e| *e > 1e-12).fold(1.0, f64::min);
-    let floor = decade_below(0.1 * smallest.max(uncertainty));
+    let floor = axes::decade_below(0.1 * smallest.max(uncertainty));
     let mut picture = Picture { frame: Frame::new(medium, title, medium.width()), runs, uncertainty, floor };
     if medium == Medium::Sheet {
         picture.frame = Frame::new(medium, title, picture.size().0);
@@ -58,14 +58,6 @@ const METHODS: [Method; 6] =
 /// Shortest run time shown, seconds: what a clock can tell.
 const SHORTEST: f64 = 1e-7;
 
-fn decade_below(x: f64) -> f64 {
-    10f64.powf(x.log10().floor())
-}
-
-fn decade_above(x: f64) -> f64 {
-    10f64.powf(x.log10().ceil())
-}
-
 impl Figure for Picture<'_> {
     fn size(&self) -> (u32, u32) {
         let medium = self.frame.medium;
@@ -82,8 +74,9 @@ impl Figure for Picture<'_> {
         let (first, last) = (times().fold(f64::INFINITY, f64::min), times().fold(0.0, f64::max));
         let highest = self.runs.iter().map(|(_, f)| f.error.abs()).fold(10.0 * self.floor, f64::max);
         // A little wider, so that rounding does not lose the label of the end.
-        let (left, right) = ((1.0 - 1e-9) * decade_below(0.8 * first), (1.0 + 1e-9) * decade_above(1.25 * last));
-        let top = decade_above(1.25 * highest.max(self.uncertainty));
+        let (left, right) =
+            ((1.0 - 1e-9) * axes::decade_below(0.8 * first), (1.0 + 1e-9) * axes::decade_above(1.25 * last));
+        let top = axes::decade_above(1.25 * highest.max(self.uncertainty));
         let inner = area.margin(frame.top + names, 0, frame.edge, frame.right);
         let mut chart = ChartBuilder::on(&inner)
             .x_label_area_size(frame.bottom)
@@ -93,18 +86,12 @@ impl Figure for Picture<'_> {
             let band = [(left, self.floor), (right, self.uncertainty)];
             chart.draw_series([Rectangle::new(band, RGBColor(232, 232, 232).filled())])?;
         }
-        chart
-            .configure_mesh()
+        frame
+            .styled(&mut chart.configure_mesh())
             .x_desc("run time, s")
             .y_desc("relative error of the force")
             .x_label_formatter(&axes::decade)
             .y_label_formatter(&axes::decade)
-            .label_style((FONT, frame.label))
-            .axis_desc_style((FONT, frame.label))
-            .light_line_style(TRANSPARENT)
-            .bold_line_style(axes::GRID.stroke_width(px(1)))
-            .axis_style(BLACK.stroke_width(px(1)))
-            .set_all_tick_mark_size(px(5))
             .draw()?;
         for (k, method) in METHODS.into_iter().enumerate() {
             let colour = COLOURS[k];

@@ -1,9 +1,10 @@
 //! Sizes of a picture: by where it is shown, and by how many lines its title takes.
 
+use plotters::chart::MeshStyle;
 use plotters::coord::Shift;
 use plotters::prelude::*;
 
-use super::axes::{at, is_text, px};
+use super::axes::{GRID, at, is_text, px};
 use super::{FONT, Fault};
 
 /// Where a picture is shown.
@@ -127,6 +128,24 @@ impl Frame {
             area.draw_text(line, &style, ((width.saturating_sub(taken) / 2) as i32, y as i32))?;
         }
         Ok(())
+    }
+
+    /// The mesh of a chart, with the sizes of this frame.
+    pub fn styled<'m, 'a, 'b, X, Y, DB>(
+        &self,
+        mesh: &'m mut MeshStyle<'a, 'b, X, Y, DB>,
+    ) -> &'m mut MeshStyle<'a, 'b, X, Y, DB>
+    where
+        X: Ranged,
+        Y: Ranged,
+        DB: DrawingBackend + 'b,
+    {
+        mesh.label_style((FONT, self.label))
+            .axis_desc_style((FONT, self.label))
+            .light_line_style(TRANSPARENT)
+            .bold_line_style(GRID.stroke_width(px(1)))
+            .axis_style(BLACK.stroke_width(px(1)))
+            .set_all_tick_mark_size(px(5))
     }
 
     /// How far above its middle a label begins.

@@ -147,17 +147,13 @@ pub(super) fn mesh<'b, DB: DrawingBackend + 'b>(
     // As many labels as have room: eight figures along x, two lines along y.
     let room = |points: u32, each: u32| (points / each).clamp(3, 7) as usize;
     let power = window.power;
-    mesh.x_desc(axes::named("x", units.length(), power))
+    frame
+        .styled(mesh)
+        .x_desc(axes::named("x", units.length(), power))
         .y_desc(axes::named("y", units.length(), power))
         .x_label_formatter(&|x| axes::tick(*x))
         .y_label_formatter(&|y| axes::tick(*y))
-        .label_style((FONT, frame.label))
-        .axis_desc_style((FONT, frame.label))
         .x_labels(room(window.pixels[0], 4 * frame.label))
         .y_labels(room(window.pixels[1], 2 * frame.label))
-        .light_line_style(TRANSPARENT)
-        .bold_line_style(axes::GRID.stroke_width(px(1)))
-        .axis_style(BLACK.stroke_width(px(1)))
-        .set_all_tick_mark_size(px(5))
         .draw()
 }

@@ -6,7 +6,7 @@ use plotters::prelude::*;
 use super::axes::{self, at, px};
 use super::frame::{Frame, Medium, named_stroke, width_of};
 use super::pressure::coarsened;
-use super::{COLOURS, Error, FONT, Fault, Figure, Format, render};
+use super::{COLOURS, Error, Fault, Figure, Format, render};
 use crate::gap::Gap;
 use crate::grid::Pressure;
 use crate::problem::Contact;
@@ -192,18 +192,12 @@ impl Figure for Picture<'_> {
             .y_label_area_size(frame.left)
             .margin_bottom(px(10))
             .build_cartesian_2d(x.clone(), low / height..high / height)?;
-        chart
-            .configure_mesh()
+        frame
+            .styled(&mut chart.configure_mesh())
             .y_desc(axes::named("height", self.units.length(), powers[1]))
             .y_label_formatter(&|y| axes::tick(*y))
             .x_labels(if frame.medium == Medium::Phone { 5 } else { 9 })
             .y_labels(7)
-            .label_style((FONT, frame.label))
-            .axis_desc_style((FONT, frame.label))
-            .light_line_style(TRANSPARENT)
-            .bold_line_style(axes::GRID.stroke_width(px(1)))
-            .axis_style(BLACK.stroke_width(px(1)))
-            .set_all_tick_mark_size(px(5))
             .draw()?;
         // The gap that is left, between the surface and the punch above it.
         let top = |k: usize| (along[k] / length, punch[k].max(surface[k]).min(high) / height);
@@ -233,20 +227,14 @@ impl Figure for Picture<'_> {
             .x_label_area_size(frame.bottom)
             .y_label_area_size(frame.left)
             .build_cartesian_2d(x, 0.0..1.08 * strongest.max(f64::MIN_POSITIVE) / load)?;
-        chart
-            .configure_mesh()
+        frame
+            .styled(&mut chart.configure_mesh())
             .x_desc(axes::named("position along the section", self.units.length(), powers[0]))
             .y_desc(axes::named("pressure", &self.units.pressure(), powers[2]))
             .x_label_formatter(&|x| axes::tick(*x))
             .y_label_formatter(&|y| axes::tick(*y))
             .x_labels(if frame.medium == Medium::Phone { 5 } else { 9 })
             .y_labels(if frame.medium == Medium::Sheet { 4 } else { 3 })
-            .label_style((FONT, frame.label))
-            .axis_desc_style((FONT, frame.label))
-            .light_line_style(TRANSPARENT)
-            .bold_line_style(axes::GRID.stroke_width(px(1)))
-            .axis_style(BLACK.stroke_width(px(1)))
-            .set_all_tick_mark_size(px(5))
             .draw()?;
         let line = || along.iter().zip(pressure).map(|(&s, &p)| (s / length, p / load));
         let ends = [(reach / length, 0.0), (-reach / length, 0.0)];

@@ -69,27 +69,19 @@ impl Figure for Picture<'_> {
             (low, high)
         };
         let ((coarse, fine), (least, most)) = (range(0), range(1));
-        let down = |x: f64| 10f64.powf(x.log10().floor());
-        let up = |x: f64| 10f64.powf(x.log10().ceil());
         let names = frame.legend * self.lines.len() as u32;
         let inner = area.margin(frame.top + names, 0, frame.edge, frame.right);
         let mut chart =
             ChartBuilder::on(&inner).x_label_area_size(frame.bottom).y_label_area_size(frame.left).build_cartesian_2d(
                 (0.8 * coarse..1.25 * fine).log_scale().base(2.0),
-                (down(0.9 * least)..up(1.1 * most)).log_scale(),
+                (axes::decade_below(0.9 * least)..axes::decade_above(1.1 * most)).log_scale(),
             )?;
-        chart
-            .configure_mesh()
+        frame
+            .styled(&mut chart.configure_mesh())
             .x_desc("cells along the longer side")
             .y_desc("share of the force")
             .x_label_formatter(&|x| format!("{x:.0}"))
             .y_label_formatter(&axes::decade)
-            .label_style((FONT, frame.label))
-            .axis_desc_style((FONT, frame.label))
-            .light_line_style(TRANSPARENT)
-            .bold_line_style(axes::GRID.stroke_width(px(1)))
-            .axis_style(BLACK.stroke_width(px(1)))
-            .set_all_tick_mark_size(px(5))
             .draw()?;
         for (k, (label, points)) in self.lines.iter().enumerate() {
             let colour = COLOURS[(k + 1) % COLOURS.len()];

@@ -1,4 +1,6 @@
 //! Numbers drawn by lot, the same in every run.
+// Each test uses a part.
+#![allow(dead_code)]
 
 /// Steele, Lea & Flood 2014 (splitmix64).
 pub struct Random(pub u64);
@@ -13,9 +15,13 @@ impl Random {
     }
 
     /// A whole number below n.
-    #[allow(dead_code)]
     pub fn below(&mut self, n: usize) -> usize {
         (self.next() * n as f64) as usize
+    }
+
+    /// One of a list.
+    pub fn of<T: Copy>(&mut self, all: &[T]) -> T {
+        all[self.below(all.len())]
     }
 
     pub fn between(&mut self, a: f64, b: f64) -> f64 {

@@ -2,7 +2,8 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::tape::{Number, One, Tape, Two};
+use super::functions::{Number, One, Two};
+use super::tape::Tape;
 use crate::gap::Growth;
 use crate::numeric::Interval;
 

@@ -2,7 +2,9 @@
 //! a value. The radii are sampled: integrals begin anew at them, and one that is missed costs steps, not digits; what lies between two of
 //! them is enclosed by who proves by it.
 
-use super::tape::{Number, One, Op, Tape, Two};
+use super::functions::{Number, One, Two};
+use super::tape::{Op, Tape};
+use crate::numeric::scalar::{TO_THE_LAST_DIGIT, bisected};
 
 /// A value, and a mark that differs where any comparison on the way to it fell out in another way.
 #[derive(Clone, Copy)]
@@ -77,15 +79,7 @@ pub(super) fn radii(tape: &Tape, [x, y]: [f64; 2]) -> Vec<f64> {
     for k in ends {
         let after = sides(radius(k + 1));
         if after != before {
-            let (mut low, mut high) = (radius(k), radius(k + 1));
-            loop {
-                let middle = 0.5 * (low + high);
-                if middle <= low || middle >= high {
-                    break;
-                }
-                if sides(middle) == before { low = middle } else { high = middle }
-            }
-            found.push(high);
+            found.push(bisected(|r| sides(r) == before, [radius(k), radius(k + 1)], TO_THE_LAST_DIGIT)[1]);
             if found.len() > MOST {
                 return Vec::new();
             }

@@ -1,6 +1,6 @@
 //! Numbers side by side, so that each operation of a tape is looked up once for all of them.
 
-use super::tape::{Number, One, Two};
+use super::functions::{Number, One, Two};
 use crate::numeric::derivatives::Real;
 
 /// As many as the points of a 3 x 3 rule.

@@ -8,7 +8,8 @@ use pest::iterators::{Pair, Pairs};
 use pest::pratt_parser::{Assoc, Op as Binds, PrattParser};
 
 use super::advice;
-use super::tape::{One, Op, STACK, Tape, Two};
+use super::functions::{One, Two};
+use super::tape::{Op, STACK, Tape};
 use crate::error::InputError;
 
 /// Longest formula in bytes, deepest nesting of parentheses, most powers: bounds on the recursion of the parser.

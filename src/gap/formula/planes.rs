@@ -1,6 +1,7 @@
 //! Recognises formulas that are convex and made of planes.
 
-use super::tape::{One, Op, Tape, Two};
+use super::functions::{One, Two};
+use super::tape::{Op, Tape};
 use crate::gap::Polyhedron;
 
 /// More planes than this are left to quadrature.

@@ -5,6 +5,8 @@
 //! Maps are smoothed along rows, then columns, by one parameter (tensor product). What is left of the noise is that of Silverman's
 //! equivalent kernel (*Ann. Statist.* 12 (1984) 898, equation (2.6)): its square has the integral 3/(8 sqrt 2), in units of a^(1/4).
 
+use crate::numeric::scalar::bisected;
+
 /// Integral of the square of the equivalent kernel.
 const KERNEL: f64 = 0.265_165_042_944_955_3;
 
@@ -117,20 +119,13 @@ fn by_noise(values: &[f64], s: f64, smooth: impl Fn(f64, &mut [f64])) -> (f64, V
         let (sum, count) = seen.fold((0.0, 0.0), |(sum, n), (z, f)| (sum + (z - f).powi(2), n + 1.0));
         (sum / f64::max(count, 1.0)).sqrt()
     };
-    let [mut low, mut high] = PARAMETERS.map(f64::ln);
-    let most = at(high.exp());
+    let ends = PARAMETERS.map(f64::ln);
+    let most = at(ends[1].exp());
     if change(&most) <= s {
-        return (high.exp(), most);
+        return (ends[1].exp(), most);
     }
-    for _ in 0..HALVINGS {
-        let middle = 0.5 * (low + high);
-        if change(&at(middle.exp())) <= s {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    (low.exp(), at(low.exp()))
+    let parameter = bisected(|p| change(&at(p.exp())) <= s, ends, HALVINGS)[0].exp();
+    (parameter, at(parameter))
 }
 
 /// Values and uncertainty from the smoothed values; `left`: what is left of the variance.

@@ -1,17 +1,21 @@
 //! The exact contact at one depth: grids that become finer until the force is known to the tolerance.
 
+mod error;
+mod prescribed;
+
+use error::FINEST_PROVED;
+pub(crate) use error::{claimed, is_cheap};
+
 use super::domain::{coarsest, locate, locate_closely, shape, squared};
 use super::extrapolation::{self, Ends, Estimate};
 use super::refined::Refined;
 use super::sharp_edges::{self, CutCells, Edge};
-use super::single_grid::{GridOptions, GridState, laid, other_kernel};
-use super::unresolved;
-use crate::energy::{Trial, force_bounds};
-use crate::gap::{AnyGap, Degree, Gap, Law};
+use super::single_grid::{GridOptions, GridState, laid};
+use crate::gap::{Degree, Gap, Law};
 use crate::grid::{Grid, Kernel};
 use crate::numeric::geometry::Rect;
 use crate::overlap::Scaled;
-use crate::problem::{ErrorBar, Method, Settings};
+use crate::problem::{Method, Settings};
 use crate::solution::{Unsolved, Verdict};
 
 /// Cells along the longer side that no grid has more of.
@@ -36,15 +40,8 @@ const STEPPED: usize = 512;
 /// 1.42 times more than they tell, measured on 60 minima of flat and other punches).
 const BESIDE_STEPS: f64 = 1.5;
 
-/// The same on a prescribed grid, fine enough or not, where it ends at steps or at edges of the material (by up to 1.5 times more
-/// than three grids tell, measured on 300 grids of minima like these and of flat punches).
-const AT_EDGES_AS_GIVEN: f64 = 2.0;
-
 /// Cells along the longer side from which on an estimate stands where no bounds were had: coarser grids may agree by chance.
 const FINE_ENOUGH: usize = 80;
-
-/// Cells along the longer side up to which grids are refined for narrower bounds, once the estimate is good enough.
-const FINEST_PROVED: usize = 512;
 
 /// The contact at one depth, on grids that double until the estimated error of the force is below the tolerance or no finer
 /// one can be had ([`Refined::shortfall`]), or on the prescribed number of cells and half of it.
@@ -111,39 +108,6 @@ pub(crate) fn as_far_as(
     Ok(best)
 }
 
-/// The cells of a grid that a rectangle touches.
-fn part_of(nodes: &Grid, window: &Rect) -> Grid {
-    let [x, y] = [0, 1].map(|m| {
-        let place = |v: f64| (v - nodes.origin[m]) / nodes.spacing[m];
-        let most = nodes.shape[m] as f64;
-        let first = (place(window.min[m]) + ON_LINE).floor().clamp(0.0, most - 1.0);
-        let end = (place(window.max[m]) - ON_LINE).ceil().clamp(first + 1.0, most);
-        (first, (end - first) as usize)
-    });
-    let origin = [0, 1].map(|m| nodes.origin[m] + [x.0, y.0][m] * nodes.spacing[m]);
-    Grid { origin, spacing: nodes.spacing, shape: [x.1, y.1] }
-}
-
-/// Shares of a cell by which rounding may move a line of the grid.
-const ON_LINE: f64 = 1e-6;
-
-/// Share of their distance by which bounds of any gap are claimed wider than they were found: whoever works them out again solves the flat
-/// punches to other digits.
-const REPEATABLE: f64 = 5e-3;
-
-/// Whether bounds of a gap without a law cost about a solve: where mirrors make a quarter of their work enough. Of others they come with a
-/// bracket that is asked for.
-pub(crate) fn is_cheap(gap: &AnyGap) -> bool {
-    gap.known().mirrors == [true; 2]
-}
-
-/// Bounds of the force by the pressure of a grid, as they are stated.
-pub(crate) fn claimed(scaled: &Scaled, degree: Option<Degree>, trial: &Trial, settings: &Settings) -> Option<[f64; 2]> {
-    let [lower, upper] = force_bounds(scaled, degree, trial, settings.tolerance, settings.deadline)?;
-    let room = if degree.is_none() { REPEATABLE * (upper - lower) } else { 0.0 };
-    Some([lower - room, upper + room])
-}
-
 /// Grids that become finer, and what they found.
 struct Refinement<'a> {
     scaled: &'a Scaled,
@@ -160,67 +124,6 @@ struct Refinement<'a> {
 }
 
 impl Refinement<'_> {
-    /// A prescribed grid. Two coarser ones go before it, for the estimate of the error; each costs a quarter of the next or less.
-    fn prescribed(mut self, cells: usize) -> Result<Option<Refined>, Unsolved> {
-        let mut best: Option<Refined> = None;
-        // Of a map the window covers a part.
-        let cells = self.nodes().map_or(cells, |nodes| {
-            let [nx, ny] = part_of(&nodes, &self.window).shape;
-            nx.max(ny)
-        });
-        for coarser in [cells.div_ceil(4), cells.div_ceil(2)].into_iter().filter(|&n| n >= 6 && n != cells) {
-            let state = self.grid(|window| shape(window, coarser), PRECISE[1], None)?;
-            let error = self.limit(&state).error;
-            best = Some(Refined::of(state, error));
-        }
-        let finest = match self.nodes() {
-            Some(nodes) => self.on_nodes(&nodes),
-            None => self.grid(|window| shape(window, cells), PRECISE[1], None),
-        };
-        let state = match finest {
-            Err(e) if e.verdict == Verdict::TimeLimit && best.is_some() => {
-                return Ok(best.map(|b| Refined { stopped: Some(e), ..b }));
-            }
-            other => other?,
-        };
-        if state.force() <= 0.0 {
-            return Ok(None);
-        }
-        let estimate = self.limit(&state);
-        let estimated = self.error_as_given(&state, estimate)?;
-        let coarser = best.map(|b| Box::new(b.state));
-        // Who prescribes the grid wants the force of that grid, whether or not the bounds hold it.
-        let Some([lower, upper]) = self.proved(&state) else {
-            return Ok(Some(Refined { coarser, ..Refined::of(state, estimated) }));
-        };
-        let force = state.force();
-        let proved = (upper - force).abs().max((force - lower).abs());
-        // Bounds wider than the estimate leave it, but for what they show it to miss.
-        let shown = (lower - force).max(force - upper);
-        let error = proved.min(estimated.max(shown));
-        Ok(Some(Refined { proved: Some([lower, upper]), coarser, ..Refined::of(state, error) }))
-    }
-
-    /// The error of the force of a grid itself, by what it and those before it estimate.
-    fn error_as_given(&self, state: &GridState, Estimate { value, mut error }: Estimate) -> Result<f64, Unsolved> {
-        let force = state.force();
-        if self.law.is_none() {
-            error = error.max(self.kernel_difference(state)?);
-        }
-        let edge = sharp_edges::boundary_type(self.scaled, state);
-        if self.law.is_none() && edge.is_some() {
-            error = (AT_EDGES_AS_GIVEN * error).max(extrapolation::left_by_first_order(&self.forces));
-        }
-        if edge == Some(Edge::End) {
-            // P grows with the size of a patch: half as much as the area, and as much again for the edges themselves.
-            let pressed = state.solution.pressure.iter().filter(|&&p| p > 0.0).count();
-            let area = pressed as f64 * state.problem.grid.cell_area();
-            error = error.max(force * (CutCells::of(self.scaled, state).left_out / area).abs());
-        }
-        // Who prescribes the grid wants the force of that grid.
-        Ok(error + (force - value).abs())
-    }
-
     fn adaptive(mut self) -> Result<Option<Refined>, Unsolved> {
         let smooth = matches!(self.law, Some((Degree::Power(_), _)));
         let coarsest = coarsest(self.law.map(|(degree, _)| degree));
@@ -374,70 +277,10 @@ impl Refinement<'_> {
         Ok(self.with_spent(state))
     }
 
-    /// The cells around the nodes of the height map, where those are asked for.
-    fn nodes(&self) -> Option<Grid> {
-        let nodes = self.scaled.gap.nodes().filter(|_| self.settings.nodes)?;
-        (self.settings.cells == Some(nodes.shape[0].max(nodes.shape[1]))).then_some(nodes)
-    }
-
-    /// The contact on cells around the nodes of a height map.
-    fn on_nodes(&mut self, nodes: &Grid) -> Result<GridState, Unsolved> {
-        let options = GridOptions { tolerance: PRECISE[1], ..GridOptions::precise(self.settings, self.method) };
-        let state = laid(self.scaled, &mut self.window, |window| part_of(nodes, window), options)?;
-        Ok(self.with_spent(state))
-    }
-
     fn with_spent(&mut self, mut state: GridState) -> GridState {
         self.spent = (self.spent.0 + state.iterations, self.spent.1 + state.operator_products);
         (state.iterations, state.operator_products) = self.spent;
         state
-    }
-
-    /// The limit of the grids so far, this one included.
-    ///
-    /// The Galerkin energy of a homogeneous gap gives the force, P = (2 + 1/k) U/d, without the jitter of a sum over a
-    /// whole number of cells; it is that which is extrapolated.
-    fn limit(&mut self, state: &GridState) -> Estimate {
-        let force = state.force();
-        self.forces.push(force);
-        let limit = if let Some((degree, ends)) = self.law {
-            self.energies.push((2.0 + degree.inverse()) * state.energy() / self.scaled.above_lowest());
-            extrapolation::of_energies(&self.energies, ends)
-        } else {
-            extrapolation::of_forces(&self.forces)
-        };
-        let estimate = limit.unwrap_or(Estimate { value: force, error: force });
-        if self.law.is_some() || self.forces.len() > 2 {
-            return estimate;
-        }
-        // Two coarse grids may agree by chance.
-        let left = unresolved::boundary(&state.problem.grid, &state.solution.pressure);
-        Estimate { error: estimate.error.max(left * force), ..estimate }
-    }
-
-    /// The degree of a homogeneous gap whose force has a proof that is asked for, or that it is any other gap.
-    fn provable(&self) -> Option<Option<Degree>> {
-        let degree = self.law.map(|(degree, _)| degree);
-        let wanted = self.settings.evidence == ErrorBar::Proof && self.settings.kernel == Kernel::Galerkin;
-        let possible = degree.is_some() || self.scaled.certain && is_cheap(&self.scaled.gap);
-        (wanted && degree != Some(Degree::Flat) && possible).then_some(degree)
-    }
-
-    /// Proved bounds of the force from the energy of a grid ([`force_bounds`]); `None` where they are not asked for, or none can be had.
-    fn proved(&self, state: &GridState) -> Option<[f64; 2]> {
-        let degree = self.provable()?;
-        let [nx, ny] = state.problem.grid.shape;
-        if degree.is_none() && (nx.max(ny) > FINEST_PROVED || self.settings.deadline.check().is_err()) {
-            return None;
-        }
-        claimed(self.scaled, degree, &state.trial(), self.settings)
-    }
-
-    /// How far off the other kernel makes the force on the same grid. Values at centres err by up to 1.6 times that
-    /// (measured on 1000 closed forms), means by less.
-    fn kernel_difference(&self, state: &GridState) -> Result<f64, Unsolved> {
-        let times = if self.settings.kernel == Kernel::Collocation { 2.0 } else { 1.0 };
-        Ok(times * (other_kernel(self.scaled, state)? - state.force()).abs())
     }
 
     /// The limit of grids fitted by a line; see [`edges`].
