@@ -1,6 +1,6 @@
 //! What grids leave of the energy, in their last step: how the factors of estimated errors were found.
 //!
-//! `cargo run --release --example estimate_factors [draws a family, 100] [seed, 1]`
+//! `cargo run --release --example estimate_factors [draws a family, 8] [seed, 1]`
 //!
 //! Contacts are drawn with their place, turn, aspect and coarsest grid; each is solved on three or four grids whose cells double. Of the
 //! exact energy U and the energies U_n of the grids, (U - U_n)/(U_n - U_(n-1)) is what is left in steps. The middle and half the range
@@ -104,7 +104,7 @@ fn energies(gap: &AnyGap, depth: f64, cells: usize, count: usize) -> Result<Vec<
 
 fn main() -> Result<(), Failure> {
     let mut numbers = std::env::args().skip(1).map(|n| n.parse::<u64>());
-    let (draws, seed) = (numbers.next().unwrap_or(Ok(100))?, numbers.next().unwrap_or(Ok(1))?);
+    let (draws, seed) = (numbers.next().unwrap_or(Ok(8))?, numbers.next().unwrap_or(Ok(1))?);
     println!("family                      grids  draws    least     5 %  median    95 %  largest");
     for family in FAMILIES {
         let mut random = Random(seed);
@@ -113,7 +113,7 @@ fn main() -> Result<(), Failure> {
             let Drawn { gap, depth, energy } = (family.draw)(&mut random)?;
             let at = [random.between(-0.5, 0.5), random.between(-0.5, 0.5)];
             let gap = gap.placed(at, random.between(0.0, std::f64::consts::TAU))?;
-            let cells = 12 + random.below(13);
+            let cells = 10 + random.below(9);
             let grids = energies(&gap, depth, cells, if energy.is_some() { 4 } else { 5 })?;
             let last = grids.len() - 1;
             let exact = energy.unwrap_or(grids[last] + family.left * (grids[last] - grids[last - 1]));

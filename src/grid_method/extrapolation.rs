@@ -25,7 +25,7 @@ pub enum Ends {
 /// Share of the last step that is left of an energy, and half the range of that share.
 ///
 /// `examples/estimate_factors.rs` draws contacts along and against the grid, of aspects to 200 and exponents to 8, regular and irregular
-/// pyramids, on grids of which the coarsest has 12 to 24 cells, and prints what is left; these are what it prints, with room. On two
+/// pyramids, on grids of which the coarsest has 10 to 18 cells, and prints what is left; these are what it prints, with room. On two
 /// coarse grids steps still vary with how the cells lie.
 #[derive(Clone, Copy)]
 struct Left {
