@@ -17,13 +17,22 @@ pub(super) fn decode<'a, T: Deserialize<'a>>(value: &'a Json, path: &str) -> Res
     decode_without(value, path, &[])
 }
 
+/// Reads a `T` from the result of one state of loading: what is a list with an entry a state is read as that entry, which of how
+/// many `state` says.
+pub(crate) fn decode_state<'a, T: Deserialize<'a>>(
+    result: &'a Json,
+    state: Option<[usize; 2]>,
+) -> Result<T, InputError> {
+    T::deserialize(Decoder { value: result, read: &[], state }).map_err(|fault| rooted(fault.error))
+}
+
 /// Reads a `T` from an object, passing over the keys that were read already.
 pub(super) fn decode_without<'a, T: Deserialize<'a>>(
     value: &'a Json,
     path: &str,
     read: &'a [&'static str],
 ) -> Result<T, InputError> {
-    T::deserialize(Decoder { value, read }).map_err(|fault| {
+    T::deserialize(Decoder { value, read, state: None }).map_err(|fault| {
         let error = match fault.key {
             // The keys that were read already are known too.
             Some((key, known)) => {
@@ -160,11 +169,16 @@ struct Decoder<'a> {
     value: &'a Json,
     /// Keys of this object that were read already.
     read: &'a [&'static str],
+    /// Which of how many entries of a list is meant.
+    state: Option<[usize; 2]>,
 }
+
+/// The name of a type that stands for one entry of a list, see [`decode_state`].
+const ENTRY: &str = "Entry";
 
 impl<'a> From<&'a Json> for Decoder<'a> {
     fn from(value: &'a Json) -> Self {
-        Self { value, read: &[] }
+        Self { value, read: &[], state: None }
     }
 }
 
@@ -199,7 +213,9 @@ impl<'a> de::Deserializer<'a> for Decoder<'a> {
             },
             Json::String(s) => visitor.visit_borrowed_str(s),
             Json::Array(items) => visitor.visit_seq(Items { items, next: 0 }),
-            Json::Object(entries) => visitor.visit_map(Entries { entries, read: self.read, value: None }),
+            Json::Object(entries) => {
+                visitor.visit_map(Entries { entries, read: self.read, state: self.state, value: None })
+            }
         }
     }
 
@@ -236,8 +252,21 @@ impl<'a> de::Deserializer<'a> for Decoder<'a> {
         }
     }
 
-    fn deserialize_newtype_struct<V: Visitor<'a>>(self, _: &'static str, visitor: V) -> Result<V::Value, Fault> {
-        visitor.visit_newtype_struct(self)
+    fn deserialize_newtype_struct<V: Visitor<'a>>(self, name: &'static str, visitor: V) -> Result<V::Value, Fault> {
+        let Some([k, states]) = self.state.filter(|_| name == ENTRY) else {
+            return visitor.visit_newtype_struct(self);
+        };
+        match self.value {
+            Json::Array(all) if all.len() == states => visitor.visit_newtype_struct(Self::from(&all[k])),
+            other => {
+                let allowed = format!("a list of {states}, one entry a state of loading");
+                Err(Fault::new("", other.brief(), allowed))
+            }
+        }
+    }
+
+    fn deserialize_ignored_any<V: Visitor<'a>>(self, visitor: V) -> Result<V::Value, Fault> {
+        visitor.visit_unit()
     }
 
     fn deserialize_enum<V: Visitor<'a>>(
@@ -261,7 +290,7 @@ impl<'a> de::Deserializer<'a> for Decoder<'a> {
     serde::forward_to_deserialize_any! {
         <W: Visitor<'a>>
         bool i8 i16 i32 i64 i128 u8 u16 u32 u128 f32 f64 char str string bytes byte_buf unit unit_struct
-        seq tuple_struct map identifier ignored_any
+        seq tuple_struct map identifier
     }
 }
 
@@ -288,6 +317,7 @@ impl<'a> de::SeqAccess<'a> for Items<'a> {
 struct Entries<'a> {
     entries: &'a [(String, Json)],
     read: &'a [&'static str],
+    state: Option<[usize; 2]>,
     value: Option<(&'a str, &'a Json)>,
 }
 
@@ -307,7 +337,8 @@ impl<'a> de::MapAccess<'a> for Entries<'a> {
 
     fn next_value_seed<V: DeserializeSeed<'a>>(&mut self, seed: V) -> Result<V::Value, Fault> {
         let Some((key, value)) = self.value.take() else { return Err(de::Error::custom("a key before its value")) };
-        seed.deserialize(Decoder::from(value)).map_err(|fault| fault.within(&key_in_path(key)))
+        let decoder = Decoder { state: self.state, ..Decoder::from(value) };
+        seed.deserialize(decoder).map_err(|fault| fault.within(&key_in_path(key)))
     }
 }
 

@@ -42,6 +42,7 @@ use crate::gap::AnyGap;
 use crate::problem::{Contact, EffectiveModulus, Load, Loading, Settings};
 use crate::units::UnitLabels;
 use decode::decode;
+pub(crate) use decode::decode_state;
 use document::ROOT;
 use given::Sources;
 
