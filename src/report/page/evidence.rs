@@ -1,7 +1,5 @@
 //! Everything a report shows of a scene, computed: the answers, every method on one of its states, brackets, the curve.
 
-use super::pictured::pictured;
-use super::{Step, numbers};
 use crate::bracket::{self, BracketSettings, ForceBracket};
 use crate::clock::{CpuTime, Deadline, Stopwatch};
 use crate::compare::{self, Comparison};
@@ -9,6 +7,8 @@ use crate::curve::Curve;
 use crate::plan::{Plan, plan};
 use crate::plot::Section;
 use crate::problem::{Contact, ErrorBar, Load, Loading, Method, Outputs, Settings};
+use crate::report::pictured::pictured;
+use crate::report::{Step, numbers};
 use crate::scene::Scene;
 use crate::solution::{Solution, Unsolved};
 use crate::solve::solve;
