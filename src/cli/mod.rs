@@ -12,6 +12,7 @@ mod fmu;
 mod heap;
 mod manual;
 mod outputs;
+mod picture;
 mod plan;
 mod progress;
 mod report;
