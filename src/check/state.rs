@@ -25,7 +25,7 @@ impl State<'_> {
         let mut found = Verification::default();
         let gap = scene.contact.tilted_gap(self.tilt);
         self.as_loaded(load, &mut found);
-        self.error_is_sane(scene, load, &mut found);
+        self.error_is_allowed(scene, load, &mut found);
         match self.origin.as_str() {
             "no_contact" => self.apart(&gap, &mut found),
             "closed_form" | "approximate" | "edge_fitted" => self.applied_again(scene, &gap, &mut found),
@@ -109,7 +109,7 @@ impl State<'_> {
     }
 
     /// A solved state states an error below 1, one that its scene asked for, and none of what was prescribed.
-    fn error_is_sane(&self, scene: &Scene, load: Load, found: &mut Verification) {
+    fn error_is_allowed(&self, scene: &Scene, load: Load, found: &mut Verification) {
         let prescribed = match load {
             Load::Depth(_) | Load::Tilted { .. } => key!(depth_error),
             Load::Force(_) | Load::ForceMoment { .. } => key!(force_error),

@@ -1,4 +1,4 @@
-//! What is wrong with a value, in the words of users: [`InputError`] with the face that serde asks for.
+//! What is wrong with a value, in the words of users: [`InputError`] as an error of serde.
 
 use std::fmt::Display;
 

@@ -204,7 +204,6 @@ pub(super) fn section(heading: &str, told: Html) -> Html {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
 
     #[test]
     fn nothing_in_a_name_is_markup() {

@@ -38,7 +38,7 @@ pub struct Provenance {
 }
 
 /// Solves the scene, runs every method of `runs` on the last of its states that touches, and writes all of it down: the
-/// answers, pictures, curve, comparison, brackets, plan, cost and problem. `say` hears what is going on.
+/// answers, pictures, curve, comparison, brackets, plan, cost and problem. `say` is called with what is being done.
 ///
 /// ```
 /// use contact_patch::{Scene, compare, report};
@@ -95,7 +95,7 @@ pub fn page_of(
         problem(scene),
         provenance(made),
     ];
-    // Nothing may be fetched, even by what a scene's texts might smuggle in.
+    // Nothing may be fetched, whatever a scene's texts hold.
     let page = html!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:\">\n\
