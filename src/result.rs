@@ -319,7 +319,8 @@ pub(crate) struct Residuals {
     pub penetration: Option<f64>,
 }
 
-#[derive(Debug, Clone, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+#[serde(default)]
 pub(crate) struct Cost {
     pub seconds: Option<f64>,
     pub unknowns: usize,

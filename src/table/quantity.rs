@@ -162,7 +162,7 @@ mod tests {
         let step = &crate::solve(&scene.contact, &scene.settings)[0];
         let result = serde_json::to_value(report::json(&scene, std::slice::from_ref(step))).unwrap();
         for (name, of) in KNOWN {
-            let pointer = format!("/{}", name.replace('.', "/").replace('[', "/").replace(']', ""));
+            let pointer = format!("/{}", name.replace(['.', '['], "/").replace(']', ""));
             let written = result.pointer(&pointer).unwrap_or_else(|| panic!("{name}"));
             assert_eq!(written.as_f64(), report::numbers(step).and_then(of), "{name}");
         }
