@@ -202,7 +202,7 @@ fn a_list_of_states_is_a_list_in_every_key() {
     let all = "a list of 2, one entry a state of loading";
     for (value, path, given, allowed) in [
         (json!([1.0]), "force", "a list of 1", all),
-        (json!(1.0), "force", "1", all),
+        (json!(1.0), "force", "1.0", all),
         (json!([null, 1.0]), "force", "nothing", "a number"),
         (json!([1.0, "x"]), "force", "\"x\"", "a number"),
     ] {
