@@ -4,6 +4,9 @@
 set -euo pipefail
 cd "$(dirname "$0")"
 
+# The package carries the licence of the crate.
+cmp LICENSE ../LICENSE
+
 venv=${CARGO_TARGET_DIR:-../target}/python
 python3 -m venv "$venv"
 venv=$(cd "$venv" && pwd)

@@ -74,6 +74,8 @@ pub mod qp;
 #[cfg(feature = "scene")]
 pub mod report;
 #[cfg(feature = "scene")]
+mod result;
+#[cfg(feature = "scene")]
 pub mod scene;
 mod solution;
 mod solve;

@@ -193,6 +193,33 @@ fn what_is_no_result_is_an_error_with_its_path() {
 }
 
 #[test]
+fn a_list_of_states_is_a_list_in_every_key() {
+    let directory = tempfile::tempdir().unwrap();
+    let scene = scene(pyramid(), json!({"depths": [5e-7, 1e-6]}), json!({"method": "ritz"}), json!([]));
+    let honest = solve(&scene, directory.path());
+    let (code, text) = check(&honest, directory.path());
+    assert!(code == 0 && text.contains("state 2:"), "{text}");
+    let all = "a list of 2, one entry a state of loading";
+    for (value, path, given, allowed) in [
+        (json!([1.0]), "force", "a list of 1", all),
+        (json!(1.0), "force", "1.0", all),
+        (json!([null, 1.0]), "force", "nothing", "a number"),
+        (json!([1.0, "x"]), "force", "\"x\"", "a number"),
+    ] {
+        let mut result = honest.clone();
+        result[path] = value;
+        let (code, text) = check(&result, directory.path());
+        assert_eq!(code, 2, "{text}");
+        assert!(text.contains(&format!("{path}: given {given}; allowed: {allowed}")), "{text}");
+    }
+    // What no result has is named.
+    let mut result = honest.clone();
+    result["extra"] = json!([{"number": 1.0}, {}]);
+    let (code, text) = check(&result, directory.path());
+    assert!(code == 0 && text.contains("extra.number"), "{text}");
+}
+
+#[test]
 fn the_field_may_come_from_an_array() {
     let directory = tempfile::tempdir().unwrap();
     let scene = scene(

@@ -9,11 +9,11 @@ use crate::grid::{Grid, Pressure};
 use crate::overlap::Overlap;
 use crate::problem::EffectiveModulus;
 
-/// Where the checker looks in a cell; off the lattices that proofs and solvers use.
+/// Points of a cell at which the checker samples; off the lattices that proofs and solvers use.
 const POINTS: [[f64; 2]; 4] = [[0.31, 0.27], [0.73, 0.36], [0.21, 0.69], [0.83, 0.87]];
 
-/// Cell looks at most; on larger grids fewer points a cell.
-const LOOKS: usize = 240_000;
+/// Points at most; on larger grids fewer a cell.
+const MOST_POINTS: usize = 240_000;
 
 /// Points a side over what lies beyond the grid.
 const BEYOND: usize = 48;
@@ -107,7 +107,7 @@ pub fn bounds(
             let similar = degree.is_some_and(|k| depth > 0.0 && is_homogeneous(gap, k, &claim.pressure.grid));
             found.require(similar, format!("{name} bound: the gap is homogeneous, as the use of another depth asks"));
         }
-        let Looked { violations, points } = violations(gap, modulus, depth, claim.pressure, above);
+        let Sampled { violations, points } = violations(gap, modulus, depth, claim.pressure, above);
         let worst = violations.iter().map(|v| v.0).fold(0.0, f64::max);
         let needs = modulus.e_star() * least_stack(violations, level + OWN_ERROR * depth.abs());
         let missed = if claim.proved { 0.0 } else { MISSED * width };
@@ -136,7 +136,7 @@ pub(super) fn loaded(pressure: &Pressure) -> impl Iterator<Item = [f64; 2]> + '_
 }
 
 /// Violations of a condition.
-pub(super) struct Looked {
+pub(super) struct Sampled {
     /// Height and place of each.
     pub violations: Vec<(f64, [f64; 2])>,
     points: usize,
@@ -148,11 +148,11 @@ pub(super) fn violations(
     depth: f64,
     pressure: &Pressure,
     above: bool,
-) -> Looked {
+) -> Sampled {
     let (grid, nx) = (&pressure.grid, pressure.grid.shape[0]);
     let q: Vec<f64> = pressure.values.iter().map(|p| p / modulus.e_star()).collect();
     let summation = Summation::new(grid, &q);
-    let mut looked = Looked { violations: Vec::new(), points: 0 };
+    let mut found = Sampled { violations: Vec::new(), points: 0 };
     let overlap = |[x, y]: [f64; 2]| depth - gap.gap(x, y);
     for share in POINTS {
         let place =
@@ -161,29 +161,29 @@ pub(super) fn violations(
         let wanted: Vec<bool> = (0..grid.len()).map(|k| if above { f[k] > 0.0 } else { q[k] > 0.0 }).collect();
         let u = summation.in_cells(Receiver::Point(share), &wanted);
         let cells = wanted.iter().filter(|&&w| w).count();
-        looked.points += cells;
+        found.points += cells;
         for k in (0..grid.len()).filter(|&k| wanted[k]) {
             let v = if above { f[k] - u[k] } else { u[k] - f[k] };
             if v > 0.0 {
-                looked.violations.push((v, place(k)));
+                found.violations.push((v, place(k)));
             }
         }
-        if looked.points + cells > LOOKS {
+        if found.points + cells > MOST_POINTS {
             break;
         }
     }
     if above && let Ok(Some(Overlap { reach, .. })) = Overlap::of(gap, depth) {
         let (inside, lattice) = (grid.extent(), Grid::over(&reach, [BEYOND; 2]));
         let points: Vec<[f64; 2]> = lattice.centres().filter(|p| !inside.contains(*p) && overlap(*p) > 0.0).collect();
-        looked.points += points.len();
+        found.points += points.len();
         for (point, u) in points.iter().zip(summation.at(&points)) {
             let v = overlap(*point) - u;
             if v > 0.0 {
-                looked.violations.push((v, *point));
+                found.violations.push((v, *point));
             }
         }
     }
-    looked
+    found
 }
 
 /// The least force (E* = 1) of any stack of discs over what exceeds the level: a disc across two points has at least half

@@ -12,9 +12,9 @@ use crate::problem::EffectiveModulus;
 /// the difference.
 pub(super) fn window(gap: &AnyGap, modulus: EffectiveModulus, depth: f64, pressure: &Pressure) -> [f64; 2] {
     let carried = pressure.force();
-    let looks = [true, false].map(|above| violations(gap, modulus, depth, pressure, above));
-    let [over, under] = looks.each_ref().map(|l| l.violations.iter().map(|v| v.0).fold(0.0, f64::max));
-    let reach = looks.iter().flat_map(|l| l.violations.iter().map(|v| v.1)).chain(loaded(pressure));
+    let sampled = [true, false].map(|above| violations(gap, modulus, depth, pressure, above));
+    let [over, under] = sampled.each_ref().map(|s| s.violations.iter().map(|v| v.0).fold(0.0, f64::max));
+    let reach = sampled.iter().flat_map(|s| s.violations.iter().map(|v| v.1)).chain(loaded(pressure));
     let [w, h] = Rect::holding(reach).map_or([0.0; 2], |r| r.size());
     let disc = modulus.e_star() * w.hypot(h);
     let rounding = 1e-6 * carried;

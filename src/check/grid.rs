@@ -1,17 +1,15 @@
-//! States on a grid: the contact conditions in its cells, and every number that follows from the field.
+//! States on a grid: the contact conditions in its cells, and the force, energy and stiffness that follow from the field.
 
-use super::again::boundary_distance;
 use super::bounds::sound;
 use super::cells::Cells;
-use super::result::State;
-use super::state::{ROUNDING, matrix};
+use super::result::{Key, State, key, on_grid};
+use super::state::ROUNDING;
 use super::{CLOSER, Verification, close, formula, homogeneous};
 use crate::error::InputError;
 use crate::gap::AnyGap;
-use crate::grid::{Grid, Kernel, Pressure};
+use crate::grid::{Grid, Kernel};
 use crate::problem::Load;
 use crate::scene::Scene;
-use crate::solution::Piece;
 
 /// Largest residual of a pressure that is said to solve a grid, relative to the largest overlap.
 const RESIDUAL: f64 = 2e-6;
@@ -21,9 +19,6 @@ const OWN_ERROR: f64 = 1e-6;
 
 /// Relative error of an energy and of a flat punch from such displacements.
 const OF_SUMS: f64 = 1e-6;
-
-/// Error of a boundary, in cells: it moves with the gap that is left beside it.
-const OF_BOUNDARY: f64 = 0.02;
 
 impl State<'_> {
     pub(super) fn on_grid(
@@ -45,7 +40,7 @@ impl State<'_> {
             return Ok(());
         };
         found.require(sound(field), "the pressure is finite and nowhere tensile");
-        self.grid_is_that_of(field.grid, found)?;
+        self.grid_is_that_of(field.grid, found);
         if !found.accepted() {
             return Ok(());
         }
@@ -65,49 +60,47 @@ impl State<'_> {
         if !found.accepted() {
             return Ok(());
         }
-        self.reader.use_up("pressure.field");
-        self.reader.use_up("depth");
+        self.use_up(key!(pressure.field));
+        self.use_up(key!(depth));
         if !matches!(load, Load::Depth(_) | Load::Tilted { .. }) {
-            self.reader.use_up("tilt");
+            self.use_up(key!(tilt));
         }
-        self.residuals(cells, found)?;
+        self.residuals(cells, found);
         let force_driven = !matches!(load, Load::Depth(_) | Load::Tilted { .. });
-        self.force_of_grid(scene, gap, [cells, other], force_driven, found)?;
-        self.pressures(gap, field, found)?;
-        self.moments(field, force_driven, found)?;
-        self.patch_of(cells, scene, found)?;
-        self.stiffness_of(cells, scene, gap, found)?;
+        self.force_of_grid(scene, gap, [cells, other], force_driven, found);
+        self.pressures(gap, field, found);
+        self.moments(field, force_driven, found);
+        self.patch_of(cells, scene, found);
+        self.stiffness_of(cells, scene, gap, found);
         self.gap_left(cells, found)
     }
 
     /// The grid that is named is that of the field.
-    pub(super) fn grid_is_that_of(&self, grid: Grid, found: &mut Verification) -> Result<(), InputError> {
-        let (Some(shape), Some(spacing)) = (self.reader.pair("grid.shape")?, self.reader.pair("grid.spacing")?) else {
-            return Ok(());
-        };
-        let holds = shape == grid.shape.map(|n| n as f64) && spacing == grid.spacing;
+    pub(super) fn grid_is_that_of(&self, grid: Grid, found: &mut Verification) {
+        let Some(said) = self.get(key!(grid)) else { return };
+        let holds = said.shape == grid.shape && said.spacing == grid.spacing;
         found.require(holds, "the finest grid is that of the field");
-        self.reader.use_up("grid");
-        Ok(())
+        self.use_up(key!(grid));
     }
 
     /// The residuals that are stated.
-    fn residuals(&self, cells: &Cells, found: &mut Verification) -> Result<(), InputError> {
+    fn residuals(&self, cells: &Cells, found: &mut Verification) {
         let own = cells.residuals();
-        for (key, own) in
-            [("complementarity", own.complementarity), ("tension", own.tension), ("penetration", own.penetration)]
-        {
-            let path = format!("checks.{key}");
-            if let Some(said) = self.reader.number(&path)? {
+        let numbers: [(Key<f64>, f64); 3] = [
+            (key!(checks.complementarity), own.complementarity),
+            (key!(checks.tension), own.tension),
+            (key!(checks.penetration), own.penetration),
+        ];
+        for (key, own) in numbers {
+            if let Some(said) = self.get(key) {
                 let holds = said >= 0.0 && (said - own).abs() <= RESIDUAL;
                 found.require(
                     holds,
-                    format!("{path} {said:.1e}: {own:.1e} by direct summation, good to {RESIDUAL:.0e}"),
+                    format!("{} {said:.1e}: {own:.1e} by direct summation, good to {RESIDUAL:.0e}", key.path),
                 );
-                self.reader.use_up(&path);
+                self.use_up(key);
             }
         }
-        Ok(())
     }
 
     /// Force, energy, and the error that is stated.
@@ -118,8 +111,8 @@ impl State<'_> {
         [cells, other]: [&Cells; 2],
         force_driven: bool,
         found: &mut Verification,
-    ) -> Result<(), InputError> {
-        let Some(field) = &self.field else { return Ok(()) };
+    ) {
+        let Some(field) = &self.field else { return };
         let (carried, e_star) = (field.force(), scene.contact.modulus().e_star());
         let error = self.error().unwrap_or(0.0);
         let means = if cells.kernel() == Kernel::Galerkin { cells } else { other };
@@ -145,8 +138,8 @@ impl State<'_> {
                         self.force
                     ),
                 );
-                let grids = self.reader.need("origin.grids")?;
-                found.require(grids >= 2.0 && grids.fract() == 0.0, format!("{grids} grids are several"));
+                let grids = self.get(key!(origin.grids)).unwrap_or(0);
+                found.require(grids >= 2, format!("{grids} grids are several"));
             }
             _ => {
                 let [low, high] = formula::window(gap, scene.contact.modulus(), self.depth, field);
@@ -157,13 +150,13 @@ impl State<'_> {
                          {high:e} and no error of {error:.1e}; solve with \"cells\" in \"solve\" for one grid"
                     ),
                 );
-                return Ok(());
+                return;
             }
         }
-        self.reader.use_up("force");
-        self.energy_of(cells, e_star, carried, degree, found)?;
+        self.use_up(key!(force));
+        self.energy_of(cells, e_star, carried, degree, found);
         // How far off one grid is, by the field itself.
-        let stiffness = self.reader.number("stiffness")?.unwrap_or(0.0);
+        let stiffness = self.get(key!(stiffness)).unwrap_or(0.0);
         let off = match by_energy {
             Some(least) => (self.force - least).abs(),
             None => (stiffness * other.shortfall()).abs(),
@@ -178,27 +171,19 @@ impl State<'_> {
                     off / self.force
                 ),
             );
-            self.reader.use_up("force_error");
-            self.reader.use_up("depth_error");
+            self.use_up(key!(force_error));
+            self.use_up(key!(depth_error));
             if degree.is_some() {
-                self.errors_follow(0.0, found)?;
+                self.errors_follow(0.0, found);
             }
         } else {
             found.require(false, "an error of the force is stated");
         }
-        Ok(())
     }
 
     /// The energy is that of the field, or follows from the force by the law of a homogeneous gap.
-    fn energy_of(
-        &self,
-        cells: &Cells,
-        e_star: f64,
-        carried: f64,
-        degree: Option<f64>,
-        found: &mut Verification,
-    ) -> Result<(), InputError> {
-        let Some(said) = self.reader.number("energy")? else { return Ok(()) };
+    fn energy_of(&self, cells: &Cells, e_star: f64, carried: f64, degree: Option<f64>, found: &mut Verification) {
+        let Some(said) = self.get(key!(energy)) else { return };
         let own = cells.energy() * e_star;
         // A last linear step of the depth adds its work.
         let step = 2.0 * (self.force / carried - 1.0).abs();
@@ -208,127 +193,19 @@ impl State<'_> {
             of_field || by_law,
             format!("the energy {said:e} is that of the field, {own:e}, or follows from the force"),
         );
-        self.reader.use_up("energy");
-        Ok(())
-    }
-
-    fn pressures(&self, gap: &AnyGap, field: &Pressure, found: &mut Verification) -> Result<(), InputError> {
-        let degree = homogeneous::degree(gap, &field.grid);
-        if degree.is_some_and(|k| k <= 1.0 || k.is_infinite()) {
-            let said = self.reader.get("pressure.singular")?.is_some();
-            found.require(said, "the pressure is infinite at the tip or the edge of such a gap, and is said to be");
-        }
-        let highest = field.values.iter().copied().fold(0.0, f64::max);
-        if let Some(max) = self.reader.number("pressure.max")? {
-            found.require(close(max, highest, ROUNDING), format!("the largest pressure {max:e} is that of the field"));
-            self.reader.use_up("pressure.max");
-        }
-        if let Some(at) = self.reader.pair("pressure.at")? {
-            let centre = |k: usize| {
-                let c = field.grid.centre_of(k);
-                (0..2).all(|m| (at[m] - c[m]).abs() <= 1e-6 * field.grid.spacing[m])
-            };
-            let high = (0..field.values.len()).filter(|&k| close(field.values[k], highest, ROUNDING));
-            found.require(high.into_iter().any(centre), format!("the largest pressure is in the cell at {at:?}"));
-            self.reader.use_up("pressure.at");
-        }
-        Ok(())
-    }
-
-    /// The force acts where the field's does.
-    fn moments(&self, field: &Pressure, force_driven: bool, found: &mut Verification) -> Result<(), InputError> {
-        let Some(moment) = self.reader.pair("moment")? else { return Ok(()) };
-        let area = field.grid.cell_area();
-        let (mut sums, mut size) = ([0.0; 2], 0.0);
-        for ([x, y], p) in field.grid.loaded(&field.values) {
-            sums = [sums[0] + p * area * y, sums[1] - p * area * x];
-            size += p * area * x.hypot(y);
-        }
-        let more = self.force / field.force();
-        let room = if force_driven { self.error().unwrap_or(0.0).max(1e-6) } else { ROUNDING };
-        // Where edges fall between cells, the force acts elsewhere by where in a cell they lie.
-        let [hx, hy] = field.grid.spacing;
-        let cell = if self.missed_by_one_grid(field) > 0.0 { hx.max(hy) * self.force } else { 0.0 };
-        let holds = (0..2).all(|m| (moment[m] - more * sums[m]).abs() <= room * size + cell);
-        found.require(holds, format!("the moments {moment:?} are those of the field"));
-        self.reader.use_up("moment");
-        Ok(())
-    }
-
-    /// By how much, relatively, a length of the contact on one grid may be off where the force is the limit of several: as much
-    /// as the force is, and the error that is stated.
-    fn missed_by_one_grid(&self, field: &Pressure) -> f64 {
-        if self.origin == "many_grids" {
-            (self.force / field.force() - 1.0).abs() + self.error().unwrap_or(0.0)
-        } else {
-            0.0
-        }
-    }
-
-    fn patch_of(&self, cells: &Cells, scene: &Scene, found: &mut Verification) -> Result<(), InputError> {
-        let Some(field) = &self.field else { return Ok(()) };
-        let own = cells.patch(scene.contact.gap().known().reference);
-        let [hx, hy] = field.grid.spacing;
-        let pressed = field.values.iter().filter(|p| **p > 0.0).count() as f64;
-        // All around, by a share of a cell.
-        let off = OF_BOUNDARY * hx.max(hy);
-        let around = 4.0 * off * (pressed * hx * hy).sqrt().max(hx.max(hy));
-        let missed = self.missed_by_one_grid(field);
-        // The force grows with the size of a patch, half as much as the area.
-        let around = around + 2.0 * missed * own.area;
-        found.require(
-            (self.area - own.area).abs() <= around,
-            format!("the area {:e} is that of the field, {:e}", self.area, own.area),
-        );
-        self.reader.use_up("patch.area");
-        let (more, wider) = (self.force / field.force(), self.area / own.area);
-        let e_star = scene.contact.modulus().e_star();
-        let scaled = |piece: &Piece| Piece {
-            force: piece.force * e_star * more,
-            area: piece.area * wider,
-            max_pressure: piece.max_pressure.map(|p| p * e_star),
-            ..piece.clone()
-        };
-        self.pieces_are(&own.pieces.iter().map(scaled).collect::<Vec<_>>(), ROUNDING, off, found)?;
-        self.validity_is(scene, found)?;
-        if let (Some(said), Some(own)) = (self.reader.pair("patch.centroid")?, own.centroid) {
-            let holds = (0..2).all(|m| (said[m] - own[m]).abs() <= off);
-            found.require(holds, format!("the centroid {said:?} is that of the field, {own:?}"));
-            self.reader.use_up("patch.centroid");
-        }
-        if let Some(said) = self.reader.number("patch.regions")? {
-            found.require(said == own.regions as f64, format!("{said} regions are those of the field"));
-            self.reader.use_up("patch.regions");
-        }
-        if let Some(said) = self.reader.number("patch.max_radius")? {
-            let holds = (said - own.max_radius).abs() <= off + missed * own.max_radius;
-            found.require(holds, format!("the largest radius {said:e} is that of the field, {:e}", own.max_radius));
-            self.reader.use_up("patch.max_radius");
-        }
-        if let (Some(said), Some(own)) = (self.reader.get("patch.boundary")?, &own.boundary) {
-            let holds = boundary_distance(said, own).is_some_and(|far| far <= off);
-            found.require(holds, "the boundary is that of the field");
-            self.reader.use_up("patch.boundary");
-        }
-        Ok(())
+        self.use_up(key!(energy));
     }
 
     /// dP/dd by the law of a homogeneous gap, else by a flat punch on the pressed cells.
-    fn stiffness_of(
-        &self,
-        cells: &Cells,
-        scene: &Scene,
-        gap: &AnyGap,
-        found: &mut Verification,
-    ) -> Result<(), InputError> {
-        let (Some(field), Some(said)) = (&self.field, self.reader.number("stiffness")?) else { return Ok(()) };
+    fn stiffness_of(&self, cells: &Cells, scene: &Scene, gap: &AnyGap, found: &mut Verification) {
+        let (Some(field), Some(said)) = (&self.field, self.get(key!(stiffness))) else { return };
         let degree = homogeneous::degree(gap, &field.grid).filter(|_| self.tilt == [0.0; 2] && self.depth > 0.0);
         let by_law = degree.map(|k| (1.0 + 1.0 / k) * self.force / self.depth);
-        let rows = self.reader.get("stiffness_matrix")?;
+        let rows = self.get(key!(stiffness_matrix));
         if rows.is_none() && by_law.is_some_and(|law| close(said, law, ROUNDING)) {
             found.require(true, format!("the stiffness {said:e} follows from the force: the gap is homogeneous"));
-            self.reader.use_up("stiffness");
-            return Ok(());
+            self.use_up(key!(stiffness));
+            return;
         }
         let e_star = scene.contact.modulus().e_star();
         let area = field.grid.cell_area();
@@ -336,7 +213,7 @@ impl State<'_> {
         let mut own = [[0.0; 3]; 3];
         for (column, rate) in rates.iter().enumerate().take(if rows.is_some() { 3 } else { 1 }) {
             // Too many cells: named as not checked.
-            let Some(growing) = cells.growth(rate) else { return Ok(()) };
+            let Some(growing) = cells.growth(rate) else { return };
             for (row, weight) in rates.iter().enumerate() {
                 let moment: f64 = field.grid.centres().zip(&growing).map(|(at, m)| m * weight(at)).sum();
                 own[row][column] = moment * area * e_star;
@@ -347,31 +224,27 @@ impl State<'_> {
             close(said, punch, OF_SUMS) || by_law.is_some_and(|law| close(said, law, ROUNDING)),
             format!("the stiffness {said:e} is that of a flat punch on the pressed cells, {punch:e}, or follows from the force"),
         );
-        self.reader.use_up("stiffness");
+        self.use_up(key!(stiffness));
         if let Some(rows) = rows {
             // In units of the contact.
             let far = field.grid.loaded(&field.values).map(|([x, y], _)| x.hypot(y)).fold(0.0, f64::max);
             let size = |i: usize, j: usize| punch * far.powi(i32::from(i > 0) + i32::from(j > 0));
-            let near = |said: [[f64; 3]; 3]| {
-                (0..9).map(|n| (n / 3, n % 3)).all(|(i, j)| (said[i][j] - own[i][j]).abs() <= OF_SUMS * size(i, j))
-            };
-            found.require(
-                matrix(rows).is_some_and(near),
-                "the stiffness matrix is that of flat punches on the pressed cells",
-            );
-            self.reader.use_up("stiffness_matrix");
+            let near =
+                (0..9).map(|n| (n / 3, n % 3)).all(|(i, j)| (rows[i][j] - own[i][j]).abs() <= OF_SUMS * size(i, j));
+            found.require(near, "the stiffness matrix is that of flat punches on the pressed cells");
+            self.use_up(key!(stiffness_matrix));
         }
-        Ok(())
     }
 
     /// The gap after loading is what the displacement leaves of it.
     fn gap_left(&self, cells: &Cells, found: &mut Verification) -> Result<(), InputError> {
-        let (Some(said), Some(field)) = (self.reader.field("gap.field")?, &self.field) else { return Ok(()) };
+        let said = self.get(key!(gap.field)).map(|said| on_grid(&said, "gap.field")).transpose()?;
+        let (Some(said), Some(field)) = (said, &self.field) else { return Ok(()) };
         let allowed = (RESIDUAL + OWN_ERROR) * cells.deepest();
         let each = |(gap, own): (&f64, &f64)| gap == own || (gap - own).abs() <= allowed + OWN_ERROR * own.abs();
         let holds = said.grid == field.grid && said.values.iter().zip(&cells.gap_left()).all(each);
         found.require(holds, "the gap after loading is what the displacement by the field leaves");
-        self.reader.use_up("gap.field");
+        self.use_up(key!(gap.field));
         Ok(())
     }
 }

@@ -1,106 +1,72 @@
 //! What a result says of its own numbers: pieces that add up, errors that follow from one another, what is small where the theory holds.
 
-use super::result::State;
+use super::result::{State, key};
 use super::state::ROUNDING;
 use super::{Verification, close};
-use crate::error::InputError;
-use crate::scene::{Json, Scene};
+use crate::result;
+use crate::scene::Scene;
 use crate::solution::Piece;
 
 impl State<'_> {
     /// The pieces carry the force together and have the area.
-    pub(super) fn pieces_add_up(&self, found: &mut Verification) -> Result<(), InputError> {
-        let Some(Json::Array(pieces)) = self.reader.get("patch.pieces")? else { return Ok(()) };
+    pub(super) fn pieces_add_up(&self, found: &mut Verification) {
+        let Some(pieces) = self.get(key!(patch.pieces)) else { return };
         // An approximate method has them with its boundary.
-        let without = self.origin == "approximate" && self.reader.get("patch.boundary")?.is_none();
-        for (key, all) in [("force", self.force), ("area", self.area)] {
-            let parts: Option<Vec<f64>> = pieces
-                .iter()
-                .map(|piece| if let Some(Json::Number(n)) = piece.get(key) { n.as_f64() } else { None })
-                .collect();
-            let sum = parts.map(|parts| parts.iter().sum::<f64>());
+        let without = self.origin == "approximate" && self.get(key!(patch.boundary)).is_none();
+        let sum = |of: fn(&result::Piece) -> f64| pieces.iter().map(of).sum::<f64>();
+        for (key, sum, all) in [("force", sum(|p| p.force), self.force), ("area", sum(|p| p.area), self.area)] {
             found.require(
-                sum.is_some_and(|sum| close(sum, all, ROUNDING)) || (pieces.is_empty() && (all == 0.0 || without)),
+                close(sum, all, ROUNDING) || (pieces.is_empty() && (all == 0.0 || without)),
                 format!("the {key} of all {} pieces is {all:e}", pieces.len()),
             );
         }
-        Ok(())
     }
 
     /// Pieces of their own, in the order of the result: each number to the accuracy of the caller, forces and pressures to `share`,
     /// areas and places to `off`, a length.
-    pub(super) fn pieces_are(
-        &self,
-        own: &[Piece],
-        share: f64,
-        off: f64,
-        found: &mut Verification,
-    ) -> Result<(), InputError> {
-        let Some(Json::Array(said)) = self.reader.get("patch.pieces")? else { return Ok(()) };
-        let number = |piece: &Json, key: &str| match piece.get(key) {
-            Some(Json::Number(n)) => n.as_f64(),
-            _ => None,
-        };
-        let pair = |value: Option<&Json>| match value {
-            Some(Json::Array(items)) => {
-                let both = items.iter().map(|v| if let Json::Number(n) = v { n.as_f64() } else { None });
-                <[f64; 2]>::try_from(both.collect::<Option<Vec<_>>>()?).ok()
-            }
-            _ => None,
-        };
-        let near = |said: Option<[f64; 2]>, own: [f64; 2]| {
-            said.is_some_and(|said| (0..2).all(|m| (said[m] - own[m]).abs() <= off + share * own[m].abs()))
-        };
-        let is = |said: &Json, own: &Piece| {
+    pub(super) fn pieces_are(&self, own: &[Piece], share: f64, off: f64, found: &mut Verification) {
+        let Some(said) = self.get(key!(patch.pieces)) else { return };
+        let near =
+            |said: [f64; 2], own: [f64; 2]| (0..2).all(|m| (said[m] - own[m]).abs() <= off + share * own[m].abs());
+        let is = |said: &result::Piece, own: &Piece| {
             let around = 4.0 * off * own.area.sqrt() + share * own.area;
-            let corner = |k: usize| match said.get("extent") {
-                Some(Json::Array(corners)) => pair(corners.get(k)),
-                _ => None,
-            };
-            number(said, "force").is_some_and(|force| close(force, own.force, share))
-                && number(said, "area").is_some_and(|area| (area - own.area).abs() <= around)
-                && near(pair(said.get("centroid")), own.centroid)
-                && (0..2).all(|k| near(corner(k), own.extent[k]))
-                && match (number(said, "max_pressure"), own.max_pressure) {
-                    (Some(said), Some(own)) => close(said, own, share),
-                    (None, _) => true,
-                    (Some(_), None) => false,
-                }
+            close(said.force, own.force, share)
+                && (said.area - own.area).abs() <= around
+                && near(said.centroid, own.centroid)
+                && (0..2).all(|k| near(said.extent[k], own.extent[k]))
+                && said.max_pressure.is_none_or(|said| own.max_pressure.is_some_and(|own| close(said, own, share)))
         };
         let holds = said.len() == own.len() && said.iter().zip(own).all(|(said, own)| is(said, own));
         found.require(holds, format!("the {} pieces are those found again", said.len()));
-        self.reader.use_up("patch.pieces");
-        Ok(())
+        self.use_up(key!(patch.pieces));
     }
 
     /// What else is small where the theory holds.
-    pub(super) fn validity_is(&self, scene: &Scene, found: &mut Verification) -> Result<(), InputError> {
-        if let Some(said) = self.reader.number("validity.pressure_over_modulus")? {
+    pub(super) fn validity_is(&self, scene: &Scene, found: &mut Verification) {
+        if let Some(said) = self.get(key!(validity.pressure_over_modulus)) {
             let own = self.force / self.area / scene.contact.modulus().e_star();
             let what = format!("the mean pressure over E*, {said:e}, follows from force and area");
             found.require(close(said, own, ROUNDING), what);
-            self.reader.use_up("validity.pressure_over_modulus");
+            self.use_up(key!(validity.pressure_over_modulus));
         }
-        Ok(())
     }
 
     /// Errors that follow from that of the force, or under a force from that of the depth, where the gap is homogeneous: no less.
-    pub(super) fn errors_follow(&self, lowest: f64, found: &mut Verification) -> Result<(), InputError> {
+    pub(super) fn errors_follow(&self, lowest: f64, found: &mut Verification) {
         let Some(least) = (match self.depth_error {
             Some(error) if error != 0.0 => Some(error * (self.depth / (self.depth - lowest)).abs()),
             _ => self.force_error,
         }) else {
-            return Ok(());
+            return;
         };
-        for path in ["stiffness_error", "energy_error"] {
-            if let Some(said) = self.reader.number(path)? {
+        for key in [key!(stiffness_error), key!(energy_error)] {
+            if let Some(said) = self.get(key) {
                 found.require(
                     said >= least * (1.0 - ROUNDING) && said < 1.0,
-                    format!("{path} {said:.1e} is no less than {least:.1e}, which it follows from"),
+                    format!("{} {said:.1e} is no less than {least:.1e}, which it follows from", key.path),
                 );
-                self.reader.use_up(path);
+                self.use_up(key);
             }
         }
-        Ok(())
     }
 }

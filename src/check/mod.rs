@@ -45,6 +45,8 @@ mod one_cell;
 #[cfg(feature = "scene")]
 mod result;
 #[cfg(feature = "scene")]
+mod spread;
+#[cfg(feature = "scene")]
 mod state;
 mod summation;
 
@@ -58,7 +60,7 @@ pub const CLOSER: f64 = 10.0;
 /// What the checker found.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Verification {
-    /// What was looked at, with the figures found.
+    /// What was checked, with the figures found.
     pub checked: Vec<String>,
     /// What speaks against it.
     pub objections: Vec<String>,

@@ -1,6 +1,6 @@
 //! The check of one state of a result.
 
-use super::result::{Bounds, State};
+use super::result::{Bounds, Proof, State, key};
 use super::{Claim, Verification, bounds, close, energy};
 use crate::bracket::{self, DepthBracket};
 use crate::clock::Deadline;
@@ -10,6 +10,7 @@ use crate::gap::{AnyGap, Gap};
 use crate::grid::{Grid, Pressure};
 use crate::overlap::{Overlap, least};
 use crate::problem::Load;
+use crate::result;
 use crate::scene::Scene;
 
 /// Relative difference of two numbers that are written from the same ones.
@@ -23,11 +24,11 @@ impl State<'_> {
     pub fn check(&self, scene: &Scene, load: Load) -> Result<Verification, InputError> {
         let mut found = Verification::default();
         let gap = scene.contact.tilted_gap(self.tilt);
-        self.as_loaded(load, &mut found)?;
-        self.error_is_sane(scene, load, &mut found);
+        self.as_loaded(load, &mut found);
+        self.error_is_allowed(scene, load, &mut found);
         match self.origin.as_str() {
-            "no_contact" => self.apart(&gap, &mut found)?,
-            "closed_form" | "approximate" | "edge_fitted" => self.applied_again(scene, &gap, &mut found)?,
+            "no_contact" => self.apart(&gap, &mut found),
+            "closed_form" | "approximate" | "edge_fitted" => self.applied_again(scene, &gap, &mut found),
             "one_grid" | "many_grids" => self.on_grid(scene, &gap, load, &mut found)?,
             "separate_contacts" => found.require(
                 false,
@@ -39,16 +40,18 @@ impl State<'_> {
                 return Err(InputError::new("origin.kind", format!("\"{other}\""), known));
             }
         }
-        self.relations(&mut found)?;
-        if let Ok(word @ ("proved" | "sampled")) = self.reader.word("evidence") {
+        self.relations(&mut found);
+        if let Some(word @ ("proved" | "sampled")) = self.said.evidence.one().map(AsRef::as_ref) {
             let under_force = !matches!(load, Load::Depth(_) | Load::Tilted { .. });
             let within = |value: f64, error: Option<f64>, [lower, upper]: [f64; 2]| {
                 let room = error.unwrap_or(0.0) * value.abs() * (1.0 + ROUNDING);
                 upper - value <= room && value - lower <= room
             };
             let holds = if under_force {
-                let bounds = self.reader.number("bracket.depth.lower")?.zip(self.reader.number("bracket.depth.upper")?);
-                bounds.is_some_and(|(lower, upper)| within(self.depth, self.depth_error, [lower, upper]))
+                let bounds = self.get(key!(bracket.depth));
+                bounds
+                    .and_then(|bounds| bounds.lower.zip(bounds.upper))
+                    .is_some_and(|(lower, upper)| within(self.depth, self.depth_error, [lower, upper]))
             } else {
                 self.bracket.as_ref().is_some_and(|b| within(self.force, self.force_error, [b.lower, b.upper]))
             };
@@ -62,22 +65,22 @@ impl State<'_> {
             let under_force = matches!(load, Load::Force(_));
             self.bracketed(claimed, &gap, scene, load, &mut found);
             if under_force {
-                self.depth_bracketed(claimed, &gap, &mut found)?;
+                self.depth_bracketed(claimed, &gap, &mut found);
             }
         }
-        found.unchecked = self.reader.unused();
+        found.unchecked = self.unused();
         Ok(found)
     }
 
     /// What was prescribed comes back as it was given.
-    fn as_loaded(&self, load: Load, found: &mut Verification) -> Result<(), InputError> {
+    fn as_loaded(&self, load: Load, found: &mut Verification) {
         let same = |a: f64, b: f64| close(a, b, 1e-12);
         let (holds, what) = match load {
             Load::Depth(depth) => (same(self.depth, depth) && self.tilt == [0.0; 2], "depth"),
             Load::Tilted { depth, tilt } => (same(self.depth, depth) && self.tilt == tilt, "depth and tilt"),
             Load::Force(force) => (same(self.force, force) && self.tilt == [0.0; 2], "force"),
             Load::ForceMoment { force, moment } => {
-                let given = self.reader.pair("moment")?;
+                let given = self.get(key!(moment));
                 (same(self.force, force) && (force == 0.0 || given == Some(moment)), "force and moments")
             }
         };
@@ -86,20 +89,19 @@ impl State<'_> {
             format!("the {what} are those of the loading: depth {:e}, force {:e}", self.depth, self.force),
         );
         match load {
-            Load::Depth(_) | Load::Tilted { .. } => self.reader.use_up("depth"),
-            Load::Force(_) | Load::ForceMoment { .. } => self.reader.use_up("force"),
+            Load::Depth(_) | Load::Tilted { .. } => self.use_up(key!(depth)),
+            Load::Force(_) | Load::ForceMoment { .. } => self.use_up(key!(force)),
         }
         if !matches!(load, Load::ForceMoment { .. }) {
-            self.reader.use_up("tilt");
+            self.use_up(key!(tilt));
         }
-        Ok(())
     }
 
     /// The relative error of the force at the depth of the state: under a force that of the depth, by the stiffness.
     pub(super) fn error(&self) -> Option<f64> {
         match self.depth_error {
             Some(error) if error != 0.0 => {
-                let stiffness = self.reader.number("stiffness").ok().flatten()?;
+                let stiffness = self.get(key!(stiffness))?;
                 Some(error * (self.depth * stiffness / self.force).abs())
             }
             _ => self.force_error,
@@ -107,14 +109,14 @@ impl State<'_> {
     }
 
     /// A solved state states an error below 1, one that its scene asked for, and none of what was prescribed.
-    fn error_is_sane(&self, scene: &Scene, load: Load, found: &mut Verification) {
-        let (path, prescribed) = match load {
-            Load::Depth(_) | Load::Tilted { .. } => ("depth_error", self.depth_error),
-            Load::Force(_) | Load::ForceMoment { .. } => ("force_error", self.force_error),
+    fn error_is_allowed(&self, scene: &Scene, load: Load, found: &mut Verification) {
+        let prescribed = match load {
+            Load::Depth(_) | Load::Tilted { .. } => key!(depth_error),
+            Load::Force(_) | Load::ForceMoment { .. } => key!(force_error),
         };
-        if let Some(error) = prescribed {
-            found.require(error == 0.0, format!("{path} {error:e} is 0: that was prescribed"));
-            self.reader.use_up(path);
+        if let Some(error) = self.get(prescribed) {
+            found.require(error == 0.0, format!("{} {error:e} is 0: that was prescribed", prescribed.path));
+            self.use_up(prescribed);
         }
         let Some(error) = self.error() else { return };
         found.require((0.0..1.0).contains(&error), format!("the stated error {error:e} is from 0 to 1"));
@@ -127,66 +129,63 @@ impl State<'_> {
     }
 
     /// Nothing touches, and every number says so.
-    fn apart(&self, gap: &AnyGap, found: &mut Verification) -> Result<(), InputError> {
+    fn apart(&self, gap: &AnyGap, found: &mut Verification) {
         let overlap = |[x, y]: [f64; 2]| gap.gap(x, y) < self.depth;
         found.require(
             !overlap(gap.known().centre) && !overlap(least(gap).0),
             "no force: the undeformed bodies do not overlap",
         );
-        for path in [
-            "force",
-            "force_error",
-            "depth_error",
-            "stiffness_error",
-            "energy_error",
-            "area_error",
-            "pressure.max_error",
-            "stiffness",
-            "energy",
-            "patch.area",
-            "patch.regions",
-            "patch.max_radius",
-            "pressure.max",
+        for key in [
+            key!(force),
+            key!(force_error),
+            key!(depth_error),
+            key!(stiffness_error),
+            key!(energy_error),
+            key!(area_error),
+            key!(pressure.max_error),
+            key!(stiffness),
+            key!(energy),
+            key!(patch.area),
+            key!(patch.regions as f64),
+            key!(patch.max_radius),
+            key!(pressure.max),
         ] {
-            if let Some(value) = self.reader.number(path)? {
-                found.require(value == 0.0, format!("{path} {value:e} is 0 without contact"));
-                self.reader.use_up(path);
+            if let Some(value) = self.get(key) {
+                found.require(value == 0.0, format!("{} {value:e} is 0 without contact", key.path));
+                self.use_up(key);
             }
         }
-        if let Some(moment) = self.reader.numbers("moment")? {
+        if let Some(moment) = self.get(key!(moment)) {
             found.require(moment.iter().all(|m| *m == 0.0), "the moments are 0 without contact");
-            self.reader.use_up("moment");
+            self.use_up(key!(moment));
         }
-        if let Some(rows) = self.reader.get("stiffness_matrix")? {
-            let zero = matrix(rows).is_some_and(|m| m.iter().flatten().all(|k| *k == 0.0));
-            found.require(zero, "the stiffness matrix is 0 without contact");
-            self.reader.use_up("stiffness_matrix");
+        if let Some(rows) = self.get(key!(stiffness_matrix)) {
+            found.require(rows.iter().flatten().all(|k| *k == 0.0), "the stiffness matrix is 0 without contact");
+            self.use_up(key!(stiffness_matrix));
         }
-        self.reader.use_up("depth");
-        Ok(())
+        self.use_up(key!(depth));
     }
 
     /// Numbers that follow from others.
-    fn relations(&self, found: &mut Verification) -> Result<(), InputError> {
-        let reader = &self.reader;
-        if let Some(mean) = reader.number("pressure.mean")? {
+    fn relations(&self, found: &mut Verification) {
+        if let Some(mean) = self.get(key!(pressure.mean)) {
             found.require(
                 close(mean * self.area, self.force, ROUNDING),
                 format!("mean pressure {mean:e} times area {:e} is the force", self.area),
             );
-            reader.use_up("pressure.mean");
+            self.use_up(key!(pressure.mean));
         }
-        if let (Some(centre), Some(moment)) = (reader.pair("centre_of_pressure")?, reader.pair("moment")?) {
+        if let (Some(centre), Some(moment)) = (self.get(key!(centre_of_pressure)), self.get(key!(moment))) {
             let holds = close(centre[0] * self.force, -moment[1], ROUNDING)
                 && close(centre[1] * self.force, moment[0], ROUNDING);
             found.require(
                 holds,
                 format!("the centre of pressure {centre:?} is where the force has the moments {moment:?}"),
             );
-            reader.use_up("centre_of_pressure");
+            self.use_up(key!(centre_of_pressure));
         }
-        if reader.get("pressure.singular")?.is_some() {
-            let none = reader.number("pressure.max")?.is_none();
+        if self.get(key!(pressure.singular)).is_some() {
+            let none = self.get(key!(pressure.max)).is_none();
             found.require(none, "a pressure that is infinite has no largest value");
         }
         self.pieces_add_up(found)
@@ -211,29 +210,22 @@ impl State<'_> {
             claimed.check(gap, scene, self.depth)
         };
         if claimed.needs_no_field() || checked.accepted() {
-            for key in [
-                "lower",
-                "upper",
-                "below.discs",
-                "above.discs",
-                "below.level",
-                "above.level",
-                "below.degree",
-                "above.degree",
-            ] {
-                self.reader.use_up(&format!("bracket.{key}"));
-            }
-            for side in ["below", "above"] {
-                self.reader.use_up(&format!("bracket.{side}.field"));
-            }
+            self.use_all(|said| {
+                let Some(bracket) = said.bracket.one_mut() else { return };
+                (bracket.lower, bracket.upper) = (None, None);
+                for side in [&mut bracket.below, &mut bracket.above].into_iter().flatten() {
+                    (side.discs, side.level, side.degree, side.field) = (None, None, None, None);
+                }
+            });
         }
         found.join(checked);
     }
 
     /// The bounds of the depth follow from those of the force.
-    fn depth_bracketed(&self, claimed: &Bounds, gap: &AnyGap, found: &mut Verification) -> Result<(), InputError> {
-        let Some(lower) = self.reader.number("bracket.depth.lower")? else { return Ok(()) };
-        let upper = self.reader.number("bracket.depth.upper")?;
+    fn depth_bracketed(&self, claimed: &Bounds, gap: &AnyGap, found: &mut Verification) {
+        let Some(result::DepthBracket { lower: Some(lower), upper, .. }) = self.get(key!(bracket.depth)) else {
+            return;
+        };
         let [own, above] = DepthBracket::bounds(gap, self.depth, self.force, [claimed.lower, claimed.upper]);
         let same = match upper {
             Some(upper) => close(upper, above, ROUNDING),
@@ -243,8 +235,7 @@ impl State<'_> {
             same && close(lower, own, ROUNDING),
             format!("the bounds of the depth, {lower:e} and {upper:?}, follow from those of the force"),
         );
-        self.reader.use_up("bracket.depth");
-        Ok(())
+        self.use_up(key!(bracket.depth));
     }
 }
 
@@ -272,34 +263,17 @@ fn energy_bounds(gap: &AnyGap, scene: &Scene, depth: f64, field: &Pressure) -> O
     Some(bounds.map(|force| force * e_star * units.height * units.length))
 }
 
-/// Three rows of three.
-pub(super) fn matrix(json: &crate::scene::Json) -> Option<[[f64; 3]; 3]> {
-    use crate::scene::Json;
-    let row = |row: &Json| match row {
-        Json::Array(items) => {
-            let numbers: Option<Vec<f64>> =
-                items.iter().map(|item| if let Json::Number(n) = item { n.as_f64() } else { None }).collect();
-            <[f64; 3]>::try_from(numbers?).ok()
-        }
-        _ => None,
-    };
-    match json {
-        Json::Array(rows) => <[[f64; 3]; 3]>::try_from(rows.iter().map(row).collect::<Option<Vec<_>>>()?).ok(),
-        _ => None,
-    }
-}
-
 impl Bounds {
     /// Whether the theorems on both sides do without a pressure field.
     pub(super) fn needs_no_field(&self) -> bool {
-        let without = |p: &Option<super::result::Proof>| {
+        let without = |p: &Option<Proof>| {
             p.as_ref().is_some_and(|p| matches!(p.theorem.as_str(), "ellipse" | "fabrikant" | "comparison"))
         };
         without(&self.above) && without(&self.below)
     }
 
     fn is_of_energy(&self) -> bool {
-        let energy = |p: &Option<super::result::Proof>| p.as_ref().is_some_and(|p| p.theorem == "energy");
+        let energy = |p: &Option<Proof>| p.as_ref().is_some_and(|p| p.theorem == "energy");
         energy(&self.above) && energy(&self.below)
     }
 

@@ -281,8 +281,8 @@ impl Block {
 fn sort<'l>(levels: &'l [Level], low: [f64; 2], high: [f64; 2], far: &mut Vec<&'l Block>, close: &mut Vec<[usize; 2]>) {
     let top = levels.len() - 1;
     let [nx, ny] = levels[top].shape;
-    let mut waiting: Vec<(usize, usize, usize)> = (0..nx * ny).map(|k| (top, k % nx, k / nx)).collect();
-    while let Some((level, i, j)) = waiting.pop() {
+    let mut left: Vec<(usize, usize, usize)> = (0..nx * ny).map(|k| (top, k % nx, k / nx)).collect();
+    while let Some((level, i, j)) = left.pop() {
         let Level { cells, shape, blocks } = &levels[level];
         let Some(block) = &blocks[j * shape[0] + i] else { continue };
         let away = [0, 1].map(|m| (low[m] - block.centre[m]).max(block.centre[m] - high[m]).max(0.0));
@@ -294,7 +294,7 @@ fn sort<'l>(levels: &'l [Level], low: [f64; 2], high: [f64; 2], far: &mut Vec<&'
             let [nx, ny] = levels[level - 1].shape;
             for (a, b) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
                 if 2 * i + a < nx && 2 * j + b < ny {
-                    waiting.push((level - 1, 2 * i + a, 2 * j + b));
+                    left.push((level - 1, 2 * i + a, 2 * j + b));
                 }
             }
         }

@@ -23,7 +23,7 @@ use crate::error::InputError;
 use crate::problem::Settings;
 use crate::report;
 use crate::scene::Scene;
-use crate::scene::fields::checked_seconds;
+use crate::scene::settings::checked_seconds;
 
 /// Lines in flight for each worker: enough that none waits for a slow neighbour.
 const WINDOW: usize = 32;

@@ -12,7 +12,7 @@ use crate::compare::{Plan, compare};
 use crate::error::InputError;
 use crate::plot::{Format, error_against_time};
 use crate::report::{comparison_csv, comparison_json, comparison_table};
-use crate::scene::fields::checked_cells;
+use crate::scene::settings::checked_cells;
 
 /// Run every method on a scene and tabulate error and cost
 #[derive(Args)]

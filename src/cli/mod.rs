@@ -12,6 +12,7 @@ mod fmu;
 mod heap;
 mod manual;
 mod outputs;
+mod picture;
 mod plan;
 mod progress;
 mod report;
@@ -31,7 +32,7 @@ use clap::{Args, Parser, Subcommand};
 use crate::error::InputError;
 use crate::problem::Settings;
 use crate::scene::Scene;
-use crate::scene::fields::{EvidenceName, KernelName, MethodName, checked_cells, checked_tolerance};
+use crate::scene::settings::{EvidenceName, KernelName, MethodName, checked_cells, checked_tolerance};
 
 /// Contact patch, force, stiffness and pressure of two bodies pressed together.
 #[derive(Parser)]

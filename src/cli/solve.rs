@@ -4,22 +4,16 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 
 use super::outputs::outputs;
+use super::picture::Picture;
 use super::voice::Voice;
 use super::{Failure, Overrides, Threads, inputs, scene};
 use crate::error::InputError;
-use crate::overlap::least;
-use crate::plot::{self, Format, Outline, Section};
-use crate::problem::{Contact, Load, Loading};
-use crate::report::error_by_cells::error_by_cells;
-use crate::report::pictured::pictured;
+use crate::problem::Loading;
 use crate::report::write::Target;
 use crate::report::{self, npy};
-use crate::scene::Scene;
-use crate::solution::Solution;
-use crate::units::UnitLabels;
 
 /// Solve scenes and print a short table of each
 #[derive(Args)]
@@ -48,35 +42,10 @@ pub(super) struct Solve {
     /// Bracket the force from below and above
     #[arg(long)]
     bracket: bool,
-    /// Draw the pressure and the boundary of the patch; of several states, force against depth
-    #[arg(long, value_name = "FILE.svg|.png")]
-    plot: Option<PathBuf>,
-    /// What to draw
-    #[arg(long, value_enum, value_name = "KIND", requires = "plot")]
-    plot_kind: Option<PlotKind>,
+    #[command(flatten)]
+    picture: Picture,
     #[command(flatten)]
     threads: Threads,
-}
-
-/// Pictures of a state.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum PlotKind {
-    /// The pressure over the patch
-    Pressure,
-    /// The pressure as a surface
-    Surface,
-    /// The gap that is left around the patch
-    Gap,
-    /// Both bodies and the pressure along a line
-    Section,
-    /// Where the error sits: the share of each cell in the proved bounds of the energy
-    Error,
-    /// The boundary of the patch
-    Patch,
-    /// The separate regions of the patch, with their share of the force
-    Pieces,
-    /// Force against depth: the states, and the law between them
-    Curve,
 }
 
 impl Solve {
@@ -95,7 +64,7 @@ impl Solve {
             ("--patches", &self.patches),
             ("--field", &self.field),
             ("--vti", &self.vti),
-            ("--plot", &self.plot),
+            ("--plot", &self.picture.plot),
         ];
         if let Some((option, _)) = single.iter().find(|(_, file)| file.is_some()) {
             return Err(wrong(&InputError::new(*option, format!("{} scenes", paths.len()), "one scene")));
@@ -159,17 +128,14 @@ impl Solve {
             scene.settings.outputs.pressure = true;
             scene.settings.outputs.gap |= self.vti.is_some();
         }
-        let format = self.plot.as_deref().map(Format::of).transpose().map_err(|e| wrong(&e.within("--plot")))?;
-        if format.is_some() {
-            self.ask_for_picture(&mut scene).map_err(|e| wrong(&e))?;
-        }
+        let format = self.picture.asked_of(&mut scene).map_err(|e| wrong(&e))?;
         let [json, csv, field, vti, picture, patches] = outputs(
             [
                 ("--json", self.json.as_deref()),
                 ("--csv", self.csv.as_deref()),
                 ("--field", self.field.as_deref()),
                 ("--vti", self.vti.as_deref()),
-                ("--plot", self.plot.as_deref()),
+                ("--plot", self.picture.plot.as_deref()),
                 ("--patches", self.patches.as_deref()),
             ],
             &inputs(path, &scene),
@@ -178,7 +144,9 @@ impl Solve {
         let mut steps = crate::solve(&scene.contact, &scene.settings);
         drop(progress);
         if let (Some((path, target)), Some(format)) = (picture, format) {
-            draw(&scene, &steps, self.kind(&scene), path, &target, format)?;
+            let drawn = self.picture.draw(&scene, &steps, format);
+            let drawn = drawn.map_err(|e| Failure::Message(format!("{}: {e}", path.display())))?;
+            drawn.map_or(Ok(()), |bytes| write(path, &target, |to| to.write_all(&bytes)))?;
         }
         if let Some((path, target)) = vti {
             // Without contact there is no field.
@@ -226,36 +194,6 @@ impl Solve {
         Ok(if steps.iter().all(Result::is_ok) { ExitCode::SUCCESS } else { ExitCode::from(1) })
     }
 
-    /// What is drawn of this scene.
-    fn kind(&self, scene: &Scene) -> PlotKind {
-        let single = matches!(scene.contact.loading(), Loading::Single(_));
-        self.plot_kind.unwrap_or(if single { PlotKind::Pressure } else { PlotKind::Curve })
-    }
-
-    /// Asks for what the picture shows.
-    ///
-    /// # Errors
-    /// Names `--plot-kind` when the scene cannot have it.
-    fn ask_for_picture(&self, scene: &mut Scene) -> Result<(), InputError> {
-        let kind = self.kind(scene);
-        if kind == PlotKind::Curve {
-            return Ok(());
-        }
-        let refused = |given: &str, allowed: &str| Err(InputError::new("--plot-kind", given, allowed));
-        if matches!(scene.contact.loading(), Loading::Steps(_)) {
-            return refused("a picture of one state for a list of loads", "curve, or one state of loading");
-        }
-        let of_field =
-            matches!(kind, PlotKind::Surface | PlotKind::Gap | PlotKind::Section | PlotKind::Error | PlotKind::Pieces);
-        if scene.settings.method.is_approximate() && of_field {
-            return refused(scene.settings.method.name(), "a method with a pressure field: closed_form, qp or fft");
-        }
-        let outputs = &mut scene.settings.outputs;
-        outputs.patch = true;
-        outputs.pressure |= kind != PlotKind::Patch;
-        Ok(())
-    }
-
     /// What the JSON calls a file: its name when both stand in one directory.
     fn beside_json(&self, path: &Path) -> String {
         let together = self.json.as_deref().is_some_and(|json| json.parent() == path.parent());
@@ -263,107 +201,6 @@ impl Solve {
         let whole = || std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
         name.unwrap_or_else(whole).display().to_string()
     }
-}
-
-/// The picture of one state, or the force of several; nothing when none was solved or the bodies do not touch.
-fn draw(
-    scene: &Scene,
-    steps: &[report::Step],
-    kind: PlotKind,
-    path: &Path,
-    target: &Target,
-    format: Format,
-) -> Result<(), Failure> {
-    let title = scene.name.as_deref().unwrap_or("");
-    let units = &scene.units.clone().unwrap_or_else(UnitLabels::kinds);
-    let solution = steps.last().and_then(report::numbers);
-    let picture = match (kind, solution) {
-        (PlotKind::Curve, _) => {
-            let of = |s: &Solution| [s.depth, s.force, s.stiffness];
-            let states: Vec<[f64; 3]> = steps.iter().filter_map(report::numbers).map(of).collect();
-            let loads = scene.contact.loading().loads();
-            let upright = loads.iter().all(|load| matches!(load, Load::Depth(_) | Load::Force(_)));
-            let touch = upright.then(|| least(scene.contact.gap()).1);
-            plot::states_in(units, title, &states, touch.filter(|t| t.is_finite()), format)
-        }
-        (_, None) => return Ok(()),
-        (PlotKind::Patch, Some(s)) => {
-            let loops = s.patch.boundary.clone().unwrap_or_default();
-            plot::outlines_in(units, title, &[Outline { label: "patch".to_owned(), loops }], format)
-        }
-        (PlotKind::Pieces, Some(s)) => plot::outlines_in(units, title, &pieces(s), format),
-        (kind, Some(s)) => {
-            let gap = kind == PlotKind::Gap;
-            // Without a grid to draw from, what the answer itself has.
-            let on_grid = (!s.method.is_approximate()).then(|| pictured(&scene.contact, s, &scene.settings, gap).ok());
-            let drawn = on_grid.flatten().unwrap_or_else(|| s.clone());
-            of_field(&scene.contact, &drawn, kind, (units, title, format))
-        }
-    };
-    match picture {
-        Ok(bytes) => write(path, target, |to| to.write_all(&bytes)),
-        Err(plot::Error::Empty(_)) => Ok(()),
-        Err(e) => Err(Failure::Message(format!("{}: {e}", path.display()))),
-    }
-}
-
-/// A picture of the fields of a state.
-fn of_field(
-    contact: &Contact,
-    drawn: &Solution,
-    kind: PlotKind,
-    (units, title, format): (&UnitLabels, &str, Format),
-) -> Result<Vec<u8>, plot::Error> {
-    match kind {
-        PlotKind::Surface => plot::surface_in(units, title, drawn, format),
-        PlotKind::Gap => plot::gap_map_in(units, title, drawn, format),
-        PlotKind::Section => {
-            let section = Section::through(contact, drawn).ok_or(plot::Error::Empty("there is no field"))?;
-            plot::section_in(units, title, &section, format)
-        }
-        PlotKind::Error => {
-            let why = "no bounds of the energy by cells are known for this contact: another --plot-kind";
-            let shares = error_by_cells(contact, drawn).ok_or_else(|| plot::Error::Drawing(why.to_owned()))?;
-            let boundary = drawn.patch.boundary.as_deref().unwrap_or_default();
-            plot::error_map_in(units, title, boundary, &shares, format)
-        }
-        _ => plot::pressure_map_in(units, title, drawn, format),
-    }
-}
-
-/// Pieces that a picture tells apart; the rest has one colour.
-const PIECES: usize = 5;
-
-/// The boundary by pieces: every loop belongs to the smallest piece that it lies in.
-fn pieces(solution: &Solution) -> Vec<Outline> {
-    let pieces = &solution.patch.pieces;
-    let share = |force: f64| format!("{:.3} % of the force", 100.0 * force / solution.force);
-    let mut outlines: Vec<Outline> = pieces
-        .iter()
-        .take(PIECES)
-        .enumerate()
-        .map(|(k, piece)| Outline { label: format!("piece {}: {}", k + 1, share(piece.force)), loops: Vec::new() })
-        .collect();
-    if pieces.len() > PIECES {
-        let rest = pieces[PIECES..].iter().map(|piece| piece.force).sum();
-        outlines.push(Outline { label: format!("{} more: {}", pieces.len() - PIECES, share(rest)), loops: Vec::new() });
-    }
-    for points in solution.patch.boundary.iter().flatten() {
-        let count = points.len().max(1) as f64;
-        let middle = [0, 1].map(|m| points.iter().map(|p| p[m]).sum::<f64>() / count);
-        // How far the middle lies outside, then how large the piece is.
-        let fit = |[low, high]: [[f64; 2]; 2]| {
-            let outside: f64 = (0..2).map(|m| (low[m] - middle[m]).max(middle[m] - high[m]).max(0.0)).sum();
-            (outside, (high[0] - low[0]) * (high[1] - low[1]))
-        };
-        let fits = pieces.iter().enumerate().map(|(k, piece)| (fit(piece.extent), k));
-        let nearest = fits.min_by(|p, q| p.0.0.total_cmp(&q.0.0).then(p.0.1.total_cmp(&q.0.1)));
-        let of = nearest.map_or(0, |(_, k)| k.min(PIECES));
-        if let Some(outline) = outlines.get_mut(of) {
-            outline.loops.push(points.clone());
-        }
-    }
-    outlines
 }
 
 fn write(

@@ -206,36 +206,34 @@ pub fn comparison_json(scene: &crate::Scene, comparison: &Comparison) -> Result<
         }),
         area: r.area,
     });
-    let run = |run: &'_ Run| -> RunForm<'static> {
-        let figures = run.outcome.as_ref().ok().map(|f| FiguresForm {
-            ran: f.ran.name(),
-            force: f.force,
-            error: f.error,
-            estimate: f.estimate,
-            area: f.area,
-            area_error: f.area_error,
-            patch_difference: f.patch_difference,
-            pressure_difference: f.pressure_difference,
-            unknowns: f.unknowns,
-            products: f.products,
-            seconds: f.seconds,
-            peak_bytes: f.peak_bytes,
-            behind: f.behind,
-        });
-        let verdict = run.outcome.as_ref().err().map_or("solved", |e| e.verdict.word());
-        RunForm {
-            method: run.method.name(),
-            cells: run.cells,
-            tolerance: run.tolerance,
-            verdict,
-            reason: None,
-            figures,
-        }
-    };
-    let runs = comparison
-        .runs
-        .iter()
-        .map(|r| RunForm { reason: r.outcome.as_ref().err().map(|e| e.reason.as_str()), ..run(r) });
-    let form = ComparisonForm { scene: &scene.document, reference, runs: runs.collect(), remarks: &comparison.remarks };
+    let runs = comparison.runs.iter().map(run_form).collect();
+    let form = ComparisonForm { scene: &scene.document, reference, runs, remarks: &comparison.remarks };
     serde_json::to_string(&form)
+}
+
+fn run_form(run: &Run) -> RunForm<'_> {
+    let wrong = run.outcome.as_ref().err();
+    let figures = run.outcome.as_ref().ok().map(|f| FiguresForm {
+        ran: f.ran.name(),
+        force: f.force,
+        error: f.error,
+        estimate: f.estimate,
+        area: f.area,
+        area_error: f.area_error,
+        patch_difference: f.patch_difference,
+        pressure_difference: f.pressure_difference,
+        unknowns: f.unknowns,
+        products: f.products,
+        seconds: f.seconds,
+        peak_bytes: f.peak_bytes,
+        behind: f.behind,
+    });
+    RunForm {
+        method: run.method.name(),
+        cells: run.cells,
+        tolerance: run.tolerance,
+        verdict: wrong.map_or("solved", |e| e.verdict.word()),
+        reason: wrong.map(|e| e.reason.as_str()),
+        figures,
+    }
 }

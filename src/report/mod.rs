@@ -4,10 +4,6 @@ mod comparison;
 mod csv;
 #[cfg(feature = "cli")]
 pub(crate) mod error_by_cells;
-#[cfg(feature = "plot")]
-mod evidence;
-#[cfg(feature = "plot")]
-mod html;
 mod json;
 #[cfg(feature = "cli")]
 pub(crate) mod npy;
@@ -16,8 +12,6 @@ mod page;
 #[cfg(feature = "plot")]
 pub(crate) mod pictured;
 pub(crate) mod table;
-#[cfg(feature = "plot")]
-mod view;
 mod vti;
 #[cfg(feature = "cli")]
 pub(crate) mod write;

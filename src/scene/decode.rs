@@ -2,157 +2,70 @@
 //!
 //! A [`serde::Deserializer`] over [`Json`] whose error is an [`InputError`]: the structures of a scene are declared
 //! once, and that declaration is also what the JSON Schema is made from.
+//!
+//! That of [`serde_json::Value`] would not do: its errors are sentences in the words of Rust, without the value that was given, and
+//! serde reads an object by its key `kind` through a buffer in which paths are lost.
 
-use std::fmt::Display;
+use std::marker::PhantomData;
 
 use serde::de::value::StrDeserializer;
-use serde::de::{self, Deserialize, DeserializeSeed, Unexpected, VariantAccess, Visitor};
+use serde::de::{self, Deserialize, DeserializeSeed, VariantAccess, Visitor};
 
 use super::document::{Json, ROOT, key_in_path, quoted};
+use super::fault::{Fault, unknown};
 use super::words;
 use crate::error::InputError;
 
 /// Reads a `T`; `path` leads to `value` in the document.
 pub(super) fn decode<'a, T: Deserialize<'a>>(value: &'a Json, path: &str) -> Result<T, InputError> {
-    decode_without(value, path, &[])
+    decoded(Decoder::from(value), path)
 }
 
-/// Reads a `T` from an object, passing over the keys that were read already.
-pub(super) fn decode_without<'a, T: Deserialize<'a>>(
+/// Reads an enum of one structure a kind from an object, whose key `tag` names the kind; the keys in `read` are passed over.
+pub(super) fn decode_kind<'a, T: Deserialize<'a>>(
     value: &'a Json,
     path: &str,
+    tag: &'static str,
     read: &'a [&'static str],
 ) -> Result<T, InputError> {
-    T::deserialize(Decoder { value, read }).map_err(|fault| {
+    decoded(Decoder { value, read, tag: Some(tag), state: None }, path)
+}
+
+/// Reads a `T` from the result of one state of loading: what is a list with an entry a state is read as that entry, which of how
+/// many `state` says.
+pub(crate) fn decode_state<'a, T: Deserialize<'a>>(
+    result: &'a Json,
+    state: Option<[usize; 2]>,
+) -> Result<T, InputError> {
+    decoded(Decoder { state, ..Decoder::from(result) }, ROOT)
+}
+
+fn decoded<'a, T: Deserialize<'a>>(from: Decoder<'a>, path: &str) -> Result<T, InputError> {
+    read(PhantomData, from, "").map_err(|fault| {
         let error = match fault.key {
             // The keys that were read already are known too.
             Some((key, known)) => {
-                let known: Vec<&str> = read.iter().chain(known).copied().collect();
+                let known: Vec<&str> = from.read.iter().chain(known).copied().collect();
                 unknown(key_in_path(&key), fault.error.given, &key, &known)
             }
             None => fault.error,
         };
-        if path == ROOT { rooted(error) } else { error.within(path) }
+        match path {
+            ROOT if error.path.is_empty() => InputError { path: ROOT.into(), ..error },
+            ROOT => error,
+            path => error.within(path),
+        }
     })
 }
 
-fn rooted(mut error: InputError) -> InputError {
-    if error.path.is_empty() {
-        error.path = ROOT.into();
-    }
-    error
-}
-
-/// An unknown key or word, with the nearest known one.
-pub(super) fn unknown(path: String, given: impl Display, word: &str, known: &[&str]) -> InputError {
-    let all = known.join(", ");
-    if let Some(meaning) = words::meant(word, known) {
-        return InputError::new(path, given, format!("{meaning}. Known here: {all}"));
-    }
-    let nearest = known.iter().map(|k| (strsim::jaro_winkler(word, k), *k)).max_by(|a, b| a.0.total_cmp(&b.0));
-    let allowed = match nearest {
-        // Below this the likeness is chance.
-        Some((likeness, key)) if likeness > 0.7 => format!("did you mean \"{key}\"? Known here: {all}"),
-        _ => format!("one of: {all}"),
-    };
-    InputError::new(path, given, allowed)
-}
-
-/// [`InputError`] with the face that serde asks for.
-#[derive(Debug)]
-struct Fault {
-    error: InputError,
-    /// A key of the outermost object that is not among the known ones.
-    key: Option<(String, &'static [&'static str])>,
-}
-
-impl Fault {
-    fn new(path: impl Into<String>, given: impl Display, allowed: impl Into<String>) -> Self {
-        InputError::new(path, given, allowed).into()
-    }
-
-    fn within(self, outer: &str) -> Self {
-        self.error.within(outer).into()
-    }
-}
-
-impl From<InputError> for Fault {
-    fn from(error: InputError) -> Self {
-        Self { error, key: None }
-    }
-}
-
-impl std::error::Error for Fault {}
-
-impl Display for Fault {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        self.error.fmt(f)
-    }
-}
-
-impl de::Error for Fault {
-    fn custom<T: Display>(message: T) -> Self {
-        Self::new("", "this value", message.to_string())
-    }
-
-    fn invalid_type(given: Unexpected<'_>, expected: &dyn de::Expected) -> Self {
-        let allowed = match (given, named(expected)) {
-            (Unexpected::Str(text), allowed) if allowed == "a number" => words::number_in(text),
-            (Unexpected::Str(text), allowed) if allowed == "a list" => {
-                format!("a list, in brackets: [{}]", quoted(text))
-            }
-            (_, allowed) => allowed,
-        };
-        Self::new("", in_words(&given), allowed)
-    }
-
-    fn invalid_value(given: Unexpected<'_>, expected: &dyn de::Expected) -> Self {
-        Self::invalid_type(given, expected)
-    }
-
-    fn invalid_length(length: usize, expected: &dyn de::Expected) -> Self {
-        Self::new("", format!("a list of {length}"), named(expected))
-    }
-
-    fn unknown_variant(word: &str, known: &'static [&'static str]) -> Self {
-        unknown(String::new(), quoted(word), word, known).into()
-    }
-
-    fn unknown_field(key: &str, known: &'static [&'static str]) -> Self {
-        let error = unknown(key_in_path(key), "an unknown key", key, known);
-        Self { error, key: Some((key.to_owned(), known)) }
-    }
-
-    fn missing_field(key: &'static str) -> Self {
-        Self::new(key, "nothing", words::required(key))
-    }
-}
-
-fn in_words(given: &Unexpected<'_>) -> String {
-    match given {
-        Unexpected::Bool(b) => b.to_string(),
-        Unexpected::Unsigned(n) => n.to_string(),
-        Unexpected::Signed(n) => n.to_string(),
-        Unexpected::Float(x) => x.to_string(),
-        Unexpected::Str(s) => quoted(s),
-        Unexpected::Unit | Unexpected::Option => "null".into(),
-        Unexpected::Seq => "a list".into(),
-        Unexpected::Map => "an object".into(),
-        other => other.to_string(),
-    }
-}
-
-/// The words of a user for those of Rust.
-fn named(expected: &dyn de::Expected) -> String {
-    match expected.to_string().as_str() {
-        "f64" => "a number".into(),
-        "usize" | "u64" | "u32" => "a whole number, 0 or more".into(),
-        "a sequence" => "a list".into(),
-        "an array of length 2" => "a list of 2 numbers".into(),
-        "an array of length 3" => "a list of 3 numbers".into(),
-        words if words.starts_with("struct ") || words == "a map" => "an object".into(),
-        words => words.to_owned(),
-    }
+/// Reads what `seed` asks for; an error is within `step`, and shows the value where it shows nothing yet.
+fn read<'a, S: DeserializeSeed<'a>>(seed: S, from: Decoder<'a>, step: &str) -> Result<S::Value, Fault> {
+    seed.deserialize(from).map_err(|mut fault| {
+        if fault.error.given.is_empty() {
+            fault.error.given = from.value.brief();
+        }
+        if step.is_empty() { fault } else { fault.error.within(step).into() }
+    })
 }
 
 #[derive(Clone, Copy)]
@@ -160,30 +73,23 @@ struct Decoder<'a> {
     value: &'a Json,
     /// Keys of this object that were read already.
     read: &'a [&'static str],
+    /// The key of this object that names the variant of an enum.
+    tag: Option<&'static str>,
+    /// Which of how many entries of a list is meant.
+    state: Option<[usize; 2]>,
 }
+
+/// The name of a type that stands for one entry of a list, see [`decode_state`].
+const ENTRY: &str = "Entry";
 
 impl<'a> From<&'a Json> for Decoder<'a> {
     fn from(value: &'a Json) -> Self {
-        Self { value, read: &[] }
+        Self { value, read: &[], tag: None, state: None }
     }
 }
 
 /// Whole numbers that an f64 holds exactly.
 const LARGEST_WHOLE: f64 = 9_007_199_254_740_992.0;
-
-impl<'a> Decoder<'a> {
-    /// A whole number may be written as 1e3 or 3.0.
-    fn whole<V: Visitor<'a>>(self, visitor: V) -> Result<V::Value, Fault> {
-        match self.value {
-            Json::Number(n) if n.is_f64() => match n.as_f64() {
-                Some(x) if x.fract() == 0.0 && (0.0..LARGEST_WHOLE).contains(&x) => visitor.visit_u64(x as u64),
-                _ => Err(Fault::new("", n, "a whole number, 0 or more")),
-            },
-            Json::Number(n) if n.as_u64().is_none() => Err(Fault::new("", n, "a whole number, 0 or more")),
-            _ => de::Deserializer::deserialize_any(self, visitor),
-        }
-    }
-}
 
 impl<'a> de::Deserializer<'a> for Decoder<'a> {
     type Error = Fault;
@@ -195,11 +101,15 @@ impl<'a> de::Deserializer<'a> for Decoder<'a> {
             Json::Number(n) => match (n.as_u64(), n.as_i64(), n.as_f64()) {
                 (Some(n), _, _) => visitor.visit_u64(n),
                 (_, Some(n), _) => visitor.visit_i64(n),
+                // A whole number may be written as 1e3 or 3.0.
+                (_, _, Some(x)) if x.fract() == 0.0 && x.is_sign_positive() && x < LARGEST_WHOLE => {
+                    visitor.visit_u64(x as u64)
+                }
                 (_, _, x) => visitor.visit_f64(x.unwrap_or(f64::NAN)),
             },
             Json::String(s) => visitor.visit_borrowed_str(s),
             Json::Array(items) => visitor.visit_seq(Items { items, next: 0 }),
-            Json::Object(entries) => visitor.visit_map(Entries { entries, read: self.read, value: None }),
+            Json::Object(entries) => visitor.visit_map(Entries { entries, outer: self, value: None }),
         }
     }
 
@@ -208,10 +118,6 @@ impl<'a> de::Deserializer<'a> for Decoder<'a> {
             Json::Null => visitor.visit_none(),
             _ => visitor.visit_some(self),
         }
-    }
-
-    fn deserialize_u64<V: Visitor<'a>>(self, visitor: V) -> Result<V::Value, Fault> {
-        self.whole(visitor)
     }
 
     fn deserialize_tuple<V: Visitor<'a>>(self, length: usize, visitor: V) -> Result<V::Value, Fault> {
@@ -236,8 +142,21 @@ impl<'a> de::Deserializer<'a> for Decoder<'a> {
         }
     }
 
-    fn deserialize_newtype_struct<V: Visitor<'a>>(self, _: &'static str, visitor: V) -> Result<V::Value, Fault> {
-        visitor.visit_newtype_struct(self)
+    fn deserialize_newtype_struct<V: Visitor<'a>>(self, name: &'static str, visitor: V) -> Result<V::Value, Fault> {
+        let Some([k, states]) = self.state.filter(|_| name == ENTRY) else {
+            return visitor.visit_newtype_struct(self);
+        };
+        match self.value {
+            Json::Array(all) if all.len() == states => visitor.visit_newtype_struct(Self::from(&all[k])),
+            other => {
+                let allowed = format!("a list of {states}, one entry a state of loading");
+                Err(Fault::new("", other.brief(), allowed))
+            }
+        }
+    }
+
+    fn deserialize_ignored_any<V: Visitor<'a>>(self, visitor: V) -> Result<V::Value, Fault> {
+        visitor.visit_unit()
     }
 
     fn deserialize_enum<V: Visitor<'a>>(
@@ -246,10 +165,13 @@ impl<'a> de::Deserializer<'a> for Decoder<'a> {
         known: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, Fault> {
+        if let Some(tag) = self.tag {
+            return visitor.visit_enum(self.kind(tag, known)?);
+        }
         match self.value {
-            Json::String(word) => visitor.visit_enum(Word(word)),
+            Json::String(word) => visitor.visit_enum(Variant::Word(word)),
             Json::Object(entries) if entries.len() == 1 => {
-                visitor.visit_enum(Variant { word: &entries[0].0, value: &entries[0].1 })
+                visitor.visit_enum(Variant::Key(&entries[0].0, Self::from(&entries[0].1)))
             }
             other => {
                 let forms: Vec<String> = known.iter().map(|form| words::shown(form)).collect();
@@ -260,8 +182,24 @@ impl<'a> de::Deserializer<'a> for Decoder<'a> {
 
     serde::forward_to_deserialize_any! {
         <W: Visitor<'a>>
-        bool i8 i16 i32 i64 i128 u8 u16 u32 u128 f32 f64 char str string bytes byte_buf unit unit_struct
-        seq tuple_struct map identifier ignored_any
+        bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str string bytes byte_buf unit unit_struct
+        seq tuple_struct map identifier
+    }
+}
+
+impl<'a> Decoder<'a> {
+    /// The variant that the key `tag` of this object names.
+    fn kind(self, tag: &str, known: &[&str]) -> Result<Variant<'a>, Fault> {
+        let Json::Object(_) = self.value else {
+            return Err(Fault::new("", self.value.brief(), format!("an object with the key {tag}")));
+        };
+        let given = match self.value.get(tag) {
+            Some(Json::String(word)) => return Ok(Variant::Tagged(word, self)),
+            Some(other) => other.brief(),
+            None if self.value.get("type").is_some() => "nothing (\"type\" stands in its place)".into(),
+            None => "nothing".into(),
+        };
+        Err(Fault::new(tag, given, format!("one of: {}", known.join(", "))))
     }
 }
 
@@ -275,9 +213,9 @@ impl<'a> de::SeqAccess<'a> for Items<'a> {
 
     fn next_element_seed<T: DeserializeSeed<'a>>(&mut self, seed: T) -> Result<Option<T::Value>, Fault> {
         let Some(item) = self.items.get(self.next) else { return Ok(None) };
-        let k = self.next;
+        let step = format!("[{}]", self.next);
         self.next += 1;
-        seed.deserialize(Decoder::from(item)).map(Some).map_err(|fault| fault.within(&format!("[{k}]")))
+        read(seed, Decoder::from(item), &step).map(Some)
     }
 
     fn size_hint(&self) -> Option<usize> {
@@ -287,7 +225,8 @@ impl<'a> de::SeqAccess<'a> for Items<'a> {
 
 struct Entries<'a> {
     entries: &'a [(String, Json)],
-    read: &'a [&'static str],
+    /// The object that they are of.
+    outer: Decoder<'a>,
     value: Option<(&'a str, &'a Json)>,
 }
 
@@ -297,7 +236,7 @@ impl<'a> de::MapAccess<'a> for Entries<'a> {
     fn next_key_seed<K: DeserializeSeed<'a>>(&mut self, seed: K) -> Result<Option<K::Value>, Fault> {
         while let Some(((key, value), rest)) = self.entries.split_first() {
             self.entries = rest;
-            if !self.read.contains(&key.as_str()) {
+            if !self.outer.read.contains(&key.as_str()) {
                 self.value = Some((key, value));
                 return seed.deserialize(StrDeserializer::new(key)).map(Some);
             }
@@ -307,55 +246,18 @@ impl<'a> de::MapAccess<'a> for Entries<'a> {
 
     fn next_value_seed<V: DeserializeSeed<'a>>(&mut self, seed: V) -> Result<V::Value, Fault> {
         let Some((key, value)) = self.value.take() else { return Err(de::Error::custom("a key before its value")) };
-        seed.deserialize(Decoder::from(value)).map_err(|fault| fault.within(&key_in_path(key)))
+        read(seed, Decoder { state: self.outer.state, ..Decoder::from(value) }, &key_in_path(key))
     }
 }
 
-/// A word alone, one of several forms.
-struct Word<'a>(&'a str);
-
-impl<'a> de::EnumAccess<'a> for Word<'a> {
-    type Error = Fault;
-    type Variant = Self;
-
-    fn variant_seed<V: DeserializeSeed<'a>>(self, seed: V) -> Result<(V::Value, Self), Fault> {
-        let which = seed.deserialize(StrDeserializer::<Fault>::new(self.0))?;
-        Ok((which, self))
-    }
-}
-
-impl Word<'_> {
-    /// A form that has numbers, without them.
-    fn alone(&self) -> Fault {
-        let allowed = format!("the word with its numbers, in braces: {}", words::shown(self.0));
-        Fault::new("", format!("the word {} alone", quoted(self.0)), allowed)
-    }
-}
-
-impl<'a> VariantAccess<'a> for Word<'a> {
-    type Error = Fault;
-
-    fn unit_variant(self) -> Result<(), Fault> {
-        Ok(())
-    }
-
-    fn newtype_variant_seed<T: DeserializeSeed<'a>>(self, _: T) -> Result<T::Value, Fault> {
-        Err(self.alone())
-    }
-
-    fn tuple_variant<V: Visitor<'a>>(self, _: usize, _: V) -> Result<V::Value, Fault> {
-        Err(self.alone())
-    }
-
-    fn struct_variant<V: Visitor<'a>>(self, _: &'static [&'static str], _: V) -> Result<V::Value, Fault> {
-        Err(self.alone())
-    }
-}
-
-/// `{word: value}`, one of several forms.
-struct Variant<'a> {
-    word: &'a str,
-    value: &'a Json,
+/// One of several forms.
+enum Variant<'a> {
+    /// A word alone.
+    Word(&'a str),
+    /// `{word: value}`.
+    Key(&'a str, Decoder<'a>),
+    /// An object with the word among its keys.
+    Tagged(&'a str, Decoder<'a>),
 }
 
 impl<'a> de::EnumAccess<'a> for Variant<'a> {
@@ -363,10 +265,11 @@ impl<'a> de::EnumAccess<'a> for Variant<'a> {
     type Variant = Self;
 
     fn variant_seed<V: DeserializeSeed<'a>>(self, seed: V) -> Result<(V::Value, Self), Fault> {
-        let which = seed.deserialize(StrDeserializer::new(self.word)).map_err(|fault: Fault| InputError {
-            path: key_in_path(self.word),
-            given: "an unknown key".into(),
-            ..fault.error
+        let (Self::Word(word) | Self::Key(word, _) | Self::Tagged(word, _)) = self;
+        let which = seed.deserialize(StrDeserializer::new(word)).map_err(|fault: Fault| match self {
+            Self::Word(_) => fault,
+            Self::Key(..) => Fault::new(key_in_path(word), "an unknown key", fault.error.allowed),
+            Self::Tagged(_, Decoder { tag, .. }) => fault.error.within(tag.unwrap_or_default()).into(),
         })?;
         Ok((which, self))
     }
@@ -376,21 +279,28 @@ impl<'a> VariantAccess<'a> for Variant<'a> {
     type Error = Fault;
 
     fn unit_variant(self) -> Result<(), Fault> {
-        let allowed = format!("the word {} alone, without an object around it", quoted(self.word));
-        Err(Fault::new(key_in_path(self.word), self.value.brief(), allowed))
+        let Self::Key(word, value) = self else { return Ok(()) };
+        let allowed = format!("the word {} alone, without an object around it", quoted(word));
+        Err(Fault::new(key_in_path(word), value.value.brief(), allowed))
     }
 
     fn newtype_variant_seed<T: DeserializeSeed<'a>>(self, seed: T) -> Result<T::Value, Fault> {
-        seed.deserialize(Decoder::from(self.value)).map_err(|fault| fault.within(&key_in_path(self.word)))
+        match self {
+            Self::Word(word) => {
+                let allowed = format!("the word with its numbers, in braces: {}", words::shown(word));
+                Err(Fault::new("", format!("the word {} alone", quoted(word)), allowed))
+            }
+            Self::Key(word, value) => read(seed, value, &key_in_path(word)),
+            Self::Tagged(_, whole) => read(seed, whole, ""),
+        }
     }
 
-    fn tuple_variant<V: Visitor<'a>>(self, length: usize, visitor: V) -> Result<V::Value, Fault> {
-        de::Deserializer::deserialize_tuple(Decoder::from(self.value), length, visitor)
-            .map_err(|fault| fault.within(&key_in_path(self.word)))
+    // Forms hold one value, or none.
+    fn tuple_variant<V: Visitor<'a>>(self, _: usize, _: V) -> Result<V::Value, Fault> {
+        Err(de::Error::custom("another form"))
     }
 
-    fn struct_variant<V: Visitor<'a>>(self, _: &'static [&'static str], visitor: V) -> Result<V::Value, Fault> {
-        de::Deserializer::deserialize_any(Decoder::from(self.value), visitor)
-            .map_err(|fault| fault.within(&key_in_path(self.word)))
+    fn struct_variant<V: Visitor<'a>>(self, _: &'static [&'static str], _: V) -> Result<V::Value, Fault> {
+        Err(de::Error::custom("another form"))
     }
 }

@@ -15,14 +15,18 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod bodies;
 mod decode;
 mod document;
-pub(crate) mod fields;
+mod fault;
 mod gap;
 mod given;
+mod loading;
 mod measured;
 #[cfg(feature = "cli")]
 mod schema;
+pub(crate) mod settings;
+mod shapes;
 mod words;
 
 use std::path::{Path, PathBuf};
@@ -42,6 +46,7 @@ use crate::gap::AnyGap;
 use crate::problem::{Contact, EffectiveModulus, Load, Loading, Settings};
 use crate::units::UnitLabels;
 use decode::decode;
+pub(crate) use decode::decode_state;
 use document::ROOT;
 use given::Sources;
 
@@ -76,22 +81,22 @@ struct SceneForm {
     /// Any text; comes back with the result.
     name: Option<String>,
     /// One or two bodies; one alone is pressed against a rigid one.
-    #[cfg_attr(feature = "cli", schemars(with = "Option<Vec<fields::BodyForm>>", length(min = 1, max = 2)))]
+    #[cfg_attr(feature = "cli", schemars(with = "Option<Vec<bodies::BodyForm>>", length(min = 1, max = 2)))]
     bodies: Option<Any>,
     /// E* > 0 of the pair, in place of `bodies`.
     effective_modulus: Option<f64>,
     #[cfg_attr(feature = "cli", schemars(with = "gap::GapForm"))]
     #[serde(rename = "gap")]
     _gap: Any,
-    #[cfg_attr(feature = "cli", schemars(with = "fields::LoadingForm"))]
+    #[cfg_attr(feature = "cli", schemars(with = "loading::LoadingForm"))]
     #[serde(rename = "loading")]
     _loading: Any,
     /// Labels of units for tables, pictures and exports; numbers are not converted.
-    units: Option<fields::UnitsForm>,
+    units: Option<settings::UnitsForm>,
     /// How to solve.
-    solve: Option<fields::SolveForm>,
+    solve: Option<settings::SolveForm>,
     /// What else to compute and write.
-    output: Option<Vec<fields::OutputName>>,
+    output: Option<Vec<settings::OutputName>>,
 }
 
 /// A value that is there; its own module reads it.
@@ -157,8 +162,8 @@ impl Scene {
         let form: SceneForm = decode(&document, ROOT)?;
         let modulus = form.modulus(&document)?;
         let gap = gap::whole(section(&document, "gap"), "gap", &Sources::new(&directory, given))?;
-        let loading = fields::loading(section(&document, "loading"))?;
-        let units = form.units.map(fields::units).transpose()?;
+        let loading = loading::loading(section(&document, "loading"))?;
+        let units = form.units.map(settings::units).transpose()?;
         let settings = settings(form.solve, form.output, &gap, &loading)?;
         let contact = Contact::new(modulus, gap, loading)?;
         Ok(Self { name: form.name, contact, settings, units, document, files: directory.into_read() })
@@ -176,7 +181,7 @@ impl Scene {
             self.contact.gap().clone()
         };
         let loading = match parts.loading {
-            true => fields::loading(section(&self.document, "loading"))?,
+            true => loading::loading(section(&self.document, "loading"))?,
             false => self.contact.loading().clone(),
         };
         let (mut modulus, mut chosen) = (self.contact.modulus(), self.settings);
@@ -204,18 +209,18 @@ pub(crate) struct Parts {
 impl SceneForm {
     fn modulus(&self, document: &Json) -> Result<EffectiveModulus, InputError> {
         let bodies = self.bodies.as_ref().and_then(|_| document.get("bodies"));
-        fields::modulus(bodies, self.effective_modulus)
+        bodies::modulus(bodies, self.effective_modulus)
     }
 }
 
 /// What a scene asks of the solve of this gap under this loading.
 fn settings(
-    solve: Option<fields::SolveForm>,
-    output: Option<Vec<fields::OutputName>>,
+    solve: Option<settings::SolveForm>,
+    output: Option<Vec<settings::OutputName>>,
     gap: &AnyGap,
     loading: &Loading,
 ) -> Result<Settings, InputError> {
-    let settings = fields::settings(solve.unwrap_or_default(), &output.unwrap_or_default(), gap)?;
+    let settings = settings::settings(solve.unwrap_or_default(), &output.unwrap_or_default(), gap)?;
     if settings.nodes && loading.loads().iter().any(|load| matches!(load, Load::ForceMoment { .. })) {
         let allowed = "a number of cells: the grid of a punch free to tilt is found with its tilt";
         return Err(InputError::new("solve.cells", "\"map\" for a punch free to tilt", allowed));

@@ -57,6 +57,14 @@ const MEANINGS: &[Meaning] = &[
     ("timeout", "seconds", "write \"seconds\""),
 ];
 
+/// The letters of the field for keys of a body.
+const LETTERS: [(&str, &str); 3] = [("E", "youngs_modulus"), ("nu", "poissons_ratio"), ("G", "shear_modulus")];
+
+/// The letter that may stand for a key.
+pub(super) fn letter_of(key: &str) -> Option<&'static str> {
+    LETTERS.iter().find(|(_, long)| *long == key).map(|(letter, _)| *letter)
+}
+
 /// What to say of a word that stands for a known one.
 pub(super) fn meant(word: &str, known: &[&str]) -> Option<&'static str> {
     let word = word.to_ascii_lowercase();

@@ -23,7 +23,7 @@ pub const WRONG_SCENE: &str = "wrong_scene";
 /// The verdict of a row that stopped the solver: a fault of it, to be reported.
 pub const FAULT: &str = "fault";
 
-/// The verdict of a row that was not looked at, because the work was interrupted.
+/// The verdict of a row that was not read, because the work was interrupted.
 pub const INTERRUPTED: &str = "interrupted";
 
 /// Rows that a thread takes at a time: few enough that a slow row holds up none but its own.

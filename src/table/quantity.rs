@@ -52,7 +52,7 @@ const WORDS: [(&str, WordOf); 5] = [
 const REASON: &str = "reason";
 
 /// The keys of a result that have numbers in them.
-const KEYS: [&str; 25] = [
+const KEYS: [&str; 24] = [
     "area_error",
     "bracket",
     "centre_of_pressure",
@@ -76,7 +76,6 @@ const KEYS: [&str; 25] = [
     "stiffness_matrix",
     "tilt",
     "touches_edge",
-    "units",
     "validity",
 ];
 
@@ -145,5 +144,31 @@ pub(super) fn numbers(quantities: &[Quantity], scene: &Scene, step: &Step, to: &
                 .and_then(serde_json::Value::as_f64),
         };
         *to = number.filter(|x| x.is_finite()).unwrap_or(f64::NAN);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_those_of_a_result() {
+        let scene = br#"{"effective_modulus": 1.0, "gap": {"kind": "height_map", "file": "bowl", "surface": "upper"},
+            "loading": {"force": 1.0}, "solve": {"cells": 16, "tolerance": 0.5}, "output": ["gap", "bracket", "energy"]}"#;
+        let heights: Vec<f64> =
+            (0..81).map(|k| [k % 9, k / 9].map(|i| (f64::from(i) - 4.0).powi(2)).iter().sum()).collect();
+        let heights = crate::gap::Heights::new(heights, [9, 9], [1.0, 1.0]).unwrap();
+        let scene = Scene::from_json_with(scene, &crate::scene::Given::default().heights("bowl", heights)).unwrap();
+        let step = &crate::solve(&scene.contact, &scene.settings)[0];
+        let result = serde_json::to_value(report::json(&scene, std::slice::from_ref(step))).unwrap();
+        for (name, of) in KNOWN {
+            let pointer = format!("/{}", name.replace(['.', '['], "/").replace(']', ""));
+            let written = result.pointer(&pointer).unwrap_or_else(|| panic!("{name}"));
+            assert_eq!(written.as_f64(), report::numbers(step).and_then(of), "{name}");
+        }
+        for key in KEYS {
+            // A matrix is given for a punch that is free to tilt.
+            assert!(result.get(key).is_some() || key == "stiffness_matrix", "{key}");
+        }
     }
 }

@@ -1,7 +1,5 @@
 //! Everything a report shows of a scene, computed: the answers, every method on one of its states, brackets, the curve.
 
-use super::pictured::pictured;
-use super::{Step, numbers};
 use crate::bracket::{self, BracketSettings, ForceBracket};
 use crate::clock::{CpuTime, Deadline, Stopwatch};
 use crate::compare::{self, Comparison};
@@ -9,6 +7,8 @@ use crate::curve::Curve;
 use crate::plan::{Plan, plan};
 use crate::plot::Section;
 use crate::problem::{Contact, ErrorBar, Load, Loading, Method, Outputs, Settings};
+use crate::report::pictured::pictured;
+use crate::report::{Step, numbers};
 use crate::scene::Scene;
 use crate::solution::{Solution, Unsolved};
 use crate::solve::solve;
@@ -87,7 +87,7 @@ pub(super) struct Evidence {
 
 impl Evidence {
     /// The answer with its pictures, and these parts, whatever they take; of boundaries and curve also what fits into three times the
-    /// answer. `say` hears what is going on.
+    /// answer. `say` is called with what is being done.
     pub fn gather(scene: &Scene, runs: &compare::Plan, parts: Parts, say: &mut dyn FnMut(&str)) -> Self {
         let mut clock = Clock { seconds: Vec::new(), threads: scene.settings.threads, say };
         let plan = plan(&scene.contact, &scene.settings);
@@ -140,7 +140,7 @@ impl Evidence {
     }
 }
 
-/// What the parts that nobody asked for may take.
+/// What the parts that are not asked for may take.
 struct Budget {
     /// Seconds from the beginning.
     until: f64,
@@ -234,7 +234,7 @@ fn detail(
         parts.methods.then(|| clock.time("every method, at several resolutions", || compare::compare(&contact, runs)));
     let mut brackets: Vec<Bracketing> = Vec::new();
     let mut bounds = || {
-        let look = BracketSettings { threads: scene.settings.threads, ..BracketSettings::default() };
+        let bracketing = BracketSettings { threads: scene.settings.threads, ..BracketSettings::default() };
         let finest = runs.fft_cells.iter().copied().max().unwrap_or(0);
         for cells in BRACKET_CELLS.into_iter().filter(|&cells| cells <= finest) {
             if brackets.last().is_some_and(|b| b.seconds > PATIENCE) {
@@ -243,7 +243,7 @@ fn detail(
             let started = Stopwatch::start();
             let Some(Ok(solution)) = run(Method::Fft, Some(cells), both) else { continue };
             let Some(field) = &solution.pressure.field else { continue };
-            if let Ok(bracket) = bracket::sharp(&gap, contact.modulus(), state.depth, field, &look) {
+            if let Ok(bracket) = bracket::sharp(&gap, contact.modulus(), state.depth, field, &bracketing) {
                 let seconds = started.seconds();
                 brackets.push(Bracketing { cells, force: solution.force, bracket, seconds });
             }

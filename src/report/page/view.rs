@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use super::html::{both, escaped};
+use super::html::{Html, both, html};
 use crate::plot::{self, Format, Medium, Placed, base64, coarsened};
 use crate::solution::Solution;
 use crate::units::UnitLabels;
@@ -14,7 +14,7 @@ const CELLS: usize = 128;
 const FULL: f64 = 65535.0;
 
 /// The map of the pressure and what a script shows of it; `None` without a field.
-pub(super) fn view(solution: &Solution, units: &UnitLabels) -> Option<String> {
+pub(super) fn view(solution: &Solution, units: &UnitLabels) -> Option<Html> {
     let drawn = |medium| plot::pressure_map_on(medium, units, "", solution, Format::Svg);
     let ((page, on_page), (phone, on_phone)) = (drawn(Medium::Page).ok()?, drawn(Medium::Phone).ok()?);
     let field = coarsened(solution.pressure.field.as_ref()?, CELLS);
@@ -66,16 +66,18 @@ pub(super) fn view(solution: &Solution, units: &UnitLabels) -> Option<String> {
     let data = data.to_string().replace('<', "\\u003c");
     let caption = "Pressure over the patch.";
     let maps = both([&page, &phone], caption);
-    Some(format!(
+    Some(html!(
         "<figure class=\"main\" id=\"view\">\n\
          <div class=\"tabs\" role=\"group\" aria-label=\"view\" hidden>\
          <button type=\"button\" data-view=\"map\" aria-pressed=\"true\">map</button>\
          <button type=\"button\" data-view=\"surface\" aria-pressed=\"false\">surface</button>\
          <button type=\"button\" data-view=\"section\" aria-pressed=\"false\">section</button></div>\n\
-         <div class=\"map\">{maps}</div>\n<canvas hidden tabindex=\"0\" aria-label=\"Pressure as a surface; drag or use the arrow keys to turn it\"></canvas>\n\
+         <div class=\"map\">{}</div>\n<canvas hidden tabindex=\"0\" aria-label=\"Pressure as a surface; drag or use the arrow keys to turn it\"></canvas>\n\
          <div class=\"cut\" hidden></div>\n<p class=\"said\" aria-live=\"polite\"></p>\n<figcaption>{}</figcaption>\n</figure>\n\
-         <script type=\"application/json\" id=\"data\">{data}</script>\n",
-        escaped(&caption_of(solution))
+         <script type=\"application/json\" id=\"data\">{}</script>\n",
+        maps,
+        caption_of(solution),
+        Html::markup(data)
     ))
 }
 
