@@ -91,8 +91,9 @@ impl<T: Real> Transforms<T> {
                 debug_assert!(done.is_ok());
             }
             for (k, column) in parts.iter_mut().enumerate() {
-                let from = spectra[k..].iter().step_by(width);
-                column[at..at + rows.len()].iter_mut().zip(from).for_each(|(to, from)| *to = *from);
+                for (t, to) in column[at..at + rows.len()].iter_mut().enumerate() {
+                    *to = spectra[t * width + k];
+                }
             }
         });
         let size = self.columns.numbers();
@@ -105,8 +106,9 @@ impl<T: Real> Transforms<T> {
             let (at, count) = (wanted.start - base + group * GROUP, rows.len() / nx);
             let (row, spectra, fft) = lane.room(points, count * width, row_fft);
             for (k, column) in turned.chunks_exact(pitch).enumerate() {
-                let to = spectra[k..].iter_mut().step_by(width);
-                column[at..at + count].iter().zip(to).for_each(|(from, to)| *to = *from);
+                for (t, from) in column[at..at + count].iter().enumerate() {
+                    spectra[t * width + k] = *from;
+                }
             }
             for (u, spectrum) in rows.chunks_exact_mut(nx).zip(spectra.chunks_exact_mut(width)) {
                 // Zero up to rounding; the transform wants it exactly.
