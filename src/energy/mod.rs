@@ -51,8 +51,10 @@ mod overlap;
 mod potential;
 mod quarter;
 mod residual;
+mod rest;
 mod tables;
 mod touching;
+mod turned;
 mod whole;
 
 pub use bracket::{EnergyBracket, Padded, Trial, energy_bracket};
