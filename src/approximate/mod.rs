@@ -97,7 +97,7 @@ fn boundary(
         // The pressure under a disc is exact, so that its force is too low: a stationary boundary with less, by more than may
         // be wrong with either, is the wrong one.
         let rough = fabrikant::Settings { tolerance: 1e-4, boundary_points: 0, ..*fine };
-        if let Ok(disc) = solve(gap, modulus, depth, Family::Circle, &rough)
+        if let Ok(disc) = ritz::circle_near(gap, modulus, depth, &rough, &found)
             && disc.force * (1.0 - disc.quadrature_error.iter().sum::<f64>())
                 > found.force * (1.0 + off + settings.tolerance)
         {

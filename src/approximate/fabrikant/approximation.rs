@@ -91,7 +91,7 @@ impl Boundary {
     /// a(theta), theta in radians: exact at the points of the outline, on their chords in between.
     #[must_use]
     pub fn radius(&self, theta: f64) -> f64 {
-        radius_in(&self.outline, theta)
+        radius_in(&self.outline, theta, std::f64::consts::TAU)
     }
 
     /// The boundary as a polyline, counter-clockwise, not closed.

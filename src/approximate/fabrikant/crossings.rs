@@ -4,8 +4,6 @@
 //! both sides, and its slope jumps. With a sector's end there the rules over the angle converge again as for smooth
 //! boundaries; without it they halve sector after sector.
 
-use std::f64::consts::TAU;
-
 use super::star::{Ray, Star};
 
 /// Halvings of the angle between two rays.
@@ -23,7 +21,8 @@ impl Star<'_> {
         if crossings.len() > MOST {
             return false;
         }
-        let close = |a: f64, b: f64, within: f64| ((a - b + 0.5 * TAU).rem_euclid(TAU) - 0.5 * TAU).abs() <= within;
+        let period = self.sectors.period();
+        let close = |a: f64, b: f64, within: f64| apart(a, b, period) <= within;
         let known = |angle: &f64| self.crossings.iter().any(|&c| close(c, *angle, allowed));
         if crossings.iter().all(known) {
             return false;
@@ -53,7 +52,7 @@ impl Star<'_> {
 
     fn crossing_between(&mut self, before: Ray, after: Ray, d: f64) -> Option<f64> {
         let from = before.spoke.angle;
-        let (mut lo, mut hi) = (0.0, (after.spoke.angle - from).rem_euclid(TAU));
+        let (mut lo, mut hi) = (0.0, (after.spoke.angle - from).rem_euclid(self.sectors.period()));
         let (mut inner, mut outer) = (before, after);
         let held = self.mark();
         for _ in 0..HALVINGS {
@@ -73,9 +72,14 @@ impl Star<'_> {
         self.release(held);
         let angle = from + 0.5 * (lo + hi);
         // The number of kinks also changes where ridges meet, which the gap has told.
-        let told = |&a: &f64| ((a - angle + 0.5 * TAU).rem_euclid(TAU) - 0.5 * TAU).abs() < APART;
+        let told = |&a: &f64| apart(a, angle, self.sectors.period()) < APART;
         (!self.directions.iter().any(told)).then_some(angle)
     }
+}
+
+/// How far apart two angles are but for whole periods.
+fn apart(a: f64, b: f64, period: f64) -> f64 {
+    ((a - b + 0.5 * period).rem_euclid(period) - 0.5 * period).abs()
 }
 
 fn differs(a: &Ray, b: &Ray) -> bool {

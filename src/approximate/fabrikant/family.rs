@@ -35,7 +35,7 @@ pub(crate) fn best(
     }
     let problem = Problem::new(gap, modulus, depth)?.before(settings.deadline);
     let tolerance: f64 = settings.tolerance;
-    let mut star = Star::about(&problem.overlap, [0.0; 2], 0.5, first_rung(tolerance));
+    let mut star = Star::about(&problem.overlap, [0.0; 2], 0.5, first_rung(tolerance), 1);
     star.checks_material = true;
     let mut q: Vec<f64> = Vec::new();
     let mut second = f64::NAN;

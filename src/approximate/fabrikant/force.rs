@@ -55,7 +55,7 @@ pub fn force(
     let problem = Problem::new(gap, modulus, depth)?;
     let (overlap, length) = (&problem.overlap, problem.overlap.units.length);
     let centre = overlap.units.inward(centre);
-    let mut star = Star::about(overlap, centre, 1.0, first_rung(settings.tolerance));
+    let mut star = Star::about(overlap, centre, 1.0, first_rung(settings.tolerance), 1);
     let mut directions = corners.to_vec();
     overlap.gap.kink_directions(centre, &mut directions);
     star.sectors = Sectors::between(&directions, SIXTH);

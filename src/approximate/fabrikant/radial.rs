@@ -3,6 +3,11 @@
 use std::f64::consts::FRAC_PI_2;
 use std::sync::OnceLock;
 
+use crate::numeric::quadrature::GaussLegendre;
+
+/// Nodes of each level, and the power with which they crowd towards t = 0.
+const LEVELS: [(usize, i32); 7] = [(4, 1), (8, 1), (16, 1), (32, 4), (64, 4), (128, 4), (256, 4)];
+
 /// One node of the rule in t on [0, pi/2].
 #[derive(Clone, Copy)]
 pub(crate) struct RadialNode {
@@ -22,16 +27,26 @@ pub(crate) struct RadialRule {
 }
 
 impl RadialRule {
-    /// The rules from coarse to fine; each serves as the check of the one before.
-    pub fn ladder() -> &'static [RadialRule] {
-        static LADDER: OnceLock<Vec<RadialRule>> = OnceLock::new();
-        LADDER.get_or_init(|| {
-            [(4, 1), (8, 1), (16, 1), (32, 4), (64, 4), (128, 4), (256, 4)].map(|(n, p)| Self::new(n, p)).into()
-        })
+    /// The rule of this level, from coarse to fine; each serves as the check of the one before. `None` beyond the finest.
+    pub fn level(level: usize) -> Option<&'static Self> {
+        static RULES: [OnceLock<RadialRule>; LEVELS.len()] = [const { OnceLock::new() }; LEVELS.len()];
+        let &(nodes, crowding) = LEVELS.get(level)?;
+        Some(RULES[level].get_or_init(|| Self::new(nodes, crowding)))
+    }
+
+    /// The finest rule.
+    pub fn finest() -> &'static Self {
+        Self::level(LEVELS.len() - 1).expect("there are levels")
+    }
+
+    /// Whether there is a finer rule than this level that leaves another one to check it by.
+    pub fn can_refine(level: usize) -> bool {
+        level + 2 < LEVELS.len()
     }
 
     fn new(nodes: usize, crowding: i32) -> Self {
-        let plain = gauss_legendre(nodes);
+        let rule = GaussLegendre::new(nodes);
+        let plain: Vec<[f64; 2]> = rule.nodes().iter().map(|(x, w)| [0.5 * (1.0 + x), 0.5 * w]).collect();
         let first: Vec<[f64; 2]> =
             plain.iter().map(|&[x, w]| [x.powi(crowding), w * f64::from(crowding) * x.powi(crowding - 1)]).collect();
         let whole = first
@@ -114,27 +129,4 @@ impl RadialPosition {
 /// sqrt(a^2 - k^2).
 pub(super) fn beyond(a: f64, k: f64) -> f64 {
     ((a - k) * (1.0 + k / a)).sqrt() * a.sqrt()
-}
-
-/// Nodes and weights of the n-point Gauss-Legendre rule on [0, 1], by Newton on the Legendre recurrence.
-pub(crate) fn gauss_legendre(n: usize) -> Vec<[f64; 2]> {
-    let legendre = |x: f64| {
-        let (mut p0, mut p1) = (1.0, x);
-        for k in 2..=n {
-            let k = k as f64;
-            (p0, p1) = (p1, ((2.0 * k - 1.0) * x * p1 - (k - 1.0) * p0) / k);
-        }
-        (p1, n as f64 * (x * p1 - p0) / (x * x - 1.0))
-    };
-    (0..n)
-        .map(|i| {
-            let mut x = -(std::f64::consts::PI * (i as f64 + 0.75) / (n as f64 + 0.5)).cos();
-            for _ in 0..8 {
-                let (p, dp) = legendre(x);
-                x -= p / dp;
-            }
-            let (_, dp) = legendre(x);
-            [0.5 * (1.0 + x), 1.0 / ((1.0 - x * x) * dp * dp)]
-        })
-        .collect()
 }

@@ -257,14 +257,14 @@ mod tests {
             let gap = Power::new(0.7, n).unwrap();
             let line = RayLine { centre: [0.0; 2], direction: [0.6, 0.8], kinks: &[], planes: None };
             let a = 0.9f64;
-            let along = line.along(&overlap(&gap), 1.0, &RadialPosition::at(&[], a), &RadialRule::ladder()[2]);
+            let along = line.along(&overlap(&gap), 1.0, &RadialPosition::at(&[], a), RadialRule::level(2).unwrap());
             let c = 0.7 * m;
             assert!((along.g - (a * a - c * a.powf(n + 2.0))).abs() < 1e-14);
             assert!((along.g_a - (2.0 * a - c * (n + 2.0) * a.powf(n + 1.0))).abs() < 1e-14);
             assert!((along.g_aa - (2.0 - c * (n + 2.0) * (n + 1.0) * a.powf(n))).abs() < 1e-12);
             let values_only = move |x: f64, y: f64| 0.7 * x.hypot(y).powf(n);
             let by_differences =
-                line.along(&overlap(&values_only), 1.0, &RadialPosition::at(&[], a), &RadialRule::ladder()[2]);
+                line.along(&overlap(&values_only), 1.0, &RadialPosition::at(&[], a), RadialRule::level(2).unwrap());
             assert!((by_differences.g_a - along.g_a).abs() < 1e-8);
             assert!((by_differences.g - along.g).abs() < 1e-14);
         }
@@ -281,7 +281,7 @@ mod tests {
         let mut jumps = Vec::new();
         let first = line.read_planes(&f, &mut jumps);
         let exact = RayLine { planes: Some((first, &jumps)), ..line };
-        let rule = &RadialRule::ladder()[2];
+        let rule = RadialRule::level(2).unwrap();
         for a in [0.2, 0.35, 0.6] {
             let (here, closed) = [line, exact].map(|l| l.along(&f, 1.0, &RadialPosition::at(&kinks, a), rule)).into();
             assert!((here.g - closed.g).abs() < 1e-14 && (here.g_a - closed.g_a).abs() < 1e-14, "{a}");

@@ -43,28 +43,45 @@ pub(crate) struct Sectors {
     rule: &'static [[f64; 3]],
     ends: Vec<f64>,
     widest: f64,
+    /// What is integrated repeats itself so many times in a whole turn: the rays of one period serve for all.
+    turns: usize,
     layout: Layout,
 }
 
 impl Sectors {
     /// Sectors between these directions (any order, any turn), none wider than `widest` at the start.
     pub fn between(directions: &[f64], widest: f64) -> Self {
-        let ends = sector_ends(directions, widest);
+        Self::repeated(directions, widest, 1)
+    }
+
+    /// The same for what repeats itself `turns` times in a whole turn.
+    pub fn repeated(directions: &[f64], widest: f64, turns: usize) -> Self {
+        let ends = sector_ends(directions, widest, TAU / turns as f64);
         let layout = match ends.len() {
-            0 => Layout::Equal(16),
+            0 => Layout::Equal((16 / turns).max(2)),
             n => Layout::Panels((0..n).map(|k| (k, 0.0, 1.0)).collect()),
         };
-        Self { rule: if ends.len() > MANY { &SEVEN } else { &FIFTEEN }, ends, widest, layout }
+        Self { rule: if turns * ends.len() > MANY { &SEVEN } else { &FIFTEEN }, ends, widest, turns, layout }
+    }
+
+    /// The angle after which the rays repeat themselves.
+    pub fn period(&self) -> f64 {
+        TAU / self.turns as f64
+    }
+
+    /// How many times they do in a whole turn.
+    pub fn turns(&self) -> usize {
+        self.turns
     }
 
     /// Equally spaced rays whatever the gap: cheap, for a first look.
     pub fn equal(rays: usize) -> Self {
-        Self { rule: &FIFTEEN, ends: Vec::new(), widest: SIXTH, layout: Layout::Equal(rays) }
+        Self { rule: &FIFTEEN, ends: Vec::new(), widest: SIXTH, turns: 1, layout: Layout::Equal(rays) }
     }
 
     /// The same panels when the ridges have moved a little; as fine as before at every angle when their number has changed.
     pub fn move_to(&mut self, directions: &[f64]) {
-        let mut fresh = Self::between(directions, self.widest);
+        let mut fresh = Self::repeated(directions, self.widest, self.turns);
         if directions.is_empty() {
             return;
         }
@@ -81,14 +98,15 @@ impl Sectors {
     /// Halves panels until none is wider than that of `other` around its middle.
     fn narrow_as(&mut self, other: &Self) {
         let (Layout::Panels(panels), Layout::Panels(others)) = (&mut self.layout, &other.layout) else { return };
+        let period = TAU / self.turns as f64;
         let span = |ends: &[f64], (k, from, to): (usize, f64, f64)| {
-            let width = ends.get(k + 1).copied().unwrap_or(ends[0] + TAU) - ends[k];
+            let width = ends.get(k + 1).copied().unwrap_or(ends[0] + period) - ends[k];
             [ends[k] + from * width, (to - from) * width]
         };
         let others: Vec<[f64; 2]> = others.iter().map(|&panel| span(&other.ends, panel)).collect();
         let width_at = |angle: f64| {
-            let turned = |from: f64| (angle - from).rem_euclid(TAU);
-            others.iter().find(|p| turned(p[0]) <= p[1]).map_or(TAU, |p| p[1])
+            let turned = |from: f64| (angle - from).rem_euclid(period);
+            others.iter().find(|p| turned(p[0]) <= p[1]).map_or(period, |p| p[1])
         };
         let mut open: Vec<_> = panels.drain(..).rev().collect();
         while let Some((k, from, to)) = open.pop() {
@@ -102,22 +120,23 @@ impl Sectors {
         }
     }
 
-    /// The rays, panel by panel, into `spokes`.
+    /// The rays of one period, panel by panel, into `spokes`; their weights count all periods.
     pub fn spokes(&self, spokes: &mut Vec<Spoke>) {
         spokes.clear();
+        let (turns, period) = (self.turns as f64, self.period());
         match &self.layout {
             Layout::Equal(n) => spokes.extend((0..*n).map(|k| {
                 let fine = TAU / *n as f64;
-                Spoke { angle: fine * k as f64, fine, coarse: if k % 2 == 0 { 2.0 * fine } else { 0.0 } }
+                Spoke { angle: period / *n as f64 * k as f64, fine, coarse: if k % 2 == 0 { 2.0 * fine } else { 0.0 } }
             })),
             Layout::Panels(panels) => {
                 for &(k, from, to) in panels {
-                    let width = (self.ends.get(k + 1).copied().unwrap_or(self.ends[0] + TAU)) - self.ends[k];
+                    let width = (self.ends.get(k + 1).copied().unwrap_or(self.ends[0] + period)) - self.ends[k];
                     let (middle, half) = (self.ends[k] + 0.5 * (from + to) * width, 0.5 * (to - from) * width);
                     spokes.extend(self.rule.iter().map(|[x, fine, coarse]| Spoke {
                         angle: middle + half * x,
-                        fine: half * fine,
-                        coarse: half * coarse,
+                        fine: turns * half * fine,
+                        coarse: turns * half * coarse,
                     }));
                 }
             }
@@ -135,10 +154,11 @@ impl Sectors {
     /// Refines where the error estimate is largest, so that it may fall to `allowed`. False when nothing can be refined
     /// within `most_rays`.
     pub fn refine(&mut self, spokes: &[Spoke], values: &[f64], allowed: f64, most_rays: usize) -> bool {
+        let period = self.period();
         match &mut self.layout {
             Layout::Equal(n) if 2 * *n <= MOST_EQUAL => *n *= 2,
             Layout::Equal(_) => {
-                self.ends = (0..8).map(|k| TAU * f64::from(k) / 8.0).collect();
+                self.ends = (0..8).map(|k| period * f64::from(k) / 8.0).collect();
                 self.layout = Layout::Panels((0..8).map(|k| (k, 0.0, 1.0)).collect());
             }
             Layout::Panels(panels) => {
@@ -182,17 +202,17 @@ fn panel_error(panel: usize, per_panel: usize, spokes: &[Spoke], values: &[f64])
     if spread > 0.0 { spread * (200.0 * raw / spread).powf(1.5).min(1.0) } else { raw }
 }
 
-/// Sector ends in [0, 2 pi), ascending, no sector wider than `widest`; none when nothing is known.
-fn sector_ends(directions: &[f64], widest: f64) -> Vec<f64> {
-    let mut ends: Vec<f64> = directions.iter().filter(|a| a.is_finite()).map(|a| a.rem_euclid(TAU)).collect();
+/// Sector ends in [0, period), ascending, no sector wider than `widest`; none when nothing is known.
+fn sector_ends(directions: &[f64], widest: f64, period: f64) -> Vec<f64> {
+    let mut ends: Vec<f64> = directions.iter().filter(|a| a.is_finite()).map(|a| a.rem_euclid(period)).collect();
     ends.sort_by(f64::total_cmp);
     ends.dedup_by(|b, a| *b - *a < 1e-10);
-    while ends.len() > 1 && ends[0] + TAU - ends[ends.len() - 1] < 1e-10 {
+    while ends.len() > 1 && ends[0] + period - ends[ends.len() - 1] < 1e-10 {
         ends.pop();
     }
     let mut cut = Vec::with_capacity(ends.len());
     for (k, &from) in ends.iter().enumerate() {
-        let to = ends.get(k + 1).copied().unwrap_or(ends[0] + TAU);
+        let to = ends.get(k + 1).copied().unwrap_or(ends[0] + period);
         let pieces = ((to - from) / widest).ceil().max(1.0);
         cut.extend((0..pieces as usize).map(|m| from + (to - from) * m as f64 / pieces));
     }
@@ -268,7 +288,7 @@ mod tests {
 
     #[test]
     fn sectors_wrap_round() {
-        let ends = sector_ends(&[0.1, -0.1, 0.1 + TAU, 2.0], SIXTH);
+        let ends = sector_ends(&[0.1, -0.1, 0.1 + TAU, 2.0], SIXTH, TAU);
         assert!(ends.windows(2).all(|w| w[1] > w[0] && w[1] - w[0] <= SIXTH));
         let mut spokes = Vec::new();
         Sectors::between(&[0.1, -0.1], SIXTH).spokes(&mut spokes);

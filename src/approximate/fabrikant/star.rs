@@ -1,7 +1,6 @@
 //! A star of rays about one centre: the state that the boundary solvers share.
 
 use std::cell::Cell;
-use std::f64::consts::TAU;
 
 use nalgebra::Matrix2;
 
@@ -89,8 +88,9 @@ pub(crate) struct Star<'a> {
 }
 
 impl<'a> Star<'a> {
-    /// Rays about `centre`, the boundary a circle of radius `start`.
-    pub fn about(overlap: &'a ScaledOverlap, centre: [f64; 2], start: f64, rung: usize) -> Self {
+    /// Rays about `centre`, the boundary a circle of radius `start`; `turns`: how many turns about the centre leave boundary and gap
+    /// as they are.
+    pub fn about(overlap: &'a ScaledOverlap, centre: [f64; 2], start: f64, rung: usize, turns: usize) -> Self {
         let mut directions = Vec::new();
         ridge_directions(overlap, centre, &mut directions);
         let mut star = Self {
@@ -99,7 +99,7 @@ impl<'a> Star<'a> {
             f0: overlap.at(centre),
             facets: Facets::about(overlap, centre, AT_CENTRE),
             met: Vec::new(),
-            sectors: Sectors::between(&directions, SIXTH),
+            sectors: Sectors::repeated(&directions, SIXTH, turns),
             rays: Vec::new(),
             kinks: Vec::new(),
             jumps: Vec::new(),
@@ -122,12 +122,12 @@ impl<'a> Star<'a> {
 
     /// The rule in use along the rays.
     pub fn rule(&self) -> &'static RadialRule {
-        &RadialRule::ladder()[self.rung.min(RadialRule::ladder().len() - 1)]
+        RadialRule::level(self.rung).unwrap_or_else(RadialRule::finest)
     }
 
     /// The next finer rule, if there is one.
     pub fn finer_rule(&self) -> Option<&'static RadialRule> {
-        RadialRule::ladder().get(self.rung + 1)
+        RadialRule::level(self.rung + 1)
     }
 
     /// The geometry of one ray.
@@ -137,9 +137,10 @@ impl<'a> Star<'a> {
         RayLine { centre: self.centre, direction: ray.direction, kinks: &self.kinks[range], planes }
     }
 
-    /// Angles and radii of the present boundary, ascending.
+    /// Angles and radii of the present boundary within one period, ascending.
     pub fn outline(&self) -> Vec<[f64; 2]> {
-        let mut outline: Vec<_> = self.rays.iter().map(|r| [r.spoke.angle.rem_euclid(TAU), r.a]).collect();
+        let period = self.sectors.period();
+        let mut outline: Vec<_> = self.rays.iter().map(|r| [r.spoke.angle.rem_euclid(period), r.a]).collect();
         outline.sort_by(|p, q| p[0].total_cmp(&q[0]));
         outline
     }
@@ -152,7 +153,7 @@ impl<'a> Star<'a> {
         self.kinks.clear();
         self.jumps.clear();
         for &spoke in &spokes {
-            let ray = self.new_ray(spoke, radius_in(outline, spoke.angle));
+            let ray = self.new_ray(spoke, radius_in(outline, spoke.angle, self.sectors.period()));
             self.rays.push(ray);
         }
         self.spokes = spokes;
@@ -327,19 +328,19 @@ impl<'a> Star<'a> {
     }
 }
 
-/// Radius at an angle of the closed outline (angle, radius), 1/a linear in between.
-pub(crate) fn radius_in(outline: &[[f64; 2]], angle: f64) -> f64 {
+/// Radius at an angle of the outline (angle, radius), which repeats itself after `period`; 1/a linear in between.
+pub(crate) fn radius_in(outline: &[[f64; 2]], angle: f64, period: f64) -> f64 {
     let n = outline.len();
     if n == 1 {
         return outline[0][1];
     }
-    let angle = angle.rem_euclid(TAU);
+    let angle = angle.rem_euclid(period);
     let after = outline.partition_point(|p| p[0] < angle);
     let (p, q) = (outline[(after + n - 1) % n], outline[after % n]);
-    let span = (q[0] - p[0]).rem_euclid(TAU);
+    let span = (q[0] - p[0]).rem_euclid(period);
     if span < 1e-14 {
         return q[1];
     }
-    let s = ((angle - p[0]).rem_euclid(TAU) / span).clamp(0.0, 1.0);
+    let s = ((angle - p[0]).rem_euclid(period) / span).clamp(0.0, 1.0);
     1.0 / ((1.0 - s) / p[1] + s / q[1])
 }

@@ -16,6 +16,7 @@
 use super::approximation::{Approximation, Error, Family, Settings};
 use super::plan_form::flat;
 use super::problem::{Problem, first_rung, several_parts};
+use super::ridges::turns;
 use super::star::{Ray, Star};
 use super::sweeps::LOW;
 use crate::gap::AnyGap;
@@ -81,7 +82,7 @@ fn about(
 ) -> Result<Approximation, Error> {
     let tolerance: f64 = settings.tolerance;
     let residual_allowed = (10.0 * tolerance).max(1e-13);
-    let mut star = Star::about(&problem.overlap, [0.0; 2], 0.5, first_rung(tolerance));
+    let mut star = Star::about(&problem.overlap, [0.0; 2], 0.5, first_rung(tolerance), turns(&problem.overlap));
     if search.is_some() {
         star.search = search;
         star.budget *= 8;

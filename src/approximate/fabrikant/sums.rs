@@ -23,7 +23,9 @@ impl Star<'_> {
             moment[0] += aa * r.a * r.direction[0] / 3.0;
             moment[1] += aa * r.a * r.direction[1] / 3.0;
         }
-        (moment.map(|m| 2.0 * m / twice), 0.5 * twice)
+        // Several turns that leave the region as it is leave its centroid at the centre.
+        let repeated = self.sectors.turns() > 1;
+        (moment.map(|m| if repeated { 0.0 } else { 2.0 * m / twice }), 0.5 * twice)
     }
 
     /// Relative error of the quotient: that over the angles, that along the rays.
@@ -49,7 +51,7 @@ impl Star<'_> {
             return false;
         }
         let mut finer = false;
-        if errors[1] > 0.5 * tolerance && self.rung + 2 < RadialRule::ladder().len() {
+        if errors[1] > 0.5 * tolerance && RadialRule::can_refine(self.rung) {
             self.rung += 1;
             finer = true;
         }

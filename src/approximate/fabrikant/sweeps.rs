@@ -1,5 +1,7 @@
 //! Dinkelbach's algorithm on one layout of rays: D from the boundary, the boundary from D.
 
+use std::f64::consts::TAU;
+
 use super::hump::Hump;
 use super::star::{CHECKED, Ray, Star, radius_in};
 use crate::solution::{Unsolved, Verdict};
@@ -168,7 +170,7 @@ impl Star<'_> {
     /// The tightest direction, also between the rays: where the margins of neighbours point to a lower one in between,
     /// it is computed. Returns (angle, margin).
     pub(crate) fn tightest(&mut self, d: f64) -> (f64, f64) {
-        let n = self.rays.len();
+        let (n, period) = (self.rays.len(), self.sectors.period());
         let free = |r: &Ray| !(r.at_edge() && r.along.g_a >= d);
         let margins: Vec<f64> =
             self.rays.iter().map(|r| if free(r) { self.margin(r, d) } else { f64::INFINITY }).collect();
@@ -182,9 +184,8 @@ impl Star<'_> {
             if !(m1 <= m0 && m1 <= m2 && m0.is_finite() && m2.is_finite()) {
                 continue;
             }
-            let turn = |from: usize, to: usize| {
-                (self.rays[to].spoke.angle - self.rays[from].spoke.angle).rem_euclid(std::f64::consts::TAU)
-            };
+            let turn =
+                |from: usize, to: usize| (self.rays[to].spoke.angle - self.rays[from].spoke.angle).rem_euclid(period);
             let (h0, h2) = (turn(before, k), turn(k, after));
             let (s0, s2) = ((m1 - m0) / h0, (m2 - m1) / h2);
             let bend = (s2 - s0) / (h0 + h2);
@@ -206,16 +207,22 @@ impl Star<'_> {
 
     /// The boundary at `count` equal angles besides the rays of the rule, each solved.
     pub(crate) fn trace(&mut self, count: usize, d: f64) -> Vec<[f64; 2]> {
-        let outline = self.outline();
-        let mut all = outline.clone();
-        for k in 0..count {
-            let angle = std::f64::consts::TAU * k as f64 / count as f64;
-            let ray = self.extra_ray(angle, radius_in(&outline, angle));
+        let (outline, turns, period) = (self.outline(), self.sectors.turns(), self.sectors.period());
+        let turned = |[angle, a]: [f64; 2], turns| (0..turns).map(move |k| [angle + period * k as f64, a]);
+        let mut all: Vec<_> = outline.iter().flat_map(|&point| turned(point, turns)).collect();
+        // Those of one period, where it holds a whole number of them.
+        let copies = if count.is_multiple_of(turns) { turns } else { 1 };
+        for k in 0..count / copies {
+            let angle = TAU * k as f64 / count as f64;
+            let ray = self.extra_ray(angle, radius_in(&outline, angle, period));
             let ray = self.outer_root(ray, d, 1e-12);
-            all.push([angle, self.other_root(&ray, d).unwrap_or(ray).a]);
+            all.extend(turned([angle, self.other_root(&ray, d).unwrap_or(ray).a], copies));
         }
         all.sort_by(|p, q| p[0].total_cmp(&q[0]));
         all.dedup_by(|b, a| b[0] - a[0] < 1e-12);
+        while all.len() > 1 && all[0][0] + TAU - all[all.len() - 1][0] < 1e-12 {
+            all.pop();
+        }
         all
     }
 }

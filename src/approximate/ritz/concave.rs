@@ -39,12 +39,13 @@ pub(super) struct Top {
     pub steps: usize,
 }
 
-/// One place: log of P over 2 E*, its gradient, the means.
+/// One place: log of P over 2 E*, its gradient, the means, and the second derivatives of the mean gap.
 struct Place {
     e: Ellipse,
     log: f64,
     gradient: Step,
     means: Means,
+    bend: Bend,
 }
 
 /// Log P over the ellipses of a polyhedral gap, or over its circles.
@@ -76,16 +77,17 @@ impl Concave<'_, '_> {
         ))
     }
 
-    fn at(&mut self, e: Ellipse, bend: Option<&mut Bend>) -> Option<Place> {
-        let means = self.ridged.means(&e, bend)?;
+    fn at(&mut self, e: Ellipse) -> Option<Place> {
+        let mut bend = Bend::zeros();
+        let means = self.ridged.means(&e, Some(&mut bend))?;
         let (force, gradient) = logarithmic_slope(&e, &means, self.circles)?;
-        Some(Place { e, log: force.ln(), gradient, means })
+        Some(Place { e, log: force.ln(), gradient, means, bend })
     }
 
     /// The ellipse, halved until it carries load.
     fn loaded(&mut self, mut e: Ellipse) -> Result<Place, Unsolved> {
         for _ in 0..200 {
-            if let Some(place) = self.at(e, None) {
+            if let Some(place) = self.at(e) {
                 return Ok(place);
             }
             e.m *= 0.5;
@@ -104,10 +106,7 @@ impl Concave<'_, '_> {
         };
         let mut last = top(place, f64::INFINITY, f64::NAN, *steps);
         for _ in 0..MOST_STEPS {
-            let mut bend = Bend::zeros();
-            let Some(here) = self.at(place.e, Some(&mut bend)) else { break };
-            *place = here;
-            let hessian = self.second_variation(place, &bend);
+            let hessian = self.second_variation(place);
             let Some((step, largest)) = uphill(&hessian, &place.gradient) else { break };
             let decrement = place.gradient.dot(&step).max(0.0).sqrt();
             last = top(place, decrement, largest, *steps);
@@ -131,7 +130,7 @@ impl Concave<'_, '_> {
         let mut share = if most > 0.7 { 0.7 / most } else { 1.0 };
         let mut best: Option<Place> = None;
         for _ in 0..MOST_TRIALS {
-            let next = self.at(from.e.moved(&(step * share)), None);
+            let next = self.at(from.e.moved(&(step * share)));
             let slope = next.as_ref().map(|p| p.gradient.dot(&carried(step, share)));
             match (next, slope) {
                 (Some(place), Some(slope)) if place.log >= from.log && slope >= -ENOUGH * rise => {
@@ -156,7 +155,7 @@ impl Concave<'_, '_> {
     }
 
     /// Second derivatives of log P in the logarithmic strain.
-    fn second_variation(&self, place: &Place, bend: &Bend) -> Bend {
+    fn second_variation(&self, place: &Place) -> Bend {
         let (f, t) = (place.means.f, &place.means.moment);
         let shear = 0.5 * (t[(0, 1)] + t[(1, 0)]);
         let slope = Step::new(
@@ -175,7 +174,7 @@ impl Concave<'_, '_> {
             stretch[(k, 4)] = shear / std::f64::consts::SQRT_2;
             stretch[(4, k)] = stretch[(k, 4)];
         }
-        let hessian = stiffness_bend(&place.e) - (bend + stretch) / f - slope * slope.transpose();
+        let hessian = stiffness_bend(&place.e) - (place.bend + stretch) / f - slope * slope.transpose();
         if !self.circles {
             return hessian;
         }
@@ -196,7 +195,7 @@ impl Concave<'_, '_> {
         let mut left = f64::INFINITY;
         for _ in 0..MOST_CUTS {
             *steps += 1;
-            let at = frame.ellipse(&centre).and_then(|e| self.at(e, None));
+            let at = frame.ellipse(&centre).and_then(|e| self.at(e));
             // The maximum lies where slope . (x - centre) >= more.
             let loaded = at.is_some();
             let (slope, more) = match at {
@@ -350,14 +349,13 @@ mod tests {
         let mut concave = Concave { ridged: &mut ridged, circles: false };
         for m in [Matrix2::new(0.7, 0.1, -0.2, 0.4), Matrix2::identity() * 0.3] {
             let e = Ellipse { c: Vector2::new(0.03, -0.08), m };
-            let mut bend = Bend::zeros();
-            let here = concave.at(e, Some(&mut bend)).unwrap();
-            let hessian = concave.second_variation(&here, &bend);
+            let here = concave.at(e).unwrap();
+            let hessian = concave.second_variation(&here);
             for k in 0..5 {
                 const H: f64 = 1e-4;
                 let log = |concave: &mut Concave, h: f64| {
                     // exp(S) to the second order is enough for second differences.
-                    concave.at(e.moved(&Step::ith(k, h)), None).unwrap().log
+                    concave.at(e.moved(&Step::ith(k, h))).unwrap().log
                 };
                 let second = (log(&mut concave, H) + log(&mut concave, -H) - 2.0 * here.log) / (H * H);
                 assert!((second - hessian[(k, k)]).abs() < 1e-5 * (1.0 + second.abs()), "{k} {second}");

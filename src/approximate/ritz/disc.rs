@@ -150,7 +150,7 @@ impl<'a> Disc<'a> {
     }
 
     pub fn rule(&self) -> &'static RadialRule {
-        &RadialRule::ladder()[self.rung]
+        RadialRule::level(self.rung).unwrap_or_else(RadialRule::finest)
     }
 
     /// Force (in units of 2E*), its logarithmic gradient, and the means.

@@ -71,7 +71,7 @@ pub fn ellipse(
     settings: &Settings,
 ) -> Result<Approximation, Error> {
     let gap = &gap.into();
-    best(gap, modulus, depth, Family::Ellipse, settings)
+    best(gap, modulus, depth, Family::Ellipse, settings, None)
 }
 
 /// Largest force over all circles: centre and radius (equations 21 to 23).
@@ -85,23 +85,40 @@ pub fn circle(
     settings: &Settings,
 ) -> Result<Approximation, Error> {
     let gap = &gap.into();
-    best(gap, modulus, depth, Family::Circle, settings)
+    best(gap, modulus, depth, Family::Circle, settings, None)
 }
 
+/// The same, looked for from the circle about the centroid of this boundary that has its area.
+pub(crate) fn circle_near(
+    gap: &AnyGap,
+    modulus: EffectiveModulus,
+    depth: f64,
+    settings: &Settings,
+    near: &Approximation,
+) -> Result<Approximation, Error> {
+    let start = (near.centroid, (near.area / std::f64::consts::PI).sqrt());
+    best(gap, modulus, depth, Family::Circle, settings, Some(start))
+}
+
+/// `start`: centre and radius of a circle to start from, else the one half as large as the overlap about its centre.
 fn best(
     gap: &AnyGap,
     modulus: EffectiveModulus,
     depth: f64,
     family: Family,
     settings: &Settings,
+    start: Option<([f64; 2], f64)>,
 ) -> Result<Approximation, Error> {
     let settings = settings.checked()?;
     let circles = family == Family::Circle;
     let problem = Problem::new(gap, modulus, depth)?.before(settings.deadline);
     settings.deadline.check().map_err(Unsolved::from)?;
     let tolerance: f64 = settings.tolerance;
+    let units = problem.overlap.units;
+    let (c, radius) = start.map_or(([0.0; 2], 0.5), |(c, radius)| (units.inward(c), radius / units.length));
+    let start = Ellipse { c: c.into(), m: Matrix2::identity() * radius };
     if let Some(mut ridged) = Ridged::of(&problem.overlap) {
-        let peak = polyhedral(&mut ridged, circles, tolerance)?;
+        let peak = polyhedral(&mut ridged, start, circles, tolerance)?;
         return Ok(report(&problem, modulus, family, &settings, peak));
     }
     let mut directions = Vec::new();
@@ -120,7 +137,6 @@ fn best(
     // A first look with few rays that ignore the ridges.
     let mut rough = Disc::new(&problem.overlap, Sectors::equal(ROUGH_RAYS), 0);
     (rough.follow_ridges, rough.follow_kinks) = (false, false);
-    let start = Ellipse { c: Vector2::zeros(), m: Matrix2::identity() * 0.5 };
     // A gap that is not convex may have several maxima: from the apex, and from an ellipse over all that can touch.
     let [a, b] = if circles { [problem.half[0].min(problem.half[1]); 2] } else { problem.half };
     let all = Ellipse { c: problem.middle.into(), m: Matrix2::new(a, 0.0, 0.0, b) * ALMOST };
@@ -160,8 +176,7 @@ fn gradient_allowed(tolerance: f64) -> f64 {
 }
 
 /// The only maximum over a convex gap made of planes.
-fn polyhedral(ridged: &mut Ridged, circles: bool, tolerance: f64) -> Result<Peak, Unsolved> {
-    let start = Ellipse { c: Vector2::zeros(), m: Matrix2::identity() * 0.5 };
+fn polyhedral(ridged: &mut Ridged, start: Ellipse, circles: bool, tolerance: f64) -> Result<Peak, Unsolved> {
     let top = Concave { ridged, circles }.maximise(start, gradient_allowed(tolerance))?;
     Ok(Peak {
         e: top.e,
@@ -203,7 +218,7 @@ fn settle(disc: &mut Disc, start: Ellipse, circles: bool, settings: &Settings) -
             // What the gradient can still gain where the second variation is about -1.
             errors[0] += residual * residual;
             // The search may have leant on the errors of a rule that does not follow the kinks: the finest tells.
-            let finest = disc.means(&e, &RadialRule::ladder()[RadialRule::ladder().len() - 1]).f;
+            let finest = disc.means(&e, RadialRule::finest()).f;
             errors[1] = errors[1].max(((finest - f) / f).abs());
             f = finest;
         } else if residual > 1e-3 {
@@ -229,13 +244,13 @@ fn look(disc: &mut Disc, e: &Ellipse, settings: &Settings) -> ([f64; 2], f64, bo
     let total = std::f64::consts::TAU * means.f;
     let angular = disc.sectors.error(&disc.spokes, &disc.values) / total;
     let values = disc.values.clone();
-    let finer = disc.means(e, &RadialRule::ladder()[disc.rung + 1]);
+    let finer = disc.means(e, RadialRule::level(disc.rung + 1).unwrap_or_else(RadialRule::finest));
     let errors = [angular, ((finer.f - means.f) / means.f).abs()];
     let mut refined = false;
     if !disc.may_refine() {
         return (errors, means.f, false);
     }
-    if errors[1] > 0.5 * tolerance && disc.rung + 2 < RadialRule::ladder().len() {
+    if errors[1] > 0.5 * tolerance && RadialRule::can_refine(disc.rung) {
         disc.rung += 1;
         refined = true;
     }
