@@ -65,6 +65,19 @@ pub fn root(mut f: impl FnMut(f64) -> f64, a: f64, b: f64) -> Option<Root> {
     Some(Root { at: if fa.abs() < fb.abs() { a } else { b }, bracket: [a.min(b), a.max(b)], evaluations })
 }
 
+/// Where a condition that holds at `low` and not at `high` ceases to hold, to the last digit by halving; the side on which it holds.
+pub(crate) fn last(holds: impl Fn(f64) -> bool, mut low: f64, mut high: f64) -> f64 {
+    while high - low > f64::EPSILON * high.abs() {
+        let middle = 0.5 * (low + high);
+        // Neighbours among the numbers, which below the least normal one are far apart.
+        if !(low < middle && middle < high) {
+            break;
+        }
+        if holds(middle) { low = middle } else { high = middle }
+    }
+    low
+}
+
 /// A maximum: where it is, how high, and between which neighbours.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Maximum {

@@ -1,6 +1,6 @@
 //! What the approximate methods are asked and what they answer.
 
-use super::star::radius_in;
+use super::ray_fan::radius_in;
 use crate::clock::Deadline;
 use crate::error::InputError;
 use crate::solution::{Unsolved, Verdict};

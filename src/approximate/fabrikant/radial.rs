@@ -61,25 +61,25 @@ impl RadialRule {
 
     /// Calls `visit` at every node of [0, pi/2] split where sin t is one of `kinks`/a (ascending).
     pub fn visit(&self, kinks: &[f64], a: f64, mut visit: impl FnMut(RadialNode)) {
-        let stand = RadialPosition::at(kinks, a);
-        self.visit_pieces(kinks, &stand, |_, node| visit(node));
+        let position = RadialPosition::at(kinks, a);
+        self.visit_pieces(kinks, &position, |_, node| visit(node));
     }
 
     /// Calls `visit` with the piece (the number of kinks below it) and the node. Angles are counted from the end of the
     /// ray, phi = pi/2 - t, so that a piece however thin keeps its digits.
-    pub fn visit_pieces(&self, kinks: &[f64], stand: &RadialPosition, mut visit: impl FnMut(usize, RadialNode)) {
-        if stand.inner == 0 {
+    pub fn visit_pieces(&self, kinks: &[f64], position: &RadialPosition, mut visit: impl FnMut(usize, RadialNode)) {
+        if position.inner == 0 {
             self.whole.iter().for_each(|&node| visit(0, node));
             return;
         }
-        let mut from = stand.phi_of(kinks, 0);
+        let mut from = position.phi_of(kinks, 0);
         let to = FRAC_PI_2 - from;
         for &[x, w] in &self.first {
             let (sin, cos) = (to * x).sin_cos();
             visit(0, RadialNode { sin, cos, weight: to * w });
         }
-        for piece in 1..=stand.inner {
-            let to = if piece < stand.inner { stand.phi_of(kinks, piece) } else { 0.0 };
+        for piece in 1..=position.inner {
+            let to = if piece < position.inner { position.phi_of(kinks, piece) } else { 0.0 };
             for &[x, w] in &self.plain {
                 let (cos, sin) = (from - (from - to) * x).sin_cos();
                 visit(piece, RadialNode { sin, cos, weight: (from - to) * w });

@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 
 /// One ray of the rule: its angle, its weight, and its weight in the coarser rule nested in it.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Spoke {
+pub(crate) struct QuadratureNode {
     pub angle: f64,
     pub fine: f64,
     pub coarse: f64,
@@ -19,7 +19,7 @@ pub(crate) const SIXTH: f64 = TAU / 6.0 * (1.0 + 1e-9);
 /// The same for boundaries without such kinks (ellipses).
 pub(crate) const THIRD: f64 = TAU / 3.0 * (1.0 + 1e-9);
 
-/// Equally spaced rays beyond which the gap is taken to have ridges that nobody told about.
+/// Equally spaced rays beyond which the gap is taken to have ridges that it does not name.
 const MOST_EQUAL: usize = 128;
 
 /// Panels whose error is so many times what is allowed are quartered at once.
@@ -120,20 +120,24 @@ impl Sectors {
         }
     }
 
-    /// The rays of one period, panel by panel, into `spokes`; their weights count all periods.
-    pub fn spokes(&self, spokes: &mut Vec<Spoke>) {
-        spokes.clear();
+    /// The rays of one period, panel by panel, into `nodes`; their weights count all periods.
+    pub fn nodes(&self, nodes: &mut Vec<QuadratureNode>) {
+        nodes.clear();
         let (turns, period) = (self.turns as f64, self.period());
         match &self.layout {
-            Layout::Equal(n) => spokes.extend((0..*n).map(|k| {
+            Layout::Equal(n) => nodes.extend((0..*n).map(|k| {
                 let fine = TAU / *n as f64;
-                Spoke { angle: period / *n as f64 * k as f64, fine, coarse: if k % 2 == 0 { 2.0 * fine } else { 0.0 } }
+                QuadratureNode {
+                    angle: period / *n as f64 * k as f64,
+                    fine,
+                    coarse: if k % 2 == 0 { 2.0 * fine } else { 0.0 },
+                }
             })),
             Layout::Panels(panels) => {
                 for &(k, from, to) in panels {
                     let width = (self.ends.get(k + 1).copied().unwrap_or(self.ends[0] + period)) - self.ends[k];
                     let (middle, half) = (self.ends[k] + 0.5 * (from + to) * width, 0.5 * (to - from) * width);
-                    spokes.extend(self.rule.iter().map(|[x, fine, coarse]| Spoke {
+                    nodes.extend(self.rule.iter().map(|[x, fine, coarse]| QuadratureNode {
                         angle: middle + half * x,
                         fine: turns * half * fine,
                         coarse: turns * half * coarse,
@@ -143,17 +147,17 @@ impl Sectors {
         }
     }
 
-    /// Error estimate of the sum of `values` (one a spoke).
-    pub fn error(&self, spokes: &[Spoke], values: &[f64]) -> f64 {
+    /// Error estimate of the sum of `values` (one a node).
+    pub fn error(&self, nodes: &[QuadratureNode], values: &[f64]) -> f64 {
         match &self.layout {
-            Layout::Equal(_) => difference(spokes, values).abs(),
-            Layout::Panels(panels) => (0..panels.len()).map(|p| panel_error(p, self.rule.len(), spokes, values)).sum(),
+            Layout::Equal(_) => difference(nodes, values).abs(),
+            Layout::Panels(panels) => (0..panels.len()).map(|p| panel_error(p, self.rule.len(), nodes, values)).sum(),
         }
     }
 
     /// Refines where the error estimate is largest, so that it may fall to `allowed`. False when nothing can be refined
     /// within `most_rays`.
-    pub fn refine(&mut self, spokes: &[Spoke], values: &[f64], allowed: f64, most_rays: usize) -> bool {
+    pub fn refine(&mut self, nodes: &[QuadratureNode], values: &[f64], allowed: f64, most_rays: usize) -> bool {
         let period = self.period();
         match &mut self.layout {
             Layout::Equal(n) if 2 * *n <= MOST_EQUAL => *n *= 2,
@@ -165,7 +169,7 @@ impl Sectors {
                 let (share, per_panel) = (allowed / panels.len() as f64, self.rule.len());
                 let mut split = Vec::with_capacity(2 * panels.len());
                 for (p, &(k, from, to)) in panels.iter().enumerate() {
-                    let error = panel_error(p, per_panel, spokes, values);
+                    let error = panel_error(p, per_panel, nodes, values);
                     if error > MUCH * share {
                         let at = |m: f64| from + 0.25 * m * (to - from);
                         split.extend([0.0, 1.0, 2.0, 3.0].map(|m| (k, at(m), at(m + 1.0))));
@@ -187,18 +191,18 @@ impl Sectors {
 }
 
 /// Fine less coarse sum.
-fn difference(spokes: &[Spoke], values: &[f64]) -> f64 {
-    spokes.iter().zip(values).map(|(s, v)| (s.fine - s.coarse) * v).sum()
+fn difference(nodes: &[QuadratureNode], values: &[f64]) -> f64 {
+    nodes.iter().zip(values).map(|(s, v)| (s.fine - s.coarse) * v).sum()
 }
 
 /// Error of one panel, as in QUADPACK: the difference of the two rules, sharpened where it is already small.
-fn panel_error(panel: usize, per_panel: usize, spokes: &[Spoke], values: &[f64]) -> f64 {
+fn panel_error(panel: usize, per_panel: usize, nodes: &[QuadratureNode], values: &[f64]) -> f64 {
     let range = panel * per_panel..(panel + 1) * per_panel;
-    let (spokes, values) = (&spokes[range.clone()], &values[range]);
-    let width: f64 = spokes.iter().map(|s| s.fine).sum();
-    let mean = spokes.iter().zip(values).map(|(s, v)| s.fine * v).sum::<f64>() / width;
-    let spread: f64 = spokes.iter().zip(values).map(|(s, v)| s.fine * (v - mean).abs()).sum();
-    let raw = difference(spokes, values).abs();
+    let (nodes, values) = (&nodes[range.clone()], &values[range]);
+    let width: f64 = nodes.iter().map(|s| s.fine).sum();
+    let mean = nodes.iter().zip(values).map(|(s, v)| s.fine * v).sum::<f64>() / width;
+    let spread: f64 = nodes.iter().zip(values).map(|(s, v)| s.fine * (v - mean).abs()).sum();
+    let raw = difference(nodes, values).abs();
     if spread > 0.0 { spread * (200.0 * raw / spread).powf(1.5).min(1.0) } else { raw }
 }
 
@@ -271,17 +275,17 @@ mod tests {
     #[test]
     fn a_ridge_that_nobody_told_about_is_found() {
         let mut sectors = Sectors::between(&[], SIXTH);
-        let (mut spokes, mut error) = (Vec::new(), 1.0);
+        let (mut nodes, mut error) = (Vec::new(), 1.0);
         for _ in 0..40 {
-            sectors.spokes(&mut spokes);
-            let values: Vec<f64> = spokes.iter().map(|s| (s.angle - 1.0).cos().abs()).collect();
-            error = sectors.error(&spokes, &values);
+            sectors.nodes(&mut nodes);
+            let values: Vec<f64> = nodes.iter().map(|s| (s.angle - 1.0).cos().abs()).collect();
+            error = sectors.error(&nodes, &values);
             if error < 1e-10 {
-                let sum: f64 = spokes.iter().zip(&values).map(|(s, v)| s.fine * v).sum();
+                let sum: f64 = nodes.iter().zip(&values).map(|(s, v)| s.fine * v).sum();
                 assert!((sum - 4.0).abs() < 1e-10);
                 return;
             }
-            sectors.refine(&spokes, &values, 1e-10, 10_000);
+            sectors.refine(&nodes, &values, 1e-10, 10_000);
         }
         panic!("error {error}");
     }
@@ -290,8 +294,8 @@ mod tests {
     fn sectors_wrap_round() {
         let ends = sector_ends(&[0.1, -0.1, 0.1 + TAU, 2.0], SIXTH, TAU);
         assert!(ends.windows(2).all(|w| w[1] > w[0] && w[1] - w[0] <= SIXTH));
-        let mut spokes = Vec::new();
-        Sectors::between(&[0.1, -0.1], SIXTH).spokes(&mut spokes);
-        assert!((spokes.iter().map(|s| s.fine).sum::<f64>() - TAU).abs() < 1e-14);
+        let mut nodes = Vec::new();
+        Sectors::between(&[0.1, -0.1], SIXTH).nodes(&mut nodes);
+        assert!((nodes.iter().map(|s| s.fine).sum::<f64>() - TAU).abs() < 1e-14);
     }
 }

@@ -1,4 +1,5 @@
-//! Ridges as they are seen from the centre, and the turns about it that leave them as they are.
+//! The directions of ridges, and rotational symmetry: the turns about the centre that leave the gap as it is. A twelve-faced
+//! pyramid takes a twelfth of the rays, and a third of the instructions of its scene.
 
 use std::f64::consts::TAU;
 
@@ -12,7 +13,7 @@ const SAME: f64 = 1e-13;
 pub(super) fn ridge_directions(overlap: &ScaledOverlap, centre: [f64; 2], directions: &mut Vec<f64>) {
     overlap.gap.kink_directions(centre, directions);
     let Some(ridges) = overlap.gap.ridges().filter(|_| overlap.has_planes() && centre != [0.0; 2]) else { return };
-    // Ridges without end, about where the boundary crosses them.
+    // Ridges without end, about where the boundary crosses them: no faster, but the largest radius comes out ten times closer.
     for ridge in &ridges.all {
         for (end, sense) in ridge.ends.iter().zip([-1.0, 1.0]) {
             if end.is_none() {
