@@ -6,7 +6,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use contact_patch::fabrikant::{self, RegularPolyhedron, Settings};
-use contact_patch::gap::{Paraboloid, Polyhedron};
+use contact_patch::gap::{Paraboloid, Polyhedron, RoundedTip};
 use contact_patch::{EffectiveModulus, ritz};
 use criterion::{Criterion, criterion_group, criterion_main};
 
@@ -50,6 +50,33 @@ fn bench(c: &mut Criterion) {
     let coarse = Settings::with_tolerance(1e-4);
     c.bench_function("three faces, general path, 1e-4", |b| {
         b.iter(|| fabrikant::stationary(black_box(&punch), modulus, 1.0, &coarse));
+    });
+    let (Ok(twelve), Ok(irregular), Ok(oblong), Ok(rounded)) = (
+        Polyhedron::pyramid(12, 0.35),
+        Polyhedron::new(vec![
+            [0.5, 0.0, 0.0],
+            [0.1, 0.4, -0.02],
+            [-0.4, 0.3, 0.0],
+            [-0.3, -0.4, -0.01],
+            [0.2, -0.4, 0.0],
+        ]),
+        Paraboloid::new([1.0, 2.0]),
+        RoundedTip::pyramid(4, 0.35, 0.5),
+    ) else {
+        return;
+    };
+    let fine = Settings::with_tolerance(1e-6);
+    c.bench_function("twelve faces, symmetry known, 1e-6", |b| {
+        b.iter(|| fabrikant::stationary(black_box(&twelve), modulus, 1.0, &fine));
+    });
+    c.bench_function("five irregular faces, 1e-6", |b| {
+        b.iter(|| fabrikant::stationary(black_box(&irregular), modulus, 1.0, &fine));
+    });
+    c.bench_function("paraboloid 2:1, 1e-6", |b| {
+        b.iter(|| fabrikant::stationary(black_box(&oblong), modulus, 1.0, &fine));
+    });
+    c.bench_function("four rounded faces, Ritz ellipse, 1e-6", |b| {
+        b.iter(|| ritz::ellipse(black_box(&rounded), modulus, 1.0, &fine));
     });
     c.bench_function("three faces, closed form", |b| b.iter(|| RegularPolyhedron::new(black_box(3))));
     c.bench_function("three faces, Ritz ellipse, 1e-4", |b| {

@@ -7,7 +7,9 @@ mod random;
 use std::f64::consts::{FRAC_2_PI, PI, TAU};
 
 use contact_patch::fabrikant::{self, Family, FlatPunch, RegularPolyhedron, Settings};
-use contact_patch::gap::{AnyGap, Cone, Flat, Gap, Outline, Paraboloid, Place, Polyhedron, Power, Revolved, Sphere};
+use contact_patch::gap::{
+    AnyGap, Cone, Flat, Gap, Outline, Paraboloid, Place, Polyhedron, Power, Revolved, RoundedTip, Sphere,
+};
 use contact_patch::{Body, EffectiveModulus, Verdict, approximate, ritz};
 use random::Random;
 
@@ -631,4 +633,60 @@ fn the_best_ellipse_covers_two_tips() {
     let one = ritz::ellipse(&tip, unit(), 1.0, &Settings::with_tolerance(1e-6)).unwrap();
     let found = ritz::ellipse(&two, unit(), 1.0, &Settings::with_tolerance(1e-4)).unwrap();
     assert!(found.force > 1.4 * one.force && found.centroid[0].abs() < 1e-2, "{} {}", found.force, one.force);
+}
+
+/// A gap that says nothing of its symmetry is solved with rays all round: the same answer as by the rays of one period.
+#[test]
+fn rays_of_one_period_serve_for_all() {
+    let settings = Settings::default();
+    for faces in [3, 4, 12, 50] {
+        for blunt in [false, true] {
+            let regular = if blunt {
+                Polyhedron::truncated_pyramid(faces, 0.7, 0.3).unwrap()
+            } else {
+                Polyhedron::pyramid(faces, 0.7).unwrap()
+            };
+            let unknown = Polyhedron::new(regular.planes().to_vec()).unwrap();
+            let [a, b] = [&regular, &unknown].map(|gap| fabrikant::stationary(gap, unit(), 1.0, &settings).unwrap());
+            assert!(a.rays * faces <= b.rays + faces * 15, "{faces}: {} {}", a.rays, b.rays);
+            assert!(relative(a.force, b.force) < 1e-9 && relative(a.area, b.area) < 1e-8, "{faces} {blunt}");
+            assert!(relative(a.stiffness, b.stiffness) < 1e-8 && b.centroid[0].hypot(b.centroid[1]) < 1e-9);
+            for k in 0..100 {
+                let theta = 0.1 + 0.063 * f64::from(k);
+                assert!(relative(a.boundary.radius(theta), b.boundary.radius(theta)) < 1e-2, "{faces} {blunt} {theta}");
+            }
+        }
+    }
+    // Two mirrors are one turn; turned by 30 degrees they are not known.
+    let upright = Paraboloid::new([1.0, 2.0]).unwrap();
+    let oblique = upright.placed([0.0; 2], 30f64.to_radians()).unwrap();
+    let a = fabrikant::stationary(&upright, unit(), 1.0, &settings).unwrap();
+    let b = fabrikant::stationary(&oblique, unit(), 1.0, &settings).unwrap();
+    assert!(2 * a.rays == b.rays && relative(a.force, b.force) < 1e-12 && relative(a.area, b.area) < 1e-9);
+    // A tilted pyramid has the ridges of a regular one and no symmetry.
+    let planes = pyramid(4).planes().iter().map(|p| [p[0] - 0.03, p[1] - 0.02, p[2]]).collect();
+    let [a, b] = [pyramid(4).tilted([0.03, 0.02]), Polyhedron::new(planes).unwrap().into_any()]
+        .map(|gap| fabrikant::stationary(gap, unit(), 1.0, &settings).unwrap());
+    assert!(relative(a.force, b.force) < 1e-9 && a.centroid[0].hypot(a.centroid[1]) > 1e-3);
+}
+
+/// Rays do not follow the kinks of the slope that a rounded pyramid has: its best layout counts, not its last.
+#[test]
+fn the_best_ellipse_of_a_rounded_pyramid() {
+    let settings = Settings { tolerance: 1e-6, boundary_points: 0, ..Settings::default() };
+    let mut good = 0;
+    for faces in [3, 4, 5, 6] {
+        let mut last = 0.0;
+        for radius in [0.02, 0.03, 0.05, 0.07, 0.1, 0.2] {
+            let gap = RoundedTip::pyramid(faces, 20f64.to_radians(), radius).unwrap();
+            let found = ritz::ellipse(&gap, unit(), 0.1, &settings);
+            println!("{faces} {radius} {:?}", found.as_ref().map(|f| (f.force, f.quadrature_error, f.residual)));
+            let Ok(found) = found else { continue };
+            // A rounder tip lies lower.
+            assert!(found.force > last, "{faces} {radius}");
+            last = found.force;
+            good += usize::from(found.quadrature_error.iter().sum::<f64>() < 1e-3);
+        }
+    }
+    assert!(good >= 20, "{good} of 24");
 }

@@ -73,12 +73,12 @@ pub fn at_force(
 }
 
 /// An approximate answer whenever there is one: the stationary boundary; else a Fourier series of order 4 or 2 that has a
-/// verified maximum and whose gain over the best ellipse can be believed; else the Ritz ellipse.
+/// verified maximum and whose gain over the best ellipse is more than its own error; else the Ritz ellipse.
 ///
 /// Equation (10) is exact for ellipses, so that a series and the ellipse differ only in what the series gains by leaving
 /// ellipses, and part of that gain is error: slender contacts tempt equation (12) away from ellipses even where the ellipse
 /// is exact. How much, is known: it is the gain of the same series over Hertz's force for the paraboloid whose contact has
-/// the axes of the best ellipse. A gain of more than four times that is believed: of sixteen gaps against the fft method, two have a
+/// the axes of the best ellipse. A gain of more than four times that counts: of sixteen gaps against the fft method, two have a
 /// series and no stationary boundary, and on both a gain below that was false.
 ///
 /// The result names what ran in `family` and the reasons in `why`.

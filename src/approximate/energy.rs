@@ -29,16 +29,16 @@ const NODES: usize = 8;
 /// Panels of the finest sum.
 const MOST_PANELS: u32 = 8;
 
-/// How far int K ds may stay off P however many depths are taken, where the centroid of an unsymmetric patch wanders (see
+/// How far int K ds may stay off P however many depths are taken, where the centroid of an unsymmetric patch moves (see
 /// [`Approximation::stiffness`]). More means boundaries of several branches.
-const WANDERING: f64 = 1e-2;
+const MOST_UNSYMMETRIC: f64 = 1e-2;
 
 /// Tilts of the differences: the share of the depth that they add at the rim.
 const TURN: f64 = 0.02;
 
 /// What a contact has stored, and how its force answers.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Work {
+pub(crate) struct EnergyAndMoments {
     /// U, from first touch to here.
     pub energy: f64,
     /// (int p x, int p y) about the origin.
@@ -53,8 +53,8 @@ pub(crate) struct Work {
     pub remark: Option<String>,
 }
 
-/// A contact whose work is sought.
-pub(crate) struct Sought<'a> {
+/// A contact whose energy is sought.
+pub(crate) struct EnergyProblem<'a> {
     pub gap: &'a AnyGap,
     pub depth: f64,
     /// Its boundary.
@@ -70,23 +70,23 @@ struct Sum {
     energy: f64,
     /// int K c ds/int K ds.
     centre: [f64; 2],
-    /// How far c wanders on the way, in units of length.
-    wandering: f64,
+    /// How far c moves with the depth, in units of length.
+    centre_moves: f64,
     states: usize,
     /// |int K ds/P - 1|.
     miss: f64,
 }
 
-impl Sought<'_> {
+impl EnergyProblem<'_> {
     /// What needs no other boundary: a homogeneous gap's.
-    pub fn for_nothing(&self) -> Option<Work> {
+    pub fn by_homogeneity(&self) -> Option<EnergyAndMoments> {
         let k = self.gap.known().degree()?.inverse();
         let (force, about, centroid) = (self.found.force, self.gap.known().centre, self.found.centroid);
         let size = self.found.area.sqrt();
         let nearer = (1.0 + k) / (1.0 + 2.0 * k);
         let still = (0..2).all(|m| (centroid[m] - about[m]).abs() <= 1e-9 * size);
         let centre = [0, 1].map(|m| about[m] + nearer * (centroid[m] - about[m]));
-        Some(Work {
+        Some(EnergyAndMoments {
             energy: force * self.depth / (2.0 + k),
             first_moment: (still || self.elliptic()).then(|| centre.map(|c| force * c)),
             stiffness: (1.0 + k) * force / self.depth,
@@ -100,45 +100,45 @@ impl Sought<'_> {
     ///
     /// # Errors
     /// The verdict of a further solve; `ToleranceNotReached` when the stiffnesses do not add up to the force.
-    pub fn asked_for(&self) -> Result<Work, Unsolved> {
+    pub fn by_integration(&self) -> Result<EnergyAndMoments, Unsolved> {
         let work = self.stored()?;
         if work.first_moment.is_some() {
             return Ok(work);
         }
         // The energy stands without the moments.
-        self.by_turning(&work).or_else(|e| {
+        self.by_tilt_differences(&work).or_else(|e| {
             let remark = Some(format!("no moments: {}", e.reason));
-            Ok(Work { remark, ..work })
+            Ok(EnergyAndMoments { remark, ..work })
         })
     }
 
     /// Energy, moments and the stiffness against tilts.
     ///
     /// # Errors
-    /// As [`Self::asked_for`], and where no moments can be had.
-    pub fn with_matrix(&self, e_star: f64) -> Result<Work, Unsolved> {
+    /// As [`Self::by_integration`], and where no moments can be had.
+    pub fn with_matrix(&self, e_star: f64) -> Result<EnergyAndMoments, Unsolved> {
         let mut work = self.stored()?;
         if work.first_moment.is_none() {
-            work = self.by_turning(&work)?;
+            work = self.by_tilt_differences(&work)?;
         }
         work.matrix = Some(self.matrix(e_star, work.stiffness));
         Ok(work)
     }
 
     /// The energy, with the moments of ellipses and of patches that stay about one centre.
-    fn stored(&self) -> Result<Work, Unsolved> {
-        if let Some(work) = self.for_nothing() {
+    fn stored(&self) -> Result<EnergyAndMoments, Unsolved> {
+        if let Some(work) = self.by_homogeneity() {
             return Ok(work);
         }
         let sum = self.sum(self.gap, self.depth, self.found.force)?;
-        let still = sum.wandering <= 1e-6 * self.found.area.sqrt();
+        let still = sum.centre_moves <= 1e-6 * self.found.area.sqrt();
         let first_moment = (still || self.elliptic()).then(|| sum.centre.map(|c| self.found.force * c));
         let remark = format!(
             "energy and moments: the sum of the flat punches at {} depths, {:.1e} off the force",
             sum.states, sum.miss
         );
         let (energy, states, remark) = (sum.energy, sum.states, Some(remark));
-        Ok(Work { energy, first_moment, stiffness: self.found.stiffness, matrix: None, states, remark })
+        Ok(EnergyAndMoments { energy, first_moment, stiffness: self.found.stiffness, matrix: None, states, remark })
     }
 
     fn elliptic(&self) -> bool {
@@ -146,7 +146,7 @@ impl Sought<'_> {
     }
 
     /// The moments from the energy of contacts tilted about the centroid.
-    fn by_turning(&self, work: &Work) -> Result<Work, Unsolved> {
+    fn by_tilt_differences(&self, work: &EnergyAndMoments) -> Result<EnergyAndMoments, Unsolved> {
         let (force, centroid) = (self.found.force, self.found.centroid);
         let overlap = self.depth - least(self.gap).1;
         let turn = TURN * overlap / (self.found.area / std::f64::consts::PI).sqrt();
@@ -172,7 +172,7 @@ impl Sought<'_> {
         }
         let words = format!("moments: differences of the energy over tilts of {turn:.1e}");
         let remark = Some(work.remark.as_ref().map_or_else(|| words.clone(), |before| format!("{before}; {words}")));
-        Ok(Work { first_moment: Some(first_moment), states, remark, ..work.clone() })
+        Ok(EnergyAndMoments { first_moment: Some(first_moment), states, remark, ..work.clone() })
     }
 
     /// The sum over depths from first touch to `depth`, where the force is `force`.
@@ -182,7 +182,7 @@ impl Sought<'_> {
         let rule = GaussLegendre::new(NODES);
         let (mut panels, mut states, mut before) = (1, 0, f64::INFINITY);
         loop {
-            let (mut energy, mut added, mut first, mut wandering) = (0.0, 0.0, [0.0; 2], 0.0_f64);
+            let (mut energy, mut added, mut first, mut centre_moves) = (0.0, 0.0, [0.0; 2], 0.0_f64);
             let here = self.found.centroid;
             for panel in 0..panels {
                 for (x, weight) in rule.nodes() {
@@ -195,13 +195,13 @@ impl Sought<'_> {
                     added += state.stiffness * ds;
                     let c = state.centroid;
                     first = [0, 1].map(|m| first[m] + state.stiffness * ds * c[m]);
-                    wandering = wandering.max((c[0] - here[0]).hypot(c[1] - here[1]));
+                    centre_moves = centre_moves.max((c[0] - here[0]).hypot(c[1] - here[1]));
                 }
             }
             let miss = (added / force - 1.0).abs();
-            let settled = (added / before - 1.0).abs() <= self.tolerance && miss <= WANDERING;
-            if miss <= self.tolerance || settled {
-                return Ok(Sum { energy, centre: first.map(|m| m / added), wandering, states, miss });
+            let converged = (added / before - 1.0).abs() <= self.tolerance && miss <= MOST_UNSYMMETRIC;
+            if miss <= self.tolerance || converged {
+                return Ok(Sum { energy, centre: first.map(|m| m / added), centre_moves, states, miss });
             }
             if panels == MOST_PANELS {
                 let reason = format!(

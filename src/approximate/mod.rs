@@ -15,7 +15,7 @@ use crate::problem::{BoundaryFamily, Contact, Method, Settings};
 use crate::solution::{Cost, Origin, Patch, Piece, PressureSummary, Solution, Unsolved, Validity, Verdict};
 
 /// The state at a depth and tilt (`gap` is the contact's gap under that tilt), in the user's units. `with_matrix`: energy, moments
-/// and the stiffness against tilts too, whether or not they come for nothing.
+/// and the stiffness against tilts too, whether or not they take further solves.
 ///
 /// # Errors
 /// The verdicts of [`solve`]; nothing is passed off as a solution when the method does not apply.
@@ -40,13 +40,13 @@ pub(crate) fn solution(
     let work = {
         let rough = fabrikant::Settings { boundary_points: 0, ..fine };
         let at = |gap: &AnyGap, depth: f64| boundary(contact, gap, depth, settings, &rough).map(|(found, _)| found);
-        let sought = energy::Sought { gap, depth, found: &found, tolerance: settings.tolerance, at: &at };
+        let sought = energy::EnergyProblem { gap, depth, found: &found, tolerance: settings.tolerance, at: &at };
         if with_matrix {
             Ok(sought.with_matrix(contact.modulus().e_star())?)
         } else if settings.outputs.energy {
-            sought.asked_for().map_err(|e| e.reason)
+            sought.by_integration().map_err(|e| e.reason)
         } else {
-            sought.for_nothing().ok_or_else(|| "further solves, not asked for".to_owned())
+            sought.by_homogeneity().ok_or_else(|| "further solves, not asked for".to_owned())
         }
     };
     let mut solution = dimensional(contact, depth, tilt, settings, found);
@@ -97,7 +97,7 @@ fn boundary(
         // The pressure under a disc is exact, so that its force is too low: a stationary boundary with less, by more than may
         // be wrong with either, is the wrong one.
         let rough = fabrikant::Settings { tolerance: 1e-4, boundary_points: 0, ..*fine };
-        if let Ok(disc) = solve(gap, modulus, depth, Family::Circle, &rough)
+        if let Ok(disc) = ritz::circle_near(gap, modulus, depth, &rough, &found)
             && disc.force * (1.0 - disc.quadrature_error.iter().sum::<f64>())
                 > found.force * (1.0 + off + settings.tolerance)
         {
@@ -152,7 +152,7 @@ fn dimensional(contact: &Contact, depth: f64, tilt: [f64; 2], settings: &Setting
     let extent = Rect::holding(polyline.iter().copied()).map(|rect| [rect.min, rect.max]);
     let piece =
         |extent| Piece { area: found.area, force: found.force, centroid: found.centroid, extent, max_pressure: None };
-    // Fewer points than a boundary that is asked for has hold no box.
+    // The few points of a boundary that is not asked for do not bound it.
     let pieces = extent.filter(|_| settings.outputs.patch).map(piece).into_iter().collect();
     let validity = Validity::of(contact, std::slice::from_ref(&polyline), found.area, found.force);
     Solution {

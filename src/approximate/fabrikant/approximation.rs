@@ -1,6 +1,6 @@
 //! What the approximate methods are asked and what they answer.
 
-use super::star::radius_in;
+use super::ray_fan::radius_in;
 use crate::clock::Deadline;
 use crate::error::InputError;
 use crate::solution::{Unsolved, Verdict};
@@ -91,7 +91,7 @@ impl Boundary {
     /// a(theta), theta in radians: exact at the points of the outline, on their chords in between.
     #[must_use]
     pub fn radius(&self, theta: f64) -> f64 {
-        radius_in(&self.outline, theta)
+        radius_in(&self.outline, theta, std::f64::consts::TAU)
     }
 
     /// The boundary as a polyline, counter-clockwise, not closed.

@@ -2,17 +2,17 @@
 
 use nalgebra::Vector2;
 
-use super::star::Star;
+use super::ray_fan::RayFan;
 use super::sweeps::{Found, LOW};
 use crate::solution::{Unsolved, Verdict};
 
 /// Moves of the centre on one layout of rays: where they do not suffice, what is left is the error of the layout.
 const MOST_MOVES: usize = 24;
-/// Moves in a row at which the hump of G_a is too low on some ray, before it is taken to be so wherever the centre is.
+/// Moves in a row at which the largest G_a is too low on some ray, before it is taken to be so wherever the centre is.
 const MOST_LOW: usize = 12;
 
-impl Star<'_> {
-    /// Moves the centre to the centroid of the settled region until the two agree (Broyden's method; the step that the
+impl RayFan<'_> {
+    /// Moves the centre to the centroid of the converged region until the two agree (Broyden's method; the step that the
     /// plain iteration takes is right to a fifth for a paraboloid, whose region moves back by 3 pi/8 of the shift).
     /// Returns what was found, the number of moves, and how far the two are apart relative to the region's size.
     pub(crate) fn centre(
@@ -41,7 +41,7 @@ impl Star<'_> {
                 continue;
             }
             if let Some((step, previous)) = last {
-                // Good Broyden on off(c) = 0, kept while it helps.
+                // Good Broyden on off(c) = 0, where the update is well conditioned.
                 let change = previous - off;
                 let image = inverse * change;
                 let scale = step.dot(&image);

@@ -2,11 +2,9 @@
 //!
 //! On one side of such an angle the ray has one kink more below the boundary than on the other: a(theta) is analytic on
 //! both sides, and its slope jumps. With a sector's end there the rules over the angle converge again as for smooth
-//! boundaries; without it they halve sector after sector.
+//! boundaries; without it they halve sector after sector (1.1 to 1.5 times the time of irregular polyhedra).
 
-use std::f64::consts::TAU;
-
-use super::star::{Ray, Star};
+use super::ray_fan::{Ray, RayFan};
 
 /// Halvings of the angle between two rays.
 const HALVINGS: usize = 30;
@@ -15,20 +13,21 @@ const APART: f64 = 1e-7;
 /// More crossings than this are left to the halving of sectors: the ridges of so many faces are faint.
 const MOST: usize = 64;
 
-impl Star<'_> {
-    /// Looks for the crossings of the settled boundary and lays the rays anew when one is new or has moved by more than
+impl RayFan<'_> {
+    /// Finds the crossings of the converged boundary and lays the rays anew when one is new or has moved by more than
     /// `allowed` (radians). Returns whether it did.
     pub(crate) fn follow_crossings(&mut self, d: f64, allowed: f64) -> bool {
         let crossings = self.find_crossings(d);
         if crossings.len() > MOST {
             return false;
         }
-        let close = |a: f64, b: f64, within: f64| ((a - b + 0.5 * TAU).rem_euclid(TAU) - 0.5 * TAU).abs() <= within;
+        let period = self.sectors.period();
+        let close = |a: f64, b: f64, within: f64| apart(a, b, period) <= within;
         let known = |angle: &f64| self.crossings.iter().any(|&c| close(c, *angle, allowed));
         if crossings.iter().all(known) {
             return false;
         }
-        // Those that were not seen again have sectors of their own on either side, or are gone: keep those near none.
+        // Those that were not found again have sectors of their own on either side, or are gone: those near none stay.
         let kept: Vec<f64> =
             self.crossings.iter().copied().filter(|&c| !crossings.iter().any(|&n| close(c, n, 0.1))).collect();
         self.crossings = crossings;
@@ -52,10 +51,10 @@ impl Star<'_> {
     }
 
     fn crossing_between(&mut self, before: Ray, after: Ray, d: f64) -> Option<f64> {
-        let from = before.spoke.angle;
-        let (mut lo, mut hi) = (0.0, (after.spoke.angle - from).rem_euclid(TAU));
+        let from = before.node.angle;
+        let (mut lo, mut hi) = (0.0, (after.node.angle - from).rem_euclid(self.sectors.period()));
         let (mut inner, mut outer) = (before, after);
-        let held = self.mark();
+        let held = self.kinks_held();
         for _ in 0..HALVINGS {
             let middle = 0.5 * (lo + hi);
             let ray = self.extra_ray(from + middle, 0.5 * (inner.a + outer.a));
@@ -70,14 +69,19 @@ impl Star<'_> {
                 inner = ray;
             }
         }
-        self.release(held);
+        self.release_kinks(held);
         let angle = from + 0.5 * (lo + hi);
-        // The number of kinks also changes where ridges meet, which the gap has told.
-        let told = |&a: &f64| ((a - angle + 0.5 * TAU).rem_euclid(TAU) - 0.5 * TAU).abs() < APART;
+        // The number of kinks also changes where ridges meet: a known direction.
+        let told = |&a: &f64| apart(a, angle, self.sectors.period()) < APART;
         (!self.directions.iter().any(told)).then_some(angle)
     }
 }
 
+/// How far apart two angles are but for whole periods.
+fn apart(a: f64, b: f64, period: f64) -> f64 {
+    ((a - b + 0.5 * period).rem_euclid(period) - 0.5 * period).abs()
+}
+
 fn differs(a: &Ray, b: &Ray) -> bool {
-    a.stand.inner != b.stand.inner && !a.stuck && !b.stuck
+    a.position.inner != b.position.inner && !a.stuck && !b.stuck
 }

@@ -6,11 +6,12 @@ use nalgebra::{DMatrix, DVector};
 
 use super::approximation::{Approximation, Error, Family, Settings};
 use super::problem::several_parts;
-use super::problem::{Problem, first_rung};
-use super::star::{Ray, Star};
+use super::problem::{Problem, first_rule_level};
+use super::ray_fan::{Ray, RayFan};
 use super::sweeps::Found;
 use crate::error::InputError;
 use crate::gap::AnyGap;
+use crate::numeric::scalar::{TO_THE_LAST_DIGIT, bisected};
 use crate::problem::EffectiveModulus;
 use crate::solution::{Unsolved, Verdict};
 
@@ -35,38 +36,38 @@ pub(crate) fn best(
     }
     let problem = Problem::new(gap, modulus, depth)?.before(settings.deadline);
     let tolerance: f64 = settings.tolerance;
-    let mut star = Star::about(&problem.overlap, [0.0; 2], 0.5, first_rung(tolerance));
-    star.checks_material = true;
+    let mut fan = RayFan::about(&problem.overlap, [0.0; 2], 0.5, first_rule_level(tolerance), 1);
+    fan.checks_material = true;
     let mut q: Vec<f64> = Vec::new();
     let mut second = f64::NAN;
     let mut iterations = 0;
     let (found, errors) = loop {
-        let (found, moves, _) = star.centre((0.1 * tolerance).max(1e-13), |star, at_most| {
+        let (found, moves, _) = fan.centre((0.1 * tolerance).max(1e-13), |fan, at_most| {
             let allowed = (10.0 * tolerance).clamp(1e-12, 1e-3).min(at_most).max(1e-12);
-            let (found, largest) = climb(star, family, &mut q, allowed)?;
+            let (found, largest) = newton(fan, family, &mut q, allowed)?;
             second = largest;
             Ok(found)
         })?;
         iterations += 1 + moves;
-        let errors = star.errors(found.d);
+        let errors = fan.errors(found.d);
         let done = errors[0] + errors[1] <= tolerance || iterations > 60;
-        if done || !star.refine(errors, tolerance, found.d, settings.most_rays) {
+        if done || !fan.refine(errors, tolerance, found.d, settings.most_rays) {
             break (found, errors);
         }
     };
-    if let Some(angle) = star.second_part(problem.reach, problem.searched) {
+    if let Some(angle) = fan.second_part(problem.reach, problem.searched) {
         return Err(several_parts(angle).into());
     }
     let length = problem.overlap.units.length;
-    let (off, area) = star.centroid_and_area();
-    let centroid = problem.overlap.units.outward([star.centre[0] + off[0], star.centre[1] + off[1]]);
-    let perimeter = star.sum(|r| r.a);
-    let mut outline = star.outline();
+    let (off, area) = fan.centroid_and_area();
+    let centroid = problem.overlap.units.outward([fan.centre[0] + off[0], fan.centre[1] + off[1]]);
+    let perimeter = fan.sum(|r| r.a);
+    let mut outline = fan.outline();
     let mut phi = vec![0.0; q.len()];
     for k in 0..settings.boundary_points {
         let angle = std::f64::consts::TAU * k as f64 / settings.boundary_points as f64;
-        let ray = star.extra_ray(angle, 1.0);
-        shapes(&star, &ray, family, phi.iter_mut());
+        let ray = fan.extra_ray(angle, 1.0);
+        shapes(&fan, &ray, family, phi.iter_mut());
         outline.push([angle, phi.iter().zip(&q).map(|(p, q)| p * q).sum()]);
     }
     outline.sort_by(|p, q| p[0].total_cmp(&q[0]));
@@ -80,11 +81,11 @@ pub(crate) fn best(
         second_variation: Some(second * problem.overlap.units.height),
         residual: found.residual,
         margin: None,
-        boundary: problem.boundary(star.centre, outline),
+        boundary: problem.boundary(fan.centre, outline),
         area: area * length * length,
         centroid,
         quadrature_error: errors,
-        rays: star.rays.len(),
+        rays: fan.rays.len(),
         iterations,
         lower_bound: None,
     })
@@ -99,11 +100,11 @@ fn parameters(family: Family) -> usize {
 }
 
 /// phi_j at the angle of a ray, into `phi`.
-fn shapes<'p>(star: &Star, ray: &Ray, family: Family, phi: impl Iterator<Item = &'p mut f64>) {
+fn shapes<'p>(fan: &RayFan, ray: &Ray, family: Family, phi: impl Iterator<Item = &'p mut f64>) {
     for (j, phi) in phi.enumerate() {
-        let wave = j.div_ceil(2) as f64 * ray.spoke.angle;
+        let wave = j.div_ceil(2) as f64 * ray.node.angle;
         *phi = match family {
-            Family::PlanForm => contour(star, ray),
+            Family::PlanForm => contour(fan, ray),
             _ if j == 0 => 1.0,
             _ if j % 2 == 1 => wave.cos(),
             _ => wave.sin(),
@@ -112,21 +113,14 @@ fn shapes<'p>(star: &Star, ray: &Ray, family: Family, phi: impl Iterator<Item = 
 }
 
 /// Distance along the ray at which the overlap ends.
-fn contour(star: &Star, ray: &Ray) -> f64 {
-    let line = star.line(ray);
-    let inside = |r: f64| star.overlap.at(line.at(r)) > 0.0;
+fn contour(fan: &RayFan, ray: &Ray) -> f64 {
+    let line = fan.line(ray);
+    let inside = |r: f64| fan.overlap.at(line.at(r)) > 0.0;
     let (mut lo, mut hi) = (0.0, 0.5);
     while inside(hi) && hi < 1e15 {
         (lo, hi) = (hi, 2.0 * hi);
     }
-    while hi - lo > f64::EPSILON * hi {
-        let middle = 0.5 * (lo + hi);
-        if middle == lo || middle == hi {
-            break;
-        }
-        if inside(middle) { lo = middle } else { hi = middle }
-    }
-    lo
+    bisected(inside, [lo, hi], TO_THE_LAST_DIGIT)[0]
 }
 
 fn left(reason: impl Into<String>) -> Unsolved {
@@ -134,27 +128,26 @@ fn left(reason: impl Into<String>) -> Unsolved {
 }
 
 /// int G_aa phi_j phi_k.
-fn second_variation(star: &Star, phi: &DMatrix<f64>) -> DMatrix<f64> {
+fn second_variation(fan: &RayFan, phi: &DMatrix<f64>) -> DMatrix<f64> {
     let mut hessian = DMatrix::zeros(phi.nrows(), phi.nrows());
-    for (k, ray) in star.rays.iter().enumerate() {
-        hessian.ger(ray.spoke.fine * ray.along.g_aa, &phi.column(k), &phi.column(k), 1.0);
+    for (k, ray) in fan.rays.iter().enumerate() {
+        hessian.ger(ray.node.fine * ray.along.g_aa, &phi.column(k), &phi.column(k), 1.0);
     }
     hessian
 }
 
 /// Newton's method about the present centre; returns what it found and the largest eigenvalue of the Hessian, for shapes
 /// of unit mean square.
-fn climb(star: &mut Star, family: Family, q: &mut Vec<f64>, allowed: f64) -> Result<(Found, f64), Unsolved> {
-    let rays = star.rays.len();
+fn newton(fan: &mut RayFan, family: Family, q: &mut Vec<f64>, allowed: f64) -> Result<(Found, f64), Unsolved> {
+    let rays = fan.rays.len();
     let n = parameters(family);
     let mut phi = DMatrix::zeros(n, rays);
     for k in 0..rays {
-        shapes(star, &star.rays[k], family, phi.column_mut(k).iter_mut());
+        shapes(fan, &fan.rays[k], family, phi.column_mut(k).iter_mut());
     }
     // Shapes of unit mean square over the angle, so that all parameters weigh alike.
-    let norms: Vec<f64> = (0..n)
-        .map(|j| ((0..rays).map(|k| star.rays[k].spoke.fine * phi[(j, k)].powi(2)).sum::<f64>()).sqrt())
-        .collect();
+    let norms: Vec<f64> =
+        (0..n).map(|j| ((0..rays).map(|k| fan.rays[k].node.fine * phi[(j, k)].powi(2)).sum::<f64>()).sqrt()).collect();
     for (j, norm) in norms.iter().enumerate() {
         phi.row_mut(j).scale_mut(1.0 / norm);
     }
@@ -164,37 +157,37 @@ fn climb(star: &mut Star, family: Family, q: &mut Vec<f64>, allowed: f64) -> Res
     } else {
         x[0] = 0.5 * norms[0];
     }
-    let apply = |star: &mut Star, x: &DVector<f64>| -> bool {
+    let apply = |fan: &mut RayFan, x: &DVector<f64>| -> bool {
         for k in 0..rays {
             let a = phi.column(k).dot(x);
             if !(a > 0.0) {
                 return false;
             }
-            star.rays[k].a = a;
-            star.rays[k] = star.measure(star.rays[k]);
-            if star.rays[k].a < a {
+            fan.rays[k].a = a;
+            fan.rays[k] = fan.measure(fan.rays[k]);
+            if fan.rays[k].a < a {
                 return false;
             }
         }
         true
     };
-    if !apply(star, &x) {
+    if !apply(fan, &x) {
         return Err(left("the starting circle does not lie on the punch"));
     }
-    let mut d = star.quotient();
+    let mut d = fan.quotient();
     // The circle first, the rest of the family from there.
     let mut alone = q.len() != n;
     for _ in 0..MOST_STEPS {
-        if let Some(spent) = star.out_of_budget() {
+        if let Some(spent) = fan.out_of_budget() {
             return Err(left(format!("no maximum found in {spent} evaluations of the gap")));
         }
         let mut gradient = DVector::zeros(n);
         for k in 0..rays {
-            let ray = &star.rays[k];
-            gradient.axpy(ray.spoke.fine * (ray.along.g_a - d), &phi.column(k), 1.0);
+            let ray = &fan.rays[k];
+            gradient.axpy(ray.node.fine * (ray.along.g_a - d), &phi.column(k), 1.0);
         }
-        let hessian = second_variation(star, &phi);
-        let scale = d.abs() * star.sum(|r| r.a) / x.norm();
+        let hessian = second_variation(fan, &phi);
+        let scale = d.abs() * fan.sum(|r| r.a) / x.norm();
         if alone && (gradient[0].abs() <= 1e-3 * scale || n == 1) {
             alone = false;
         }
@@ -219,7 +212,7 @@ fn climb(star: &mut Star, family: Family, q: &mut Vec<f64>, allowed: f64) -> Res
             let floor = 1e-3 * eigen.eigenvalues.amax();
             &eigen.eigenvectors * along.zip_map(&eigen.eigenvalues, |g, e| g / e.abs().max(floor))
         };
-        let most = (0..rays).map(|k| phi.column(k).dot(&step).abs() / star.rays[k].a).fold(0.0, f64::max);
+        let most = (0..rays).map(|k| phi.column(k).dot(&step).abs() / fan.rays[k].a).fold(0.0, f64::max);
         if most > 0.4 {
             step *= 0.4 / most;
         }
@@ -228,10 +221,10 @@ fn climb(star: &mut Star, family: Family, q: &mut Vec<f64>, allowed: f64) -> Res
         let mut accepted = false;
         for _ in 0..30 {
             x = &before + &step;
-            if apply(star, &x) {
-                let next = star.quotient();
+            if apply(fan, &x) {
+                let next = fan.quotient();
                 // More force, and still on the branch: from a maximum one must not step over into a rise without end.
-                let on_branch = alone || !concave || second_variation(star, &phi).symmetric_eigenvalues().max() < 0.0;
+                let on_branch = alone || !concave || second_variation(fan, &phi).symmetric_eigenvalues().max() < 0.0;
                 if on_branch && next.is_finite() && next >= d - 1e-14 * d.abs() {
                     d = next;
                     accepted = true;

@@ -107,20 +107,20 @@ impl FlatPunch {
     /// its size away from the centre.
     pub fn integrals(a: impl Fn(f64) -> f64, corners: &[f64]) -> Result<(f64, f64, f64), Error> {
         let mut sectors = Sectors::between(corners, SIXTH);
-        let mut spokes = Vec::new();
+        let mut nodes = Vec::new();
         loop {
-            sectors.spokes(&mut spokes);
-            let radii: Vec<f64> = spokes.iter().map(|s| a(s.angle)).collect();
+            sectors.nodes(&mut nodes);
+            let radii: Vec<f64> = nodes.iter().map(|s| a(s.angle)).collect();
             if let Some(k) = radii.iter().position(|r| !(*r > 0.0 && r.is_finite())) {
-                let reason = format!("a(theta) = {} at {:.4} degrees", radii[k], spokes[k].angle.to_degrees());
+                let reason = format!("a(theta) = {} at {:.4} degrees", radii[k], nodes[k].angle.to_degrees());
                 return Err(Unsolved::new(Verdict::NotStarShaped, reason).into());
             }
             let sum = |f: &dyn Fn(f64, f64) -> f64| -> f64 {
-                spokes.iter().zip(&radii).map(|(s, &r)| s.fine * f(s.angle, r)).sum()
+                nodes.iter().zip(&radii).map(|(s, &r)| s.fine * f(s.angle, r)).sum()
             };
             let l = sum(&|_, r| r);
-            let error = sectors.error(&spokes, &radii);
-            if error <= 1e-13 * l || !sectors.refine(&spokes, &radii, 1e-13 * l, 20_000) {
+            let error = sectors.error(&nodes, &radii);
+            if error <= 1e-13 * l || !sectors.refine(&nodes, &radii, 1e-13 * l, 20_000) {
                 let area = 0.5 * sum(&|_, r| r * r);
                 let off = sum(&|t, r| r.powi(3) * t.cos()).hypot(sum(&|t, r| r.powi(3) * t.sin())) / (3.0 * area);
                 if off > 1e-6 * area.sqrt() {

@@ -1,10 +1,10 @@
 //! P(A) of any boundary, equation (12).
 
 use super::approximation::{Error, Settings};
-use super::problem::{Problem, first_rung};
+use super::problem::{Problem, first_rule_level};
 use super::radial::RadialPosition;
+use super::ray_fan::RayFan;
 use super::sectors::{SIXTH, Sectors};
-use super::star::Star;
 use crate::error::InputError;
 use crate::gap::{AnyGap, Gap};
 use crate::problem::EffectiveModulus;
@@ -55,39 +55,39 @@ pub fn force(
     let problem = Problem::new(gap, modulus, depth)?;
     let (overlap, length) = (&problem.overlap, problem.overlap.units.length);
     let centre = overlap.units.inward(centre);
-    let mut star = Star::about(overlap, centre, 1.0, first_rung(settings.tolerance));
+    let mut fan = RayFan::about(overlap, centre, 1.0, first_rule_level(settings.tolerance), 1);
     let mut directions = corners.to_vec();
     overlap.gap.kink_directions(centre, &mut directions);
-    star.sectors = Sectors::between(&directions, SIXTH);
-    star.lay(&[[0.0, 1.0]]);
+    fan.sectors = Sectors::between(&directions, SIXTH);
+    fan.lay(&[[0.0, 1.0]]);
     for _ in 0..60 {
-        for k in 0..star.rays.len() {
-            let mut ray = star.rays[k];
-            ray.a = a(ray.spoke.angle) / length;
+        for k in 0..fan.rays.len() {
+            let mut ray = fan.rays[k];
+            ray.a = a(ray.node.angle) / length;
             if !(ray.a > 0.0 && ray.a.is_finite()) {
-                let degrees = ray.spoke.angle.to_degrees();
+                let degrees = ray.node.angle.to_degrees();
                 let reason = format!("a(theta) = {} at {degrees:.4} degrees", ray.a * length);
                 return Err(Unsolved::new(Verdict::NotStarShaped, reason).into());
             }
-            ray.stand = RadialPosition::at(star.line(&ray).kinks, ray.a);
-            ray.along.g = star.line(&ray).g(overlap, star.f0, &ray.stand, star.rule());
-            star.rays[k] = ray;
+            ray.position = RadialPosition::at(fan.line(&ray).kinks, ray.a);
+            ray.along.g = fan.line(&ray).g(overlap, fan.f0, &ray.position, fan.rule());
+            fan.rays[k] = ray;
         }
-        let quotient = star.quotient();
+        let quotient = fan.quotient();
         if !quotient.is_finite() {
             return Err(InputError::new("boundary", "a region beyond the punch", "a region that has material").into());
         }
-        let quadrature_error = star.errors(quotient);
+        let quadrature_error = fan.errors(quotient);
         let done = quadrature_error[0] + quadrature_error[1] <= settings.tolerance;
-        if done || !star.refine(quadrature_error, settings.tolerance, quotient, settings.most_rays) {
-            let (off, area) = star.centroid_and_area();
+        if done || !fan.refine(quadrature_error, settings.tolerance, quotient, settings.most_rays) {
+            let (off, area) = fan.centroid_and_area();
             return Ok(Force {
                 force: problem.force_unit() * quotient,
-                stiffness: 4.0 * modulus.e_star() * length * area / star.sum(|r| r.a),
+                stiffness: 4.0 * modulus.e_star() * length * area / fan.sum(|r| r.a),
                 area: area * length * length,
                 centroid: overlap.units.outward([centre[0] + off[0], centre[1] + off[1]]),
                 quadrature_error,
-                rays: star.rays.len(),
+                rays: fan.rays.len(),
             });
         }
     }

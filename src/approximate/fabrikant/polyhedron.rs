@@ -4,9 +4,9 @@ use std::f64::consts::PI;
 use std::sync::OnceLock;
 
 use super::approximation::Error;
-use super::radial::gauss_legendre;
 use crate::error::InputError;
 use crate::gap::Polyhedron;
+use crate::numeric::quadrature::GaussLegendre;
 use crate::solution::{Unsolved, Verdict};
 
 /// The stationary boundary of an n-faced regular punch, in units of depth = 1 and tan(inclination) = 1.
@@ -110,8 +110,8 @@ struct Sums {
 /// Integrals over half a face, times 2n. With sin(theta/2) = s sinh u, s^2 = (1 - kappa)/(2 kappa), the root in (18) is
 /// sqrt(1 - kappa) cosh u: the near-kink at theta = 0 when kappa is close to 1 is gone, and 24 Gauss points give 1e-13.
 fn sums_at(faces: usize, kappa: f64) -> Sums {
-    static RULE: OnceLock<Vec<[f64; 2]>> = OnceLock::new();
-    let rule = RULE.get_or_init(|| gauss_legendre(24));
+    static RULE: OnceLock<GaussLegendre> = OnceLock::new();
+    let rule = RULE.get_or_init(|| GaussLegendre::new(24)).nodes();
     let half = 0.5 * PI / faces as f64;
     let mut sums = Sums { n: 0.0, l: 0.0, area: 0.0 };
     let mut add = |cos: f64, weight: f64, root: f64| {
@@ -124,19 +124,19 @@ fn sums_at(faces: usize, kappa: f64) -> Sums {
     let scale = 2.0 * faces as f64;
     if kappa >= 1.0 {
         // sqrt(1 - cos theta) = sqrt(2) sin(theta/2): smooth on this side of the kink.
-        for &[x, w] in rule {
-            let theta = 2.0 * half * x;
-            add(theta.cos(), scale * 2.0 * half * w, std::f64::consts::SQRT_2 * (0.5 * theta).sin());
+        for (x, w) in rule {
+            let theta = half * (1.0 + x);
+            add(theta.cos(), scale * half * w, std::f64::consts::SQRT_2 * (0.5 * theta).sin());
         }
     } else {
         let s = ((1.0 - kappa) / (2.0 * kappa)).sqrt();
         let last = (half.sin() / s).asinh();
-        for &[x, w] in rule {
-            let e = (last * x).exp();
+        for (x, w) in rule {
+            let e = (0.5 * last * (1.0 + x)).exp();
             let (sinh, cosh) = (0.5 * (e - 1.0 / e), 0.5 * (e + 1.0 / e));
             let sine = s * sinh;
             let cosine = (1.0 - sine * sine).sqrt();
-            add(1.0 - 2.0 * sine * sine, scale * w * last * 2.0 * s * cosh / cosine, (1.0 - kappa).sqrt() * cosh);
+            add(1.0 - 2.0 * sine * sine, scale * w * last * s * cosh / cosine, (1.0 - kappa).sqrt() * cosh);
         }
     }
     sums

@@ -77,7 +77,7 @@ impl Problem {
 }
 
 /// Rung of the ladder of radial rules to start from.
-pub(crate) fn first_rung(tolerance: f64) -> usize {
+pub(crate) fn first_rule_level(tolerance: f64) -> usize {
     usize::from(tolerance < 3e-5)
 }
 

@@ -3,6 +3,11 @@
 use std::f64::consts::FRAC_PI_2;
 use std::sync::OnceLock;
 
+use crate::numeric::quadrature::GaussLegendre;
+
+/// Nodes of each level, and the power with which they crowd towards t = 0.
+const LEVELS: [(usize, i32); 7] = [(4, 1), (8, 1), (16, 1), (32, 4), (64, 4), (128, 4), (256, 4)];
+
 /// One node of the rule in t on [0, pi/2].
 #[derive(Clone, Copy)]
 pub(crate) struct RadialNode {
@@ -22,16 +27,26 @@ pub(crate) struct RadialRule {
 }
 
 impl RadialRule {
-    /// The rules from coarse to fine; each serves as the check of the one before.
-    pub fn ladder() -> &'static [RadialRule] {
-        static LADDER: OnceLock<Vec<RadialRule>> = OnceLock::new();
-        LADDER.get_or_init(|| {
-            [(4, 1), (8, 1), (16, 1), (32, 4), (64, 4), (128, 4), (256, 4)].map(|(n, p)| Self::new(n, p)).into()
-        })
+    /// The rule of this level, from coarse to fine; each serves as the check of the one before. `None` beyond the finest.
+    pub fn level(level: usize) -> Option<&'static Self> {
+        static RULES: [OnceLock<RadialRule>; LEVELS.len()] = [const { OnceLock::new() }; LEVELS.len()];
+        let &(nodes, crowding) = LEVELS.get(level)?;
+        Some(RULES[level].get_or_init(|| Self::new(nodes, crowding)))
+    }
+
+    /// The finest rule.
+    pub fn finest() -> &'static Self {
+        Self::level(LEVELS.len() - 1).expect("there are levels")
+    }
+
+    /// Whether there is a finer rule than this level that leaves another one to check it by.
+    pub fn can_refine(level: usize) -> bool {
+        level + 2 < LEVELS.len()
     }
 
     fn new(nodes: usize, crowding: i32) -> Self {
-        let plain = gauss_legendre(nodes);
+        let rule = GaussLegendre::new(nodes);
+        let plain: Vec<[f64; 2]> = rule.nodes().iter().map(|(x, w)| [0.5 * (1.0 + x), 0.5 * w]).collect();
         let first: Vec<[f64; 2]> =
             plain.iter().map(|&[x, w]| [x.powi(crowding), w * f64::from(crowding) * x.powi(crowding - 1)]).collect();
         let whole = first
@@ -46,25 +61,25 @@ impl RadialRule {
 
     /// Calls `visit` at every node of [0, pi/2] split where sin t is one of `kinks`/a (ascending).
     pub fn visit(&self, kinks: &[f64], a: f64, mut visit: impl FnMut(RadialNode)) {
-        let stand = RadialPosition::at(kinks, a);
-        self.visit_pieces(kinks, &stand, |_, node| visit(node));
+        let position = RadialPosition::at(kinks, a);
+        self.visit_pieces(kinks, &position, |_, node| visit(node));
     }
 
     /// Calls `visit` with the piece (the number of kinks below it) and the node. Angles are counted from the end of the
     /// ray, phi = pi/2 - t, so that a piece however thin keeps its digits.
-    pub fn visit_pieces(&self, kinks: &[f64], stand: &RadialPosition, mut visit: impl FnMut(usize, RadialNode)) {
-        if stand.inner == 0 {
+    pub fn visit_pieces(&self, kinks: &[f64], position: &RadialPosition, mut visit: impl FnMut(usize, RadialNode)) {
+        if position.inner == 0 {
             self.whole.iter().for_each(|&node| visit(0, node));
             return;
         }
-        let mut from = stand.phi_of(kinks, 0);
+        let mut from = position.phi_of(kinks, 0);
         let to = FRAC_PI_2 - from;
         for &[x, w] in &self.first {
             let (sin, cos) = (to * x).sin_cos();
             visit(0, RadialNode { sin, cos, weight: to * w });
         }
-        for piece in 1..=stand.inner {
-            let to = if piece < stand.inner { stand.phi_of(kinks, piece) } else { 0.0 };
+        for piece in 1..=position.inner {
+            let to = if piece < position.inner { position.phi_of(kinks, piece) } else { 0.0 };
             for &[x, w] in &self.plain {
                 let (cos, sin) = (from - (from - to) * x).sin_cos();
                 visit(piece, RadialNode { sin, cos, weight: (from - to) * w });
@@ -114,27 +129,4 @@ impl RadialPosition {
 /// sqrt(a^2 - k^2).
 pub(super) fn beyond(a: f64, k: f64) -> f64 {
     ((a - k) * (1.0 + k / a)).sqrt() * a.sqrt()
-}
-
-/// Nodes and weights of the n-point Gauss-Legendre rule on [0, 1], by Newton on the Legendre recurrence.
-pub(crate) fn gauss_legendre(n: usize) -> Vec<[f64; 2]> {
-    let legendre = |x: f64| {
-        let (mut p0, mut p1) = (1.0, x);
-        for k in 2..=n {
-            let k = k as f64;
-            (p0, p1) = (p1, ((2.0 * k - 1.0) * x * p1 - (k - 1.0) * p0) / k);
-        }
-        (p1, n as f64 * (x * p1 - p0) / (x * x - 1.0))
-    };
-    (0..n)
-        .map(|i| {
-            let mut x = -(std::f64::consts::PI * (i as f64 + 0.75) / (n as f64 + 0.5)).cos();
-            for _ in 0..8 {
-                let (p, dp) = legendre(x);
-                x -= p / dp;
-            }
-            let (_, dp) = legendre(x);
-            [0.5 * (1.0 + x), 1.0 / ((1.0 - x * x) * dp * dp)]
-        })
-        .collect()
 }

@@ -153,14 +153,14 @@ impl RayLine<'_> {
     ///
     /// The jumps J of the slope enter G_aa in closed form: int (1/cos^2 t + cos 2t) dt up to the kink is
     /// cot(phi) + sin(2 phi)/2, and what is left of g_r - g_r(a) goes to zero at the end of the ray.
-    pub fn along(&self, f: &ScaledOverlap, f0: f64, stand: &RadialPosition, rule: &RadialRule) -> Along {
-        let a = stand.a;
+    pub fn along(&self, f: &ScaledOverlap, f0: f64, position: &RadialPosition, rule: &RadialRule) -> Along {
+        let a = position.a;
         if let Some(planes) = self.planes {
-            return self.along_planes(planes, f0, stand);
+            return self.along_planes(planes, f0, position);
         }
         let h = DIFFERENCE_STEP * a;
         let back = if f.has_gradient { 1.0 } else { 1.0 - DIFFERENCE_STEP };
-        let mut end = self.slope(f, stand.inner, a * back, h);
+        let mut end = self.slope(f, position.inner, a * back, h);
         let (mut cos2, mut one_plus, mut curving, mut value) = (0.0, 0.0, 0.0, 0.0);
         // Pieces are visited outwards: begin with the end slope brought to the innermost piece.
         let mut jumps = 0.0;
@@ -168,19 +168,19 @@ impl RayLine<'_> {
             let k = self.kinks[kink];
             self.slope(f, kink + 1, k, h) - self.slope(f, kink, k, h)
         };
-        for kink in 0..stand.inner {
+        for kink in 0..position.inner {
             let j = jump(kink);
-            let (sin, cos) = stand.phi_of(self.kinks, kink).sin_cos();
+            let (sin, cos) = position.phi_of(self.kinks, kink).sin_cos();
             jumps += j * (cos / sin + sin * cos);
             end -= j;
         }
         let mut last = 0;
-        rule.visit_pieces(self.kinks, stand, |piece, n| {
+        rule.visit_pieces(self.kinks, position, |piece, n| {
             if piece != last {
                 end += jump(last);
                 last = piece;
             }
-            let g_r = if stand.inner == 0 {
+            let g_r = if position.inner == 0 {
                 f.slope_along(self.centre, self.direction, a * n.sin, h)
             } else {
                 self.slope(f, piece, a * n.sin, h)
@@ -204,11 +204,11 @@ impl RayLine<'_> {
     /// G, G_a and G_aa over planes: nothing is left to integrate.
     ///
     /// Beyond a kink at t = pi/2 - phi the slope is larger by J: int sin^2 = (phi - sin phi cos phi)/2 over [0, phi], and so on.
-    fn along_planes(&self, (first, jumps): (f64, &[f64]), f0: f64, stand: &RadialPosition) -> Along {
-        let a = stand.a;
+    fn along_planes(&self, (first, jumps): (f64, &[f64]), f0: f64, position: &RadialPosition) -> Along {
+        let a = position.a;
         let (mut cos2, mut one_plus, mut singular) = (first * 0.5 * FRAC_PI_2, first * 1.5 * FRAC_PI_2, 0.0);
-        for (kink, j) in jumps.iter().enumerate().take(stand.inner) {
-            let phi = stand.phi_of(self.kinks, kink);
+        for (kink, j) in jumps.iter().enumerate().take(position.inner) {
+            let phi = position.phi_of(self.kinks, kink);
             let (sin, cos) = phi.sin_cos();
             cos2 += j * 0.5 * (phi - sin * cos);
             one_plus += j * 0.5 * (3.0 * phi - sin * cos);
@@ -222,18 +222,18 @@ impl RayLine<'_> {
     }
 
     /// G alone.
-    pub fn g(&self, f: &ScaledOverlap, f0: f64, stand: &RadialPosition, rule: &RadialRule) -> f64 {
-        let (a, mut sum) = (stand.a, 0.0);
+    pub fn g(&self, f: &ScaledOverlap, f0: f64, position: &RadialPosition, rule: &RadialRule) -> f64 {
+        let (a, mut sum) = (position.a, 0.0);
         if let Some(planes) = self.planes {
-            return self.along_planes(planes, f0, stand).g;
+            return self.along_planes(planes, f0, position).g;
         }
         if f.has_gradient {
-            rule.visit_pieces(self.kinks, stand, |piece, n| {
+            rule.visit_pieces(self.kinks, position, |piece, n| {
                 sum += n.weight * n.cos * n.cos * self.slope(f, piece, a * n.sin, 0.0);
             });
             a * a * (f0 - a * sum)
         } else {
-            rule.visit_pieces(self.kinks, stand, |_, n| sum += n.weight * n.sin * f.at(self.at(a * n.sin)));
+            rule.visit_pieces(self.kinks, position, |_, n| sum += n.weight * n.sin * f.at(self.at(a * n.sin)));
             a * a * sum
         }
     }
@@ -257,14 +257,14 @@ mod tests {
             let gap = Power::new(0.7, n).unwrap();
             let line = RayLine { centre: [0.0; 2], direction: [0.6, 0.8], kinks: &[], planes: None };
             let a = 0.9f64;
-            let along = line.along(&overlap(&gap), 1.0, &RadialPosition::at(&[], a), &RadialRule::ladder()[2]);
+            let along = line.along(&overlap(&gap), 1.0, &RadialPosition::at(&[], a), RadialRule::level(2).unwrap());
             let c = 0.7 * m;
             assert!((along.g - (a * a - c * a.powf(n + 2.0))).abs() < 1e-14);
             assert!((along.g_a - (2.0 * a - c * (n + 2.0) * a.powf(n + 1.0))).abs() < 1e-14);
             assert!((along.g_aa - (2.0 - c * (n + 2.0) * (n + 1.0) * a.powf(n))).abs() < 1e-12);
             let values_only = move |x: f64, y: f64| 0.7 * x.hypot(y).powf(n);
             let by_differences =
-                line.along(&overlap(&values_only), 1.0, &RadialPosition::at(&[], a), &RadialRule::ladder()[2]);
+                line.along(&overlap(&values_only), 1.0, &RadialPosition::at(&[], a), RadialRule::level(2).unwrap());
             assert!((by_differences.g_a - along.g_a).abs() < 1e-8);
             assert!((by_differences.g - along.g).abs() < 1e-14);
         }
@@ -281,7 +281,7 @@ mod tests {
         let mut jumps = Vec::new();
         let first = line.read_planes(&f, &mut jumps);
         let exact = RayLine { planes: Some((first, &jumps)), ..line };
-        let rule = &RadialRule::ladder()[2];
+        let rule = RadialRule::level(2).unwrap();
         for a in [0.2, 0.35, 0.6] {
             let (here, closed) = [line, exact].map(|l| l.along(&f, 1.0, &RadialPosition::at(&kinks, a), rule)).into();
             assert!((here.g - closed.g).abs() < 1e-14 && (here.g_a - closed.g_a).abs() < 1e-14, "{a}");

@@ -1,12 +1,12 @@
-//! Parts of the contact that a star does not hold.
+//! Parts of the contact beyond the one about the centre.
 
 use std::f64::consts::TAU;
 
 use super::ray::RayLine;
-use super::star::Star;
+use super::ray_fan::RayFan;
 
-impl Star<'_> {
-    /// Whether the overlap comes back, along a ray, after having been lost: a second tip that the star does not hold.
+impl RayFan<'_> {
+    /// Whether the overlap comes back, along a ray, after having been lost: a second tip, beyond the boundary of the first.
     /// Sampled out to `reach`: 12 points in 16 directions, or 48 in 64 when little is known of the gap.
     pub fn second_part(&self, reach: f64, thorough: bool) -> Option<f64> {
         let (directions, points) = if thorough { (64, 48) } else { (16, 12) };

@@ -5,8 +5,8 @@
 //! D, solve for a(theta) ray by ray; set D to N/L; it converges quadratically, from below.
 //!
 //! Of the roots of G_a = D the one wanted has G_aa < 0 and is connected to the axisymmetric solution: the outer side of
-//! the hump of G_a along the ray. The second variation of P is (2E*/L) int G_aa (da)^2, so there it is a strict local
-//! maximum. (The global maximum is meaningless: a sliver along one direction.) When D exceeds the top of the hump on some
+//! the largest G_a along the ray. The second variation of P is (2E*/L) int G_aa (da)^2, so there it is a strict local
+//! maximum. (The global maximum is meaningless: a sliver along one direction.) When D exceeds the largest G_a on some
 //! ray there is no stationary boundary; since N/L of any boundary on the branch is at most the D sought, that is a proof
 //! up to the quadrature, and the verdict names the ray.
 //!
@@ -15,9 +15,10 @@
 
 use super::approximation::{Approximation, Error, Family, Settings};
 use super::plan_form::flat;
-use super::problem::{Problem, first_rung, several_parts};
-use super::star::{Ray, Star};
+use super::problem::{Problem, first_rule_level, several_parts};
+use super::ray_fan::{Ray, RayFan};
 use super::sweeps::LOW;
+use super::symmetry::turns;
 use crate::gap::AnyGap;
 use crate::problem::EffectiveModulus;
 use crate::solution::{Unsolved, Verdict};
@@ -25,7 +26,7 @@ use crate::solution::{Unsolved, Verdict};
 /// How often the rays are laid anew along the crossings of the boundary with the ridges.
 const MOST_LOOKS: usize = 8;
 
-/// How far kinks are looked for, in reaches of the overlap.
+/// How far kinks are searched for, in reaches of the overlap.
 const SEARCHED: f64 = 1.1;
 
 /// Layouts of rays and moves of the centre before giving up.
@@ -43,7 +44,7 @@ const MOST_ITERATIONS: usize = 200;
 /// ```
 ///
 /// # Errors
-/// `NoStationaryBoundary` when D lies above the hump of G_a in some direction (elongated contacts), `NotStarShaped` when
+/// `NoStationaryBoundary` when D exceeds the largest G_a in some direction (elongated contacts), `NotStarShaped` when
 /// the contact is in several parts, `Unbounded`, `IterationLimit`; an input error for a depth that is not finite.
 pub fn stationary(
     gap: impl Into<AnyGap>,
@@ -58,7 +59,8 @@ pub fn stationary(
     }
     let problem = Problem::new(gap, modulus, depth)?.before(settings.deadline);
     let first = about(&problem, modulus, &settings, None);
-    // A boundary that does not settle, or not well enough, tells of kinks that the gap has kept to itself.
+    // A boundary that does not converge, or not well enough, is a sign of kinks that the gap does not name: search them. (Without the
+    // search 0.5 r^2 + 0.2 |x - 0.1| written as a formula has no answer.)
     let lacking = |answer: &Result<Approximation, Error>| match answer {
         Ok(found) => found.quadrature_error[0] + found.quadrature_error[1],
         Err(Error::Unsolved(u)) if u.verdict == Verdict::ToleranceNotReached => 1.0,
@@ -72,7 +74,7 @@ pub fn stationary(
     if lacking(&second) < lacking(&first) { second } else { first }
 }
 
-/// From a circle about the origin; `search`: how far kinks are looked for.
+/// From a circle about the origin; `search`: how far kinks are searched for.
 fn about(
     problem: &Problem,
     modulus: EffectiveModulus,
@@ -81,11 +83,11 @@ fn about(
 ) -> Result<Approximation, Error> {
     let tolerance: f64 = settings.tolerance;
     let residual_allowed = (10.0 * tolerance).max(1e-13);
-    let mut star = Star::about(&problem.overlap, [0.0; 2], 0.5, first_rung(tolerance));
+    let mut fan = RayFan::about(&problem.overlap, [0.0; 2], 0.5, first_rule_level(tolerance), turns(&problem.overlap));
     if search.is_some() {
-        star.search = search;
-        star.budget *= 8;
-        star.lay_sectors();
+        fan.search = search;
+        fan.budget *= 8;
+        fan.lay_sectors();
     }
     let (mut iterations, mut looks) = (0, 0);
     // A coarse layout needs no better centre than itself; the last one does.
@@ -93,36 +95,37 @@ fn about(
     let mut off_allowed = centred.max(1e-4);
     let mut reached = None;
     let (found, errors, off) = loop {
-        let settled = star.centre(off_allowed, |star, at_most| star.settle(residual_allowed.min(at_most).max(1e-13)));
-        let (found, moves, off) = settled.map_err(|unsolved| given_up(unsolved, reached))?;
+        let settled = fan.centre(off_allowed, |fan, at_most| fan.iterate(residual_allowed.min(at_most).max(1e-13)));
+        let (found, moves, off) = settled.map_err(|unsolved| not_converged(unsolved, reached))?;
         iterations += 1 + moves;
         // The rules see a misplaced kink of the boundary as the square of its distance.
-        if looks < MOST_LOOKS && (star.reconsider(found.d) || star.follow_crossings(found.d, (0.1 * tolerance).sqrt()))
+        if looks < MOST_LOOKS
+            && (fan.take_better_roots(found.d) || fan.follow_crossings(found.d, (0.1 * tolerance).sqrt()))
         {
             looks += 1;
             continue;
         }
-        let errors = star.errors(found.d);
+        let errors = fan.errors(found.d);
         let error = errors[0] + errors[1];
         reached = Some(error);
         let lacking = found.tightest.1 < -10.0 * error.max(1e-12);
-        let enough = error <= tolerance || iterations > 60 || star.out_of_budget().is_some();
-        let mut refined = !lacking && !enough && star.refine(errors, tolerance, found.d, settings.most_rays);
+        let enough = error <= tolerance || iterations > 60 || fan.out_of_budget().is_some();
+        let mut refined = !lacking && !enough && fan.refine(errors, tolerance, found.d, settings.most_rays);
         if off > off_allowed && !lacking && !refined {
             // The centroid depends on the centre no more smoothly than the quadrature.
-            refined = star.refine([f64::INFINITY, 0.0], 0.01 * errors[0], found.d, settings.most_rays);
+            refined = fan.refine([f64::INFINITY, 0.0], 0.01 * errors[0], found.d, settings.most_rays);
         }
-        let exhausted = star.out_of_budget().is_some() || iterations > MOST_ITERATIONS;
+        let exhausted = fan.out_of_budget().is_some() || iterations > MOST_ITERATIONS;
         if exhausted || (!refined && (lacking || off <= centred)) {
             break (found, errors, off);
         }
         off_allowed = if refined { centred.max(0.01 * error).min(off_allowed) } else { centred };
     };
-    let (mut angle, mut margin) = star.tightest(found.d);
+    let (mut angle, mut margin) = fan.tightest(found.d);
     if found.tightest.1 < margin {
         (angle, margin) = found.tightest;
     }
-    // A ray on which G_a = D holds has its root: only what exceeds the residual tells, or what no search along a ray finds.
+    // A ray on which G_a = D holds has its root: only a margin below the residual counts, or one that no search along a ray removes.
     if found.tightest.1 < -LOW || margin < -(2.0 * found.residual).max(1e-10) {
         return Err(no_boundary(angle, margin, off).into());
     }
@@ -130,24 +133,24 @@ fn about(
         let reason = format!(
             "the centroid is still {off:.1e} of the size of the region off the centre after {iterations} moves"
         );
-        return Err(given_up(Unsolved::new(Verdict::IterationLimit, reason), reached).into());
+        return Err(not_converged(Unsolved::new(Verdict::IterationLimit, reason), reached).into());
     }
     // The overlap with the highest of planes is convex.
     if !problem.overlap.has_planes()
-        && let Some(angle) = star.second_part(problem.reach, problem.searched)
+        && let Some(angle) = fan.second_part(problem.reach, problem.searched)
     {
         return Err(several_parts(angle).into());
     }
     let unit = problem.force_unit();
     let length = problem.overlap.units.length;
     let free = |r: &&Ray| !(r.at_edge() && r.along.g_a >= found.d);
-    let second = star.rays.iter().filter(free).map(|r| r.along.g_aa).reduce(f64::max);
-    let (off, area) = star.centroid_and_area();
-    let centroid = problem.overlap.units.outward([star.centre[0] + off[0], star.centre[1] + off[1]]);
-    let perimeter = star.sum(|r| r.a);
-    let rays = star.rays.len();
-    let centre = star.centre;
-    let outline = star.trace(settings.boundary_points, found.d);
+    let second = fan.rays.iter().filter(free).map(|r| r.along.g_aa).reduce(f64::max);
+    let (off, area) = fan.centroid_and_area();
+    let centroid = problem.overlap.units.outward([fan.centre[0] + off[0], fan.centre[1] + off[1]]);
+    let perimeter = fan.sum(|r| r.a);
+    let rays = fan.rays.len();
+    let centre = fan.centre;
+    let outline = fan.trace(settings.boundary_points, found.d);
     Ok(Approximation {
         family: Family::Stationary,
         why: String::new(),
@@ -167,8 +170,8 @@ fn about(
     })
 }
 
-/// What is left to say when a finer layout of rays does not settle: how good the last one was.
-fn given_up(unsolved: Unsolved, reached: Option<f64>) -> Unsolved {
+/// The verdict when a finer layout of rays does not converge: the error that the last one had.
+fn not_converged(unsolved: Unsolved, reached: Option<f64>) -> Unsolved {
     match reached {
         Some(error) if unsolved.verdict == Verdict::IterationLimit => Unsolved::new(
             Verdict::ToleranceNotReached,

@@ -1,12 +1,12 @@
-//! The integrals over the angle of a star of rays: P(A) itself, its errors, and where finer rules are wanted.
+//! The integrals over the angle of a fan of rays: P(A) itself, its errors, and where finer rules are wanted.
 
 use super::radial::RadialRule;
-use super::star::{Ray, Star};
+use super::ray_fan::{Ray, RayFan};
 
-impl Star<'_> {
+impl RayFan<'_> {
     /// The sum over the rays with the weights of the fine rule.
     pub fn sum(&self, value: impl Fn(&Ray) -> f64) -> f64 {
-        self.rays.iter().map(|r| r.spoke.fine * value(r)).sum()
+        self.rays.iter().map(|r| r.node.fine * value(r)).sum()
     }
 
     /// int G / L, which is P/(2E*) of the present boundary (equation 12).
@@ -18,12 +18,14 @@ impl Star<'_> {
     pub fn centroid_and_area(&self) -> ([f64; 2], f64) {
         let (mut moment, mut twice) = ([0.0; 2], 0.0);
         for r in &self.rays {
-            let aa = r.spoke.fine * r.a * r.a;
+            let aa = r.node.fine * r.a * r.a;
             twice += aa;
             moment[0] += aa * r.a * r.direction[0] / 3.0;
             moment[1] += aa * r.a * r.direction[1] / 3.0;
         }
-        (moment.map(|m| 2.0 * m / twice), 0.5 * twice)
+        // Several turns that leave the region as it is leave its centroid at the centre.
+        let repeated = self.sectors.turns() > 1;
+        (moment.map(|m| if repeated { 0.0 } else { 2.0 * m / twice }), 0.5 * twice)
     }
 
     /// Relative error of the quotient: that over the angles, that along the rays.
@@ -34,9 +36,9 @@ impl Star<'_> {
         for (value, r) in self.values.iter_mut().zip(&self.rays) {
             *value = r.along.g - quotient * r.a;
         }
-        let angular = self.sectors.error(&self.spokes, &self.values) / scale;
+        let angular = self.sectors.error(&self.nodes, &self.values) / scale;
         let radial = self.finer_rule().filter(|_| !self.overlap.has_planes()).map_or(f64::NAN, |finer| {
-            self.sum(|r| self.line(r).g(self.overlap, self.f0, &r.stand, finer) - r.along.g).abs() / scale
+            self.sum(|r| self.line(r).g(self.overlap, self.f0, &r.position, finer) - r.along.g).abs() / scale
         });
         [angular, if radial.is_nan() { f64::EPSILON } else { radial }]
     }
@@ -49,13 +51,13 @@ impl Star<'_> {
             return false;
         }
         let mut finer = false;
-        if errors[1] > 0.5 * tolerance && self.rung + 2 < RadialRule::ladder().len() {
-            self.rung += 1;
+        if errors[1] > 0.5 * tolerance && RadialRule::can_refine(self.rule_level) {
+            self.rule_level += 1;
             finer = true;
         }
         if errors[0] > 0.5 * tolerance {
             let allowed = 0.5 * tolerance * quotient.abs() * self.sum(|r| r.a);
-            if self.sectors.refine(&self.spokes, &self.values, allowed, most_rays) {
+            if self.sectors.refine(&self.nodes, &self.values, allowed, most_rays) {
                 let outline = self.outline();
                 self.lay(&outline);
                 finer = true;

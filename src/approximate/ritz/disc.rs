@@ -3,10 +3,10 @@
 use nalgebra::{Matrix2, Vector2};
 
 use super::coordinates::{Ellipse, Step, mean_and_share};
-use crate::approximate::fabrikant::{DIFFERENCE_STEP, RadialRule, ScaledOverlap, Sectors, Spoke};
+use crate::approximate::fabrikant::{DIFFERENCE_STEP, QuadratureNode, RadialRule, ScaledOverlap, Sectors};
 use crate::gap::Gap;
 
-/// Evaluations of the gap after which the search for the top is cut short.
+/// Evaluations of the gap after which the search for the maximum is cut short.
 const MOST_EVALUATIONS: usize = 4_000_000;
 
 /// What finding the kinks along a ray counts for.
@@ -26,8 +26,8 @@ pub(super) struct Means {
 pub(super) struct Disc<'a> {
     pub overlap: &'a ScaledOverlap,
     pub sectors: Sectors,
-    pub rung: usize,
-    pub spokes: Vec<Spoke>,
+    pub rule_level: usize,
+    pub nodes: Vec<QuadratureNode>,
     pub values: Vec<f64>,
     directions: Vec<f64>,
     kinks: Vec<f64>,
@@ -42,13 +42,13 @@ pub(super) struct Disc<'a> {
 }
 
 impl<'a> Disc<'a> {
-    pub fn new(overlap: &'a ScaledOverlap, sectors: Sectors, rung: usize) -> Self {
-        let (spokes, values, directions, kinks) = Default::default();
+    pub fn new(overlap: &'a ScaledOverlap, sectors: Sectors, rule_level: usize) -> Self {
+        let (nodes, values, directions, kinks) = Default::default();
         Self {
             overlap,
             sectors,
-            rung,
-            spokes,
+            rule_level,
+            nodes,
             values,
             directions,
             kinks,
@@ -61,9 +61,9 @@ impl<'a> Disc<'a> {
 
     pub fn lay(&mut self, e: &Ellipse) {
         if !self.follow_ridges {
-            if self.spokes.is_empty() {
-                self.sectors.spokes(&mut self.spokes);
-                self.values.resize(self.spokes.len(), 0.0);
+            if self.nodes.is_empty() {
+                self.sectors.nodes(&mut self.nodes);
+                self.values.resize(self.nodes.len(), 0.0);
             }
             return;
         }
@@ -77,8 +77,8 @@ impl<'a> Disc<'a> {
             }
         }
         self.sectors.move_to(&self.directions);
-        self.sectors.spokes(&mut self.spokes);
-        self.values.resize(self.spokes.len(), 0.0);
+        self.sectors.nodes(&mut self.nodes);
+        self.values.resize(self.nodes.len(), 0.0);
     }
 
     pub fn means(&mut self, e: &Ellipse, rule: &RadialRule) -> Means {
@@ -86,13 +86,13 @@ impl<'a> Disc<'a> {
         let (has_gradient, before) = (self.overlap.has_gradient(), self.work);
         let f0 = self.overlap.at(e.c.into());
         let mut means = Means { f: 0.0, slope: Vector2::zeros(), moment: Matrix2::zeros() };
-        for (k, (spoke, value)) in self.spokes.iter().zip(&mut self.values).enumerate() {
+        for (k, (node, value)) in self.nodes.iter().zip(&mut self.values).enumerate() {
             if k % CHECKED == CHECKED - 1 && self.overlap.deadline.has_passed() {
-                // No means: what asked for them sees the deadline itself.
+                // No means: the caller checks the deadline, too.
                 means.f = f64::NAN;
                 break;
             }
-            let (sin, cos) = spoke.angle.sin_cos();
+            let (sin, cos) = node.angle.sin_cos();
             let direction = Vector2::new(cos, sin);
             let ray = e.m * direction;
             let length = ray.norm();
@@ -126,7 +126,7 @@ impl<'a> Disc<'a> {
                 moment += g * (node.weight * node.sin * node.sin);
             });
             *value = if has_gradient { f0 + f } else { f };
-            let share = spoke.fine / std::f64::consts::TAU;
+            let share = node.fine / std::f64::consts::TAU;
             means.f += share * *value;
             means.slope += slope * share;
             means.moment += moment * direction.transpose() * share;
@@ -138,23 +138,23 @@ impl<'a> Disc<'a> {
         means
     }
 
-    /// Whether the gap was evaluated more often than any smooth one takes: the caps beyond a kink that nobody told about are so thin
-    /// that no rule settles; or whether the time is used up.
+    /// Whether the gap was evaluated more often than any smooth one takes: the caps beyond a kink that the gap does not name are so thin
+    /// that no rule converges; or whether the time is used up.
     pub fn out_of_budget(&self) -> bool {
         self.work > MOST_EVALUATIONS || self.overlap.deadline.has_passed()
     }
 
-    /// Whether there is room for another climb with rays twice as many or twice as fine.
+    /// Whether there is room for another search with rays twice as many or twice as fine.
     pub fn may_refine(&self) -> bool {
         self.work + 20 * self.last <= MOST_EVALUATIONS
     }
 
     pub fn rule(&self) -> &'static RadialRule {
-        &RadialRule::ladder()[self.rung]
+        RadialRule::level(self.rule_level).unwrap_or_else(RadialRule::finest)
     }
 
     /// Force (in units of 2E*), its logarithmic gradient, and the means.
-    pub fn climb(&mut self, e: &Ellipse, circles: bool) -> Option<(f64, Step, Means)> {
+    pub fn force_and_gradient(&mut self, e: &Ellipse, circles: bool) -> Option<(f64, Step, Means)> {
         let means = self.means(e, self.rule());
         let (force, step) = logarithmic_slope(e, &means, circles)?;
         Some((force, step, means))

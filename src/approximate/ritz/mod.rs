@@ -11,35 +11,35 @@
 //! problem for the paraboloid with the same mean, mean gradient and mean gradient moment. Other gaps need a few steps of
 //! the BFGS method, in coordinates that turn the present ellipse into the unit disc, so that slender ones cost no digits.
 //!
-//! A gap made of planes has means in closed form (`ridged.rs`), and log P is then concave: Newton's method finds the one
+//! A gap made of planes has means in closed form (`polyhedral_means.rs`), and log P is then concave: Newton's method finds the one
 //! maximum, however blunt the tip (`concave.rs`).
 
 // Comparisons are written so that NaN takes the branch of failure.
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
-mod climb;
 mod concave;
 mod coordinates;
 mod disc;
-mod ridged;
-mod walls;
+mod edge_constraint;
+mod polyhedral_means;
+mod smooth;
 
 use nalgebra::{Matrix2, Vector2};
 
 use crate::approximate::fabrikant::{
-    Approximation, Error, Family, LowerBound, Problem, RadialRule, Sectors, Settings, THIRD, first_rung,
+    Approximation, Error, Family, LowerBound, Problem, RadialRule, Sectors, Settings, THIRD, first_rule_level,
 };
 use crate::gap::{AnyGap, Gap};
 use crate::problem::EffectiveModulus;
 use crate::solution::{Unsolved, Verdict};
-use climb::{curvature, maximise};
 use concave::Concave;
 use coordinates::{Ellipse, mean_and_share};
 use disc::Disc;
-use ridged::Ridged;
-use walls::Walls;
+use edge_constraint::EdgeConstraint;
+use polyhedral_means::PolyhedralMeans;
+use smooth::{curvature, maximise};
 
-/// Rays of the first look.
+/// Rays of the first search.
 const ROUGH_RAYS: usize = 24;
 /// Share of all that can touch that the second start covers, along each axis.
 const ALMOST: f64 = 0.8;
@@ -71,7 +71,7 @@ pub fn ellipse(
     settings: &Settings,
 ) -> Result<Approximation, Error> {
     let gap = &gap.into();
-    best(gap, modulus, depth, Family::Ellipse, settings)
+    best(gap, modulus, depth, Family::Ellipse, settings, None)
 }
 
 /// Largest force over all circles: centre and radius (equations 21 to 23).
@@ -85,23 +85,40 @@ pub fn circle(
     settings: &Settings,
 ) -> Result<Approximation, Error> {
     let gap = &gap.into();
-    best(gap, modulus, depth, Family::Circle, settings)
+    best(gap, modulus, depth, Family::Circle, settings, None)
 }
 
+/// The same, looked for from the circle about the centroid of this boundary that has its area.
+pub(crate) fn circle_near(
+    gap: &AnyGap,
+    modulus: EffectiveModulus,
+    depth: f64,
+    settings: &Settings,
+    near: &Approximation,
+) -> Result<Approximation, Error> {
+    let start = (near.centroid, (near.area / std::f64::consts::PI).sqrt());
+    best(gap, modulus, depth, Family::Circle, settings, Some(start))
+}
+
+/// `start`: centre and radius of a circle to start from, else the one half as large as the overlap about its centre.
 fn best(
     gap: &AnyGap,
     modulus: EffectiveModulus,
     depth: f64,
     family: Family,
     settings: &Settings,
+    start: Option<([f64; 2], f64)>,
 ) -> Result<Approximation, Error> {
     let settings = settings.checked()?;
     let circles = family == Family::Circle;
     let problem = Problem::new(gap, modulus, depth)?.before(settings.deadline);
     settings.deadline.check().map_err(Unsolved::from)?;
     let tolerance: f64 = settings.tolerance;
-    if let Some(mut ridged) = Ridged::of(&problem.overlap) {
-        let peak = polyhedral(&mut ridged, circles, tolerance)?;
+    let units = problem.overlap.units;
+    let (c, radius) = start.map_or(([0.0; 2], 0.5), |(c, radius)| (units.inward(c), radius / units.length));
+    let start = Ellipse { c: c.into(), m: Matrix2::identity() * radius };
+    if let Some(mut polyhedral) = PolyhedralMeans::of(&problem.overlap) {
+        let peak = maximise_concave(&mut polyhedral, start, circles, tolerance)?;
         return Ok(report(&problem, modulus, family, &settings, peak));
     }
     let mut directions = Vec::new();
@@ -112,42 +129,41 @@ fn best(
     problem.overlap.gap.ray_kinks([0.1, 0.07], [0.6, 0.8], &mut kinks);
     let fresh = || {
         let sectors = if ridged { Sectors::between(&directions, THIRD) } else { Sectors::equal(4 * ROUGH_RAYS) };
-        let mut disc = Disc::new(&problem.overlap, sectors, first_rung(tolerance));
+        let mut disc = Disc::new(&problem.overlap, sectors, first_rule_level(tolerance));
         (disc.follow_ridges, disc.follow_kinks) = (ridged, kinks.len() <= MOST_KINKS);
         disc
     };
     let mut disc = fresh();
-    // A first look with few rays that ignore the ridges.
+    // A first search with few rays that ignore the ridges.
     let mut rough = Disc::new(&problem.overlap, Sectors::equal(ROUGH_RAYS), 0);
     (rough.follow_ridges, rough.follow_kinks) = (false, false);
-    let start = Ellipse { c: Vector2::zeros(), m: Matrix2::identity() * 0.5 };
     // A gap that is not convex may have several maxima: from the apex, and from an ellipse over all that can touch.
     let [a, b] = if circles { [problem.half[0].min(problem.half[1]); 2] } else { problem.half };
     let all = Ellipse { c: problem.middle.into(), m: Matrix2::new(a, 0.0, 0.0, b) * ALMOST };
     let mut best = (0.0, start);
     for start in [start, all] {
         if let Ok((near, ..)) = maximise(&mut rough, start, circles, 1e-2)
-            && let Some((force, ..)) = disc.climb(&near, circles)
+            && let Some((force, ..)) = disc.force_and_gradient(&near, circles)
             && force > best.0 * (1.0 + 1e-6)
         {
             best = (force, near);
         }
     }
     let e = best.1;
-    // From the first look; failing that from the circle about the apex, whose symmetry the first look may have spoilt.
-    let free = settle(&mut disc, e, circles, &settings).or_else(|refused| match refused.verdict {
+    // From the first search; failing that from the circle about the apex, whose symmetry the first search may have lost.
+    let free = maximise_inside(&mut disc, e, circles, &settings).or_else(|refused| match refused.verdict {
         Verdict::IterationLimit => Err(refused),
-        _ => settle(&mut fresh(), start, circles, &settings),
+        _ => maximise_inside(&mut fresh(), start, circles, &settings),
     });
     let peak = match free {
         Ok(peak) => peak,
         Err(free) => {
             // No maximum inside: it may lie where the ellipse meets an edge of the punch.
-            let mut walls = Walls::of(&problem.overlap, problem.reach).ok_or(free)?;
+            let mut edges = EdgeConstraint::of(&problem.overlap, problem.reach).ok_or(free)?;
             let mut disc = fresh();
-            let (e, residual, iterations) = walls.climb(&mut disc, circles, tolerance)?;
+            let (e, residual, iterations) = edges.maximise(&mut disc, circles, tolerance)?;
             let (errors, f, rays) = measure(&mut disc, &e, &settings);
-            Peak { e, errors, residual, largest: None, iterations, rays, f }
+            Optimum { e, errors, residual, largest: None, iterations, rays, f }
         }
     };
     Ok(report(&problem, modulus, family, &settings, peak))
@@ -160,35 +176,43 @@ fn gradient_allowed(tolerance: f64) -> f64 {
 }
 
 /// The only maximum over a convex gap made of planes.
-fn polyhedral(ridged: &mut Ridged, circles: bool, tolerance: f64) -> Result<Peak, Unsolved> {
-    let start = Ellipse { c: Vector2::zeros(), m: Matrix2::identity() * 0.5 };
-    let top = Concave { ridged, circles }.maximise(start, gradient_allowed(tolerance))?;
-    Ok(Peak {
+fn maximise_concave(
+    polyhedral: &mut PolyhedralMeans,
+    start: Ellipse,
+    circles: bool,
+    tolerance: f64,
+) -> Result<Optimum, Unsolved> {
+    let top = Concave { polyhedral, circles }.maximise(start, gradient_allowed(tolerance))?;
+    Ok(Optimum {
         e: top.e,
-        errors: [0.0, 4.0 * ridged.rounding / top.mean],
+        errors: [0.0, 4.0 * polyhedral.rounding / top.mean],
         residual: top.decrement,
         largest: Some(top.largest),
         iterations: top.steps,
-        rays: ridged.ridges.all.len(),
+        rays: polyhedral.ridges.all.len(),
         f: top.mean,
     })
 }
 
 /// The maximum inside the punch, with the quadrature made finer until it satisfies.
-fn settle(disc: &mut Disc, start: Ellipse, circles: bool, settings: &Settings) -> Result<Peak, Unsolved> {
-    let tolerance: f64 = settings.tolerance;
-    let gradient_allowed = gradient_allowed(tolerance);
+fn maximise_inside(disc: &mut Disc, start: Ellipse, circles: bool, settings: &Settings) -> Result<Optimum, Unsolved> {
+    let (tolerance, gradient_allowed) = (settings.tolerance, gradient_allowed(settings.tolerance));
     let (mut e, mut iterations) = (start, 0);
+    let off = |found: &Optimum| found.errors[0] + found.errors[1] + found.residual;
+    let mut best: Option<Optimum> = None;
     loop {
         let (peak, residual, steps) = maximise(disc, e, circles, gradient_allowed)?;
         e = peak;
         iterations += steps;
-        let (errors, mut f, refined) = look(disc, &e, settings);
-        let rays = disc.values.len();
+        let (errors, f, refined) = look(disc, &e, settings);
+        let here = Optimum { e, errors, residual, largest: None, iterations, rays: disc.values.len(), f };
+        // The last layout need not be the best: panels are worse than many equal rays where kinks are not known.
+        let found = best.filter(|best| !(off(&here) < off(best))).unwrap_or(here);
+        best = Some(found);
         if refined && errors[0] + errors[1] > tolerance && !disc.out_of_budget() {
             continue;
         }
-        let mut errors = errors;
+        let Optimum { e, mut errors, residual, rays, mut f, .. } = found;
         disc.overlap.deadline.check()?;
         if disc.out_of_budget() {
             if residual > CUT_SHORT {
@@ -202,12 +226,12 @@ fn settle(disc: &mut Disc, start: Ellipse, circles: bool, settings: &Settings) -
             }
             // What the gradient can still gain where the second variation is about -1.
             errors[0] += residual * residual;
-            // The search may have leant on the errors of a rule that does not follow the kinks: the finest tells.
-            let finest = disc.means(&e, &RadialRule::ladder()[RadialRule::ladder().len() - 1]).f;
+            // The maximum may be one of the errors of a rule that does not follow the kinks: the finest rule shows them.
+            let finest = disc.means(&e, RadialRule::finest()).f;
             errors[1] = errors[1].max(((finest - f) / f).abs());
             f = finest;
         } else if residual > 1e-3 {
-            // A summit off the centre, say, that the rays do not resolve: no ellipse runs away, so there may well be a maximum.
+            // A peak of the gap off the centre, say, that the rays do not resolve: the ellipse does not diverge, so there may be a maximum.
             let reason = format!(
                 "the search for the best ellipse came to a stop where the gradient of log P is still {residual:.1e}; the error of \
                  the quadrature is {:.1e}",
@@ -217,8 +241,8 @@ fn settle(disc: &mut Disc, start: Ellipse, circles: bool, settings: &Settings) -
         }
         let largest = curvature(disc, &e, circles)
             .filter(|&largest| largest < 0.0)
-            .ok_or_else(|| runaway("where the force is stationary it is not a maximum"))?;
-        return Ok(Peak { e, errors, residual, largest: Some(largest), iterations, rays, f });
+            .ok_or_else(|| diverged("where the force is stationary it is not a maximum"))?;
+        return Ok(Optimum { e, errors, residual, largest: Some(largest), iterations, rays, f });
     }
 }
 
@@ -227,23 +251,23 @@ fn look(disc: &mut Disc, e: &Ellipse, settings: &Settings) -> ([f64; 2], f64, bo
     let tolerance: f64 = settings.tolerance;
     let means = disc.means(e, disc.rule());
     let total = std::f64::consts::TAU * means.f;
-    let angular = disc.sectors.error(&disc.spokes, &disc.values) / total;
+    let angular = disc.sectors.error(&disc.nodes, &disc.values) / total;
     let values = disc.values.clone();
-    let finer = disc.means(e, &RadialRule::ladder()[disc.rung + 1]);
+    let finer = disc.means(e, RadialRule::level(disc.rule_level + 1).unwrap_or_else(RadialRule::finest));
     let errors = [angular, ((finer.f - means.f) / means.f).abs()];
     let mut refined = false;
     if !disc.may_refine() {
         return (errors, means.f, false);
     }
-    if errors[1] > 0.5 * tolerance && disc.rung + 2 < RadialRule::ladder().len() {
-        disc.rung += 1;
+    if errors[1] > 0.5 * tolerance && RadialRule::can_refine(disc.rule_level) {
+        disc.rule_level += 1;
         refined = true;
     }
     if errors[0] > 0.5 * tolerance {
         let allowed = 0.5 * tolerance * total;
-        let spokes = disc.spokes.clone();
-        if disc.sectors.refine(&spokes, &values, allowed, settings.most_rays) {
-            disc.spokes.clear();
+        let nodes = disc.nodes.clone();
+        if disc.sectors.refine(&nodes, &values, allowed, settings.most_rays) {
+            disc.nodes.clear();
             refined = true;
         }
     }
@@ -254,15 +278,15 @@ fn look(disc: &mut Disc, e: &Ellipse, settings: &Settings) -> ([f64; 2], f64, bo
 fn measure(disc: &mut Disc, e: &Ellipse, settings: &Settings) -> ([f64; 2], f64, usize) {
     loop {
         let (errors, f, refined) = look(disc, e, settings);
-        let rays = disc.values.len();
         if !refined || errors[0] + errors[1] <= settings.tolerance {
-            return (errors, f, rays);
+            return (errors, f, disc.values.len());
         }
     }
 }
 
 /// Where the search ended.
-struct Peak {
+#[derive(Clone, Copy)]
+struct Optimum {
     e: Ellipse,
     errors: [f64; 2],
     residual: f64,
@@ -278,7 +302,7 @@ fn report(
     modulus: EffectiveModulus,
     family: Family,
     settings: &Settings,
-    peak: Peak,
+    peak: Optimum,
 ) -> Approximation {
     let units = problem.overlap.units;
     let ([a, b], along, _) = peak.e.axes();
@@ -321,6 +345,6 @@ pub(crate) fn curvature_ratio(ratio: f64) -> f64 {
     ratio * ratio * share / (1.0 - share)
 }
 
-fn runaway(reason: &str) -> Unsolved {
+fn diverged(reason: &str) -> Unsolved {
     Unsolved::new(Verdict::NoMaximum, reason)
 }

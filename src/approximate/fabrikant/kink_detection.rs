@@ -1,6 +1,6 @@
-//! Kinks along a ray that the gap does not tell about: the ridges of a formula with abs, a cone's apex passed closely.
+//! Kinks along a ray that the gap does not name: the ridges of a formula with abs, a cone's apex passed closely.
 //!
-//! The slope is looked at in equal steps. Where it is smooth, its changes from step to step are alike; a step with far more than
+//! The slope is evaluated in equal steps. Where it is smooth, its changes from step to step are alike; a step with far more than
 //! its neighbours holds a kink, or a bend as sharp as one, and is halved towards it. Rules split there see smooth pieces.
 
 use super::ray::{RayLine, ScaledOverlap};

@@ -1,10 +1,11 @@
-//! The way up: Hertz's step, then BFGS; and the check that the top is one.
+//! The best ellipse of a smooth gap: Hertz's step, then BFGS (log P need not be concave); and the check that it is a maximum.
 
 use nalgebra::{DMatrix, Matrix2, SMatrix};
 
 use super::coordinates::{Ellipse, Step, eigen, mean_and_share};
 use super::disc::{Disc, Means};
-use super::runaway;
+use super::diverged;
+use crate::numeric::scalar::root;
 use crate::solution::Unsolved;
 
 /// Steps before giving up.
@@ -28,31 +29,16 @@ pub(super) fn hertz(e: &Ellipse, means: &Means, circles: bool) -> Option<Ellipse
         let mean = 0.5 * (curvatures[0] + curvatures[1]);
         return Some(Ellipse { c, m: Matrix2::identity() * (depth / mean).sqrt() });
     }
-    // A/B = k^2 share/(1 - share); log against log is almost straight (DLMF 19.16 forms it from R_D), so secants do.
+    // A/B = k^2 share/(1 - share), which lies between k and k^2: log against log is almost straight.
     let target = (curvatures[0] / curvatures[1]).ln();
     let off = |log_k: f64| {
         let (_, share) = mean_and_share(1.0, log_k.exp());
         2.0 * log_k + (share / (1.0 - share)).ln() - target
     };
-    let (mut x0, mut x1) = (0.6 * target, (0.6 * target + 0.05).min(0.0));
-    if x0 == x1 {
-        x0 = -0.05;
-    }
-    let (mut y0, mut y1) = (off(x0), off(x1));
-    for _ in 0..60 {
-        if y1 == y0 || y1.abs() < 1e-15 {
-            break;
-        }
-        let x2 = (x1 - y1 * (x1 - x0) / (y1 - y0)).min(0.0);
-        (x0, y0, x1) = (x1, y1, x2);
-        if x1 == x0 {
-            break;
-        }
-        y1 = off(x1);
-    }
-    let (_, share) = mean_and_share(1.0, x1.exp());
+    let k = root(off, target, 0.0).map_or(1.0, |found| found.at.exp());
+    let (_, share) = mean_and_share(1.0, k);
     let b = (2.0 * depth * (1.0 - share) / curvatures[1]).sqrt();
-    let axes = Matrix2::new(b / x1.exp(), 0.0, 0.0, b);
+    let axes = Matrix2::new(b / k, 0.0, 0.0, b);
     Some(Ellipse { c, m: directions * axes })
 }
 
@@ -73,7 +59,7 @@ pub(super) fn maximise(
         }
         if steps < 3
             && let Some(next) = hertz(&e, &means, circles)
-            && let Some((f, g, m)) = disc.climb(&next, circles)
+            && let Some((f, g, m)) = disc.force_and_gradient(&next, circles)
             && f > force
         {
             (e, force, gradient, means) = (next, f, g, m);
@@ -93,7 +79,7 @@ pub(super) fn maximise(
                 break;
             }
             let next = e.moved(&step);
-            if let Some((f, g, m)) = disc.climb(&next, circles)
+            if let Some((f, g, m)) = disc.force_and_gradient(&next, circles)
                 && f >= force * (1.0 - 4e-16)
             {
                 let y = gradient - g;
@@ -113,7 +99,7 @@ pub(super) fn maximise(
         }
         let ([a, b], ..) = e.axes();
         if !(a < 1e12 && b > 1e-12) {
-            return Err(runaway("the ellipse grows or shrinks without end"));
+            return Err(diverged("the ellipse grows or shrinks without end"));
         }
         if !accepted {
             // Rounding, or the quadrature: as stationary as it can be seen to be with these nodes.
@@ -130,15 +116,15 @@ pub(super) fn shrink_until_loaded(
     circles: bool,
 ) -> Result<(f64, Step, Means), Unsolved> {
     for _ in 0..200 {
-        if let Some(found) = disc.climb(e, circles) {
+        if let Some(found) = disc.force_and_gradient(e, circles) {
             return Ok(found);
         }
         disc.overlap.deadline.check()?;
-        // The means of a smooth gap tell the way even where the force is negative.
+        // The means of a smooth gap give a step even where the force is negative.
         let means = disc.means(e, disc.rule());
         match hertz(e, &means, circles) {
             Some(better) if better.m.iter().all(|m| m.is_finite()) && better.axes().0[0] < e.axes().0[0] * 1e6 => {
-                if disc.climb(&better, circles).is_some() {
+                if disc.force_and_gradient(&better, circles).is_some() {
                     *e = better;
                     continue;
                 }
@@ -147,7 +133,7 @@ pub(super) fn shrink_until_loaded(
             _ => e.m *= 0.5,
         }
     }
-    Err(runaway("no ellipse carries load"))
+    Err(diverged("no ellipse carries load"))
 }
 
 /// Largest eigenvalue of the Hessian of log P, by differences of the gradient: negative at a strict local maximum.
@@ -159,11 +145,11 @@ pub(super) fn curvature(disc: &mut Disc, e: &Ellipse, circles: bool) -> Option<f
     } else {
         (0..5).map(|k| Step::ith(k, 1.0)).collect()
     };
-    let (_, here, _) = disc.climb(e, circles)?;
+    let (_, here, _) = disc.force_and_gradient(e, circles)?;
     let n = directions.len();
     let mut hessian = DMatrix::zeros(n, n);
     for (j, direction) in directions.iter().enumerate() {
-        let (_, there, _) = disc.climb(&e.moved(&(direction * H)), circles)?;
+        let (_, there, _) = disc.force_and_gradient(&e.moved(&(direction * H)), circles)?;
         for (i, other) in directions.iter().enumerate() {
             hessian[(i, j)] = other.dot(&(there - here)) / H;
         }

@@ -3,7 +3,7 @@
 //! In the coordinates that make the ellipse the unit disc the flat-punch pressure is w = (1 - rho^2)^(-1/2)/(2 pi), the
 //! projection of a uniform sphere. The gap is plane but for its ridges; on a ridge at distance q from the centre, t along
 //! it, n across it, its slope jumps by kappa n. By the divergence theorem, with z = (1 - q^2 - t^2)^(1/2) and
-//! theta = atan2(t, z), every mean is a sum over the ridges of differences between the ends of their stretch in the disc:
+//! theta = atan2(t, z), every mean is a sum over the ridges of differences between the ends of their segment in the disc:
 //!
 //! ```text
 //! mean g             = g(0) + sum kappa [t z/2 + (1 + q^2) theta/2 - |q| atan2(t, |q| z)]/(2 pi)
@@ -13,7 +13,7 @@
 //! ```
 //!
 //! A ridge that crosses the disc from rim to rim cuts off a cap, the share (1 - |q|)/2 of the sphere, and its mean is
-//! kappa (1 - |q|)^2/4: nothing cancels, and nothing has to settle, however thin the caps beyond the edge of a blunt tip are.
+//! kappa (1 - |q|)^2/4: nothing cancels, and nothing has to converge, however thin the caps beyond the edge of a blunt tip are.
 
 use std::f64::consts::{PI, SQRT_2, TAU};
 
@@ -25,10 +25,10 @@ use crate::approximate::fabrikant::ScaledOverlap;
 use crate::gap::{Gap, Ridges};
 
 /// Second derivatives in the coordinates of a [`Step`].
-pub(super) type Bend = SMatrix<f64, 5, 5>;
+pub(super) type Hessian = SMatrix<f64, 5, 5>;
 
 /// A polyhedral gap, with the buffers of its evaluation.
-pub(super) struct Ridged<'a> {
+pub(super) struct PolyhedralMeans<'a> {
     pub overlap: &'a ScaledOverlap,
     pub ridges: Ridges,
     /// The corners in the coordinates of the ellipse, and whether each lies in the disc.
@@ -41,8 +41,8 @@ pub(super) struct Ridged<'a> {
     pub rounding: f64,
 }
 
-/// The stretch of one ridge inside the disc.
-struct Stretch {
+/// The segment of one ridge inside the disc.
+struct RidgeSegment {
     kappa: f64,
     n: Vector2<f64>,
     along: Vector2<f64>,
@@ -52,7 +52,7 @@ struct Stretch {
     at_rim: [bool; 2],
 }
 
-impl<'a> Ridged<'a> {
+impl<'a> PolyhedralMeans<'a> {
     /// `None` when the gap is not polyhedral.
     pub fn of(overlap: &'a ScaledOverlap) -> Option<Self> {
         let ridges = overlap.gap.ridges()?;
@@ -62,8 +62,8 @@ impl<'a> Ridged<'a> {
         Some(Self { overlap, ridges, corners, crossings, chords, rounding: 0.0 })
     }
 
-    /// The means, and the second derivatives of the mean gap if `bend` is given.
-    pub fn means(&mut self, e: &Ellipse, mut bend: Option<&mut Bend>) -> Option<Means> {
+    /// The means, and the second derivatives of the mean gap if `hessian` is given.
+    pub fn means(&mut self, e: &Ellipse, mut hessian: Option<&mut Hessian>) -> Option<Means> {
         let inward = e.m.try_inverse()?;
         let into = |p: [f64; 2]| inward * (Vector2::from(p) - e.c);
         self.corners.clear();
@@ -82,7 +82,7 @@ impl<'a> Ridged<'a> {
             }) else {
                 continue;
             };
-            let Stretch { kappa, n, along, q, ends, at_rim } = stretch;
+            let RidgeSegment { kappa, n, along, q, ends, at_rim } = stretch;
             let hh = ((1.0 - q) * (1.0 + q)).max(0.0);
             let reach = q.abs();
             let mut sums = [0.0; 6];
@@ -113,14 +113,14 @@ impl<'a> Ridged<'a> {
                 means.slope -= n * (share * sums[1]);
             }
             means.moment += n * n.transpose() * (share * sums[2]);
-            if let Some(bend) = bend.as_deref_mut() {
+            if let Some(hessian) = hessian.as_deref_mut() {
                 let squares =
                     |a: Vector2<f64>, b: Vector2<f64>| [a.x * b.x, a.y * b.y, (a.x * b.y + a.y * b.x) / SQRT_2];
                 let ([a, b, c], [d, f, g]) = (squares(n, n), squares(n, along));
                 let fixed = Step::new(n.x, n.y, q * a, q * b, q * c);
                 let rate = Step::new(0.0, 0.0, d, f, g);
                 let mixed = fixed * rate.transpose();
-                *bend += (fixed * fixed.transpose() * sums[3]
+                *hessian += (fixed * fixed.transpose() * sums[3]
                     + (mixed + mixed.transpose()) * sums[4]
                     + rate * rate.transpose() * sums[5])
                     * share;
@@ -171,7 +171,7 @@ fn stretch(
     point: Vector2<f64>,
     direction: Vector2<f64>,
     end: impl Fn(usize) -> Option<(Vector2<f64>, bool)>,
-) -> Option<Stretch> {
+) -> Option<RidgeSegment> {
     let kappa = jump.norm();
     if !(kappa > 0.0) {
         return None;
@@ -190,7 +190,7 @@ fn stretch(
         return None;
     }
     let ends = [if from.1 { from.0 } else { -half }, if to.1 { to.0 } else { half }];
-    Some(Stretch { kappa, n, along, q, ends, at_rim: [!from.1, !to.1] })
+    Some(RidgeSegment { kappa, n, along, q, ends, at_rim: [!from.1, !to.1] })
 }
 
 #[cfg(test)]
@@ -229,16 +229,16 @@ mod tests {
         for gap in &gaps() {
             let f = overlap(gap);
             for e in ellipses() {
-                let exact = Ridged::of(&f).unwrap().means(&e, None).unwrap();
+                let exact = PolyhedralMeans::of(&f).unwrap().means(&e, None).unwrap();
                 let mut directions = Vec::new();
                 gap.kink_directions([0.0; 2], &mut directions);
                 let mut disc = Disc::new(&f, Sectors::between(&directions, THIRD), 2);
                 let mut error = f64::INFINITY;
                 let mut means = disc.means(&e, disc.rule());
                 for _ in 0..20 {
-                    let (spokes, values) = (disc.spokes.clone(), disc.values.clone());
-                    error = disc.sectors.error(&spokes, &values);
-                    if error < 1e-15 || !disc.sectors.refine(&spokes, &values, 1e-15, 30_000) {
+                    let (nodes, values) = (disc.nodes.clone(), disc.values.clone());
+                    error = disc.sectors.error(&nodes, &values);
+                    if error < 1e-15 || !disc.sectors.refine(&nodes, &values, 1e-15, 30_000) {
                         break;
                     }
                     means = disc.means(&e, disc.rule());
@@ -249,15 +249,15 @@ mod tests {
         }
     }
 
-    /// Slope and moment are the derivatives of the mean, and the bend is theirs.
+    /// Slope and moment are the derivatives of the mean, and the Hessian theirs.
     #[test]
     fn derivatives_are_those_of_the_mean() {
         for gap in &gaps() {
             let f = overlap(gap);
-            let mut ridged = Ridged::of(&f).unwrap();
+            let mut polyhedral = PolyhedralMeans::of(&f).unwrap();
             for e in ellipses() {
-                let mut bend = Bend::zeros();
-                let here = ridged.means(&e, Some(&mut bend)).unwrap();
+                let mut hessian = Hessian::zeros();
+                let here = polyhedral.means(&e, Some(&mut hessian)).unwrap();
                 let gradient = |m: &Means| {
                     let t = &m.moment;
                     Step::new(m.slope.x, m.slope.y, t[(0, 0)], t[(1, 1)], (t[(0, 1)] + t[(1, 0)]) / SQRT_2)
@@ -270,15 +270,15 @@ mod tests {
                         let linear = Matrix2::new(1.0 + x[2], s, s, 1.0 + x[3]);
                         Ellipse { c: e.c + e.m * Vector2::new(x[0], x[1]), m: e.m * linear }
                     };
-                    let (up, down) = [1.0, -1.0].map(|s| ridged.means(&shift(s), None).unwrap()).into();
+                    let (up, down) = [1.0, -1.0].map(|s| polyhedral.means(&shift(s), None).unwrap()).into();
                     let scale = 1.0 + here.f.abs();
-                    let [far_up, far_down] = [1e-4, -1e-4].map(|h| ridged.means(&shift(h / H), None).unwrap().f);
+                    let [far_up, far_down] = [1e-4, -1e-4].map(|h| polyhedral.means(&shift(h / H), None).unwrap().f);
                     let second = (2.0 * here.f - far_up - far_down) / 1e-8;
-                    assert!((second - bend[(k, k)]).abs() < 1e-3 * scale, "{k} {second} {}", bend[(k, k)]);
+                    assert!((second - hessian[(k, k)]).abs() < 1e-3 * scale, "{k} {second} {}", hessian[(k, k)]);
                     assert!(((down.f - up.f) / (2.0 * H) - gradient(&here)[k]).abs() < 1e-7 * scale, "{k}");
                     if k < 2 {
                         let bent = (gradient(&up) - gradient(&down)) / (2.0 * H);
-                        assert!((bent - bend.column(k)).norm() < 1e-5 * scale, "{k} {bent} {bend}");
+                        assert!((bent - hessian.column(k)).norm() < 1e-5 * scale, "{k} {bent} {hessian}");
                     }
                 }
             }
@@ -290,17 +290,17 @@ mod tests {
     fn corners_in_awkward_places() {
         let gap = Polyhedron::pyramid(3, 0.25 * PI).unwrap();
         let f = overlap(&gap);
-        let mut ridged = Ridged::of(&f).unwrap();
+        let mut polyhedral = PolyhedralMeans::of(&f).unwrap();
         let r = 0.5;
-        let mean = |ridged: &mut Ridged, x: f64| {
-            ridged.means(&Ellipse { c: Vector2::new(x, 0.0), m: Matrix2::identity() * r }, None).unwrap()
+        let mean = |polyhedral: &mut PolyhedralMeans, x: f64| {
+            polyhedral.means(&Ellipse { c: Vector2::new(x, 0.0), m: Matrix2::identity() * r }, None).unwrap()
         };
         // Section 4.3: the mean of the gap over a circle about the apex is (pi/4) r (3/pi) sin(pi/3).
-        let here = mean(&mut ridged, 0.0);
+        let here = mean(&mut polyhedral, 0.0);
         assert!((here.f - (1.0 - 0.25 * PI * r * 3.0 / PI * (PI / 3.0).sin())).abs() < 1e-15);
         assert!(here.slope.norm() < 1e-15);
         for x in [1e-17, 1e-15, 1e-12, r, r * (1.0 - 1e-16), r * (1.0 + 3e-16)] {
-            let (near, there) = (mean(&mut ridged, x + 1e-9), mean(&mut ridged, x));
+            let (near, there) = (mean(&mut polyhedral, x + 1e-9), mean(&mut polyhedral, x));
             assert!((near.slope - there.slope).norm() < 1e-6 && (near.f - there.f).abs() < 1e-8, "{x}");
         }
     }

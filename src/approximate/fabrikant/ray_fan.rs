@@ -1,17 +1,17 @@
-//! A star of rays about one centre: the state that the boundary solvers share.
+//! A fan of rays about one centre: the state that the boundary solvers share.
 
 use std::cell::Cell;
-use std::f64::consts::TAU;
 
 use nalgebra::Matrix2;
 
 use super::facets::Facets;
-use super::hidden_kinks;
+use super::kink_detection;
 use super::radial::{RadialPosition, RadialRule};
 use super::ray::{Along, RayLine, ScaledOverlap};
-use super::ridges::ridge_directions;
-use super::sectors::{SIXTH, Sectors, Spoke};
+use super::sectors::{QuadratureNode, SIXTH, Sectors};
+use super::symmetry::ridge_directions;
 use crate::gap::Gap;
+use crate::numeric::scalar::{TO_THE_LAST_DIGIT, bisected};
 
 /// Evaluations of the gap after which a solve is given up: many times what a gap takes whose boundary is one smooth curve.
 const MOST_EVALUATIONS: usize = 1_500_000;
@@ -25,16 +25,16 @@ const AT_CENTRE: f64 = 1e-13;
 /// One ray and the boundary on it.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Ray {
-    pub spoke: Spoke,
+    pub node: QuadratureNode,
     pub direction: [f64; 2],
     /// Range in the shared lists of kinks and jumps.
     pub kinks: (usize, usize),
     /// Slope of the gap on the first piece, where it is made of planes.
     pub slope: f64,
-    /// Where the boundary stands.
+    /// Radius of the boundary.
     pub a: f64,
-    /// The same to all digits, once measured.
-    pub stand: RadialPosition,
+    /// The same to all digits, once evaluated.
+    pub position: RadialPosition,
     /// Where the material ends.
     pub limit: f64,
     /// Whether the safe search found G_a below D everywhere on the ray.
@@ -46,14 +46,14 @@ pub(crate) struct Ray {
 }
 
 impl Ray {
-    /// Whether the boundary is held back by the edge of the punch.
+    /// Whether the boundary lies at the edge of the punch.
     pub fn at_edge(&self) -> bool {
         self.a >= self.limit
     }
 }
 
 /// The rays about a centre with the quadrature over them. Built once a layout; sweeps over it allocate nothing.
-pub(crate) struct Star<'a> {
+pub(crate) struct RayFan<'a> {
     pub overlap: &'a ScaledOverlap,
     pub centre: [f64; 2],
     /// f at the centre.
@@ -70,17 +70,17 @@ pub(crate) struct Star<'a> {
     pub directions: Vec<f64>,
     /// Where the boundary was found to run over a ridge.
     pub crossings: Vec<f64>,
-    pub(super) spokes: Vec<Spoke>,
+    pub(super) nodes: Vec<QuadratureNode>,
     pub(super) values: Vec<f64>,
-    /// Place in the ladder of radial rules.
-    pub rung: usize,
+    /// Level of the radial rule.
+    pub rule_level: usize,
     /// Inverse of the derivative of the centroid's offset by the centre, negative: what the moves of the centre learn.
     pub recentring: Matrix2<f64>,
     /// Whether the centre has had to move.
     pub moved: bool,
     /// Whether every step checks that there is material at the boundary, not only along the rays.
     pub checks_material: bool,
-    /// How far kinks that the gap does not tell about are looked for along every ray.
+    /// How far kinks that the gap does not name are searched for along every ray.
     pub search: Option<f64>,
     /// Evaluations of the gap after which the solve is given up.
     pub budget: usize,
@@ -88,26 +88,27 @@ pub(crate) struct Star<'a> {
     pub(super) spent: Cell<usize>,
 }
 
-impl<'a> Star<'a> {
-    /// Rays about `centre`, the boundary a circle of radius `start`.
-    pub fn about(overlap: &'a ScaledOverlap, centre: [f64; 2], start: f64, rung: usize) -> Self {
+impl<'a> RayFan<'a> {
+    /// Rays about `centre`, the boundary a circle of radius `start`; `turns`: how many turns about the centre leave boundary and gap
+    /// as they are.
+    pub fn about(overlap: &'a ScaledOverlap, centre: [f64; 2], start: f64, rule_level: usize, turns: usize) -> Self {
         let mut directions = Vec::new();
         ridge_directions(overlap, centre, &mut directions);
-        let mut star = Self {
+        let mut fan = Self {
             overlap,
             centre,
             f0: overlap.at(centre),
             facets: Facets::about(overlap, centre, AT_CENTRE),
             met: Vec::new(),
-            sectors: Sectors::between(&directions, SIXTH),
+            sectors: Sectors::repeated(&directions, SIXTH, turns),
             rays: Vec::new(),
             kinks: Vec::new(),
             jumps: Vec::new(),
             directions,
             crossings: Vec::new(),
-            spokes: Vec::new(),
+            nodes: Vec::new(),
             values: Vec::new(),
-            rung,
+            rule_level,
             recentring: Matrix2::identity() * (8.0 / (3.0 * std::f64::consts::PI)),
             moved: false,
             checks_material: false,
@@ -116,18 +117,18 @@ impl<'a> Star<'a> {
             budget: if overlap.has_planes() { 6 * MOST_EVALUATIONS } else { MOST_EVALUATIONS },
             spent: Cell::new(0),
         };
-        star.lay(&[[0.0, start]]);
-        star
+        fan.lay(&[[0.0, start]]);
+        fan
     }
 
     /// The rule in use along the rays.
     pub fn rule(&self) -> &'static RadialRule {
-        &RadialRule::ladder()[self.rung.min(RadialRule::ladder().len() - 1)]
+        RadialRule::level(self.rule_level).unwrap_or_else(RadialRule::finest)
     }
 
     /// The next finer rule, if there is one.
     pub fn finer_rule(&self) -> Option<&'static RadialRule> {
-        RadialRule::ladder().get(self.rung + 1)
+        RadialRule::level(self.rule_level + 1)
     }
 
     /// The geometry of one ray.
@@ -137,35 +138,36 @@ impl<'a> Star<'a> {
         RayLine { centre: self.centre, direction: ray.direction, kinks: &self.kinks[range], planes }
     }
 
-    /// Angles and radii of the present boundary, ascending.
+    /// Angles and radii of the present boundary within one period, ascending.
     pub fn outline(&self) -> Vec<[f64; 2]> {
-        let mut outline: Vec<_> = self.rays.iter().map(|r| [r.spoke.angle.rem_euclid(TAU), r.a]).collect();
+        let period = self.sectors.period();
+        let mut outline: Vec<_> = self.rays.iter().map(|r| [r.node.angle.rem_euclid(period), r.a]).collect();
         outline.sort_by(|p, q| p[0].total_cmp(&q[0]));
         outline
     }
 
     /// Lays the rays of the present sectors, with the boundary taken over from `outline`.
     pub fn lay(&mut self, outline: &[[f64; 2]]) {
-        let mut spokes = std::mem::take(&mut self.spokes);
-        self.sectors.spokes(&mut spokes);
+        let mut nodes = std::mem::take(&mut self.nodes);
+        self.sectors.nodes(&mut nodes);
         self.rays.clear();
         self.kinks.clear();
         self.jumps.clear();
-        for &spoke in &spokes {
-            let ray = self.new_ray(spoke, radius_in(outline, spoke.angle));
+        for &node in &nodes {
+            let ray = self.new_ray(node, radius_in(outline, node.angle, self.sectors.period()));
             self.rays.push(ray);
         }
-        self.spokes = spokes;
+        self.nodes = nodes;
         self.values.resize(self.rays.len(), 0.0);
     }
 
     /// A ray that is not part of the quadrature.
     pub fn extra_ray(&mut self, angle: f64, a: f64) -> Ray {
-        self.new_ray(Spoke { angle, fine: 0.0, coarse: 0.0 }, a)
+        self.new_ray(QuadratureNode { angle, fine: 0.0, coarse: 0.0 }, a)
     }
 
-    fn new_ray(&mut self, spoke: Spoke, a: f64) -> Ray {
-        let (sin, cos) = spoke.angle.sin_cos();
+    fn new_ray(&mut self, node: QuadratureNode, a: f64) -> Ray {
+        let (sin, cos) = node.angle.sin_cos();
         let from = self.kinks.len();
         let mut slope = 0.0;
         if let Some(facets) = &self.facets {
@@ -179,14 +181,14 @@ impl<'a> Star<'a> {
             }
         }
         let kinks = (from, self.kinks.len());
-        let (stand, along) = Default::default();
+        let (position, along) = Default::default();
         Ray {
-            spoke,
+            node,
             direction: [cos, sin],
             kinks,
             slope,
             a,
-            stand,
+            position,
             limit: f64::INFINITY,
             stuck: false,
             measured: false,
@@ -200,8 +202,8 @@ impl<'a> Star<'a> {
         self.overlap.gap.ray_kinks(self.centre, direction, &mut self.kinks);
         if let Some(range) = self.search {
             let line = RayLine { centre: self.centre, direction, kinks: &[], planes: None };
-            hidden_kinks::find(&line, self.overlap, range, from, &mut self.kinks);
-            self.spent.set(self.spent.get() + hidden_kinks::PRICE);
+            kink_detection::find(&line, self.overlap, range, from, &mut self.kinks);
+            self.spent.set(self.spent.get() + kink_detection::PRICE);
         }
         self.kinks[from..].sort_unstable_by(f64::total_cmp);
         // On an apex but for rounding.
@@ -235,13 +237,13 @@ impl<'a> Star<'a> {
         self.directions.truncate(told);
     }
 
-    /// The kinks listed so far, and the way back to them: rays made in between are forgotten.
-    pub fn mark(&self) -> usize {
+    /// The number of kinks listed so far: [`Self::release_kinks`] forgets those of rays made since.
+    pub fn kinks_held(&self) -> usize {
         self.kinks.len()
     }
 
-    /// Forgets the kinks of the rays made since this mark.
-    pub fn release(&mut self, mark: usize) {
+    /// Forgets the kinks of the rays made since there were so many.
+    pub fn release_kinks(&mut self, mark: usize) {
         self.kinks.truncate(mark);
         self.jumps.truncate(mark.min(self.jumps.len()));
     }
@@ -253,10 +255,10 @@ impl<'a> Star<'a> {
             if attempt % CHECKED == CHECKED - 1 && self.overlap.deadline.has_passed() {
                 break;
             }
-            if ray.stand.a != ray.a {
-                ray.stand = RadialPosition::at(self.line(&ray).kinks, ray.a);
+            if ray.position.a != ray.a {
+                ray.position = RadialPosition::at(self.line(&ray).kinks, ray.a);
             }
-            ray.along = self.line(&ray).along(self.overlap, self.f0, &ray.stand, self.rule());
+            ray.along = self.line(&ray).along(self.overlap, self.f0, &ray.position, self.rule());
             self.spent.set(self.spent.get() + self.price(&ray));
             let Along { g, g_a, g_aa } = ray.along;
             if (g + g_a + g_aa).is_finite() && (!self.checks_material || self.has_material(&ray)) {
@@ -267,16 +269,7 @@ impl<'a> Star<'a> {
                 // Material everywhere, but its slope is infinite here (the rim of a sphere).
                 ray.a *= 1.0 - 1e-3;
             } else {
-                let (mut lo, mut hi) = (0.0, ray.a);
-                while hi - lo > f64::EPSILON * hi {
-                    let middle = 0.5 * (lo + hi);
-                    // Neighbours among the numbers, which below the least normal one are far apart.
-                    if !(lo < middle && middle < hi) {
-                        break;
-                    }
-                    if inside(middle) { lo = middle } else { hi = middle }
-                }
-                ray.limit = lo * (1.0 - f64::EPSILON);
+                ray.limit = bisected(inside, [0.0, ray.a], TO_THE_LAST_DIGIT)[0] * (1.0 - f64::EPSILON);
                 ray.a = ray.limit;
             }
         }
@@ -285,7 +278,7 @@ impl<'a> Star<'a> {
 
     /// Evaluations of the gap that one measurement takes.
     pub(super) fn price(&self, ray: &Ray) -> usize {
-        let pieces = 1 + ray.stand.inner;
+        let pieces = 1 + ray.position.inner;
         match (self.overlap.has_planes(), self.overlap.has_gradient()) {
             (true, _) => pieces,
             (false, true) => pieces * self.rule().whole.len(),
@@ -327,19 +320,19 @@ impl<'a> Star<'a> {
     }
 }
 
-/// Radius at an angle of the closed outline (angle, radius), 1/a linear in between.
-pub(crate) fn radius_in(outline: &[[f64; 2]], angle: f64) -> f64 {
+/// Radius at an angle of the outline (angle, radius), which repeats itself after `period`; 1/a linear in between.
+pub(crate) fn radius_in(outline: &[[f64; 2]], angle: f64, period: f64) -> f64 {
     let n = outline.len();
     if n == 1 {
         return outline[0][1];
     }
-    let angle = angle.rem_euclid(TAU);
+    let angle = angle.rem_euclid(period);
     let after = outline.partition_point(|p| p[0] < angle);
     let (p, q) = (outline[(after + n - 1) % n], outline[after % n]);
-    let span = (q[0] - p[0]).rem_euclid(TAU);
+    let span = (q[0] - p[0]).rem_euclid(period);
     if span < 1e-14 {
         return q[1];
     }
-    let s = ((angle - p[0]).rem_euclid(TAU) / span).clamp(0.0, 1.0);
+    let s = ((angle - p[0]).rem_euclid(period) / span).clamp(0.0, 1.0);
     1.0 / ((1.0 - s) / p[1] + s / q[1])
 }

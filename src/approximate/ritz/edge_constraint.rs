@@ -1,4 +1,4 @@
-//! Ellipses that end at an edge of the punch: beyond it there is no material, or the gap climbs at once out of reach.
+//! Ellipses that end at an edge of the punch: beyond it there is no material, or the gap rises at once out of reach.
 //!
 //! The force of a flat punch grows with the ellipse until it meets the edge, so the maximum lies on the constraint. The edge
 //! is traced by rays from the centre of the ellipse, in the coordinates that make it the unit disc; its points p must stay
@@ -11,6 +11,7 @@
 //! and a step maximises g . x - kappa x^2/2 under these (sequential quadratic programming, with a logarithmic barrier for
 //! the inner programme: five unknowns). The points lie dense enough to carry the curvature of the edge, and after each
 //! step the ellipse is shrunk until it lies inside again. A local maximum for plan-forms that are not convex.
+//! Flat punches and formulas with a region have no answer without it: log P is not stationary at an edge.
 
 use std::f64::consts::{SQRT_2, TAU};
 
@@ -18,9 +19,10 @@ use nalgebra::{SMatrix, SVector, Vector2};
 
 use super::coordinates::{Ellipse, Step};
 use super::disc::Disc;
-use super::runaway;
+use super::diverged;
 use crate::approximate::fabrikant::ScaledOverlap;
 use crate::gap::Gap;
+use crate::numeric::scalar::{TO_THE_LAST_DIGIT, bisected, maximum};
 use crate::solution::Unsolved;
 
 /// Rays that trace the edge.
@@ -35,19 +37,19 @@ const KAPPA: f64 = 1.5;
 const INSIDE: f64 = 0.05;
 
 /// The edges of the punch around an overlap.
-pub(super) struct Walls<'a> {
+pub(super) struct EdgeConstraint<'a> {
     overlap: &'a ScaledOverlap,
     reach: f64,
     kinks: Vec<f64>,
 }
 
-impl<'a> Walls<'a> {
+impl<'a> EdgeConstraint<'a> {
     /// `None` when there is no edge in sight at which the bodies overlap.
     pub fn of(overlap: &'a ScaledOverlap, reach: f64) -> Option<Self> {
-        let mut walls = Self { overlap, reach: 1.01 * reach, kinks: Vec::new() };
+        let mut edges = Self { overlap, reach: 1.01 * reach, kinks: Vec::new() };
         let circle = Ellipse { c: Vector2::zeros(), m: nalgebra::Matrix2::identity() };
-        let met = (0..RAYS).any(|k| walls.edge(&circle, TAU * k as f64 / RAYS as f64, f64::INFINITY).is_finite());
-        met.then_some(walls)
+        let met = (0..RAYS).any(|k| edges.edge(&circle, TAU * k as f64 / RAYS as f64, f64::INFINITY).is_finite());
+        met.then_some(edges)
     }
 
     /// Distance of the edge in this direction, in radii of the ellipse; infinite when there is none before `far`.
@@ -67,15 +69,11 @@ impl<'a> Walls<'a> {
                 return k / length;
             }
         }
-        // Edges that nobody told about.
+        // Edges that the gap does not name.
         const SCAN: usize = 24;
         let place = |n: usize| far * n as f64 / SCAN as f64;
         let Some(n) = (1..=SCAN).find(|&n| !overlap(place(n)).is_finite()) else { return f64::INFINITY };
-        let (mut low, mut high) = (place(n - 1), place(n));
-        for _ in 0..52 {
-            let middle = 0.5 * (low + high);
-            *if overlap(middle).is_finite() { &mut low } else { &mut high } = middle;
-        }
+        let low = bisected(|r| overlap(r).is_finite(), [place(n - 1), place(n)], TO_THE_LAST_DIGIT)[0];
         if overlap(low) > 0.0 { low / length } else { f64::INFINITY }
     }
 
@@ -92,8 +90,7 @@ impl<'a> Walls<'a> {
                 continue;
             }
             let step = TAU / RAYS as f64;
-            let nearest =
-                crate::numeric::scalar::maximum(|psi| -self.edge(e, psi, FAR), edge[k][0] - step, edge[k][0] + step, 2);
+            let nearest = maximum(|psi| -self.edge(e, psi, FAR), edge[k][0] - step, edge[k][0] + step, 2);
             edge.push([nearest.at, -nearest.value]);
         }
     }
@@ -107,13 +104,18 @@ impl<'a> Walls<'a> {
     }
 
     /// The best ellipse inside the edges, how much more the model promises, and the steps taken.
-    pub fn climb(&mut self, disc: &mut Disc, circles: bool, tolerance: f64) -> Result<(Ellipse, f64, usize), Unsolved> {
-        let nothing = || runaway("no ellipse inside the edge of the punch carries load");
+    pub fn maximise(
+        &mut self,
+        disc: &mut Disc,
+        circles: bool,
+        tolerance: f64,
+    ) -> Result<(Ellipse, f64, usize), Unsolved> {
+        let nothing = || diverged("no ellipse inside the edge of the punch carries load");
         let mut edge = Vec::new();
         let mut e = Ellipse { c: Vector2::zeros(), m: nalgebra::Matrix2::identity() * 0.5 };
         self.trace(&e, &mut edge);
         e = Self::inside(&e, &mut edge);
-        let (mut force, mut gradient, _) = disc.climb(&e, circles).ok_or_else(nothing)?;
+        let (mut force, mut gradient, _) = disc.force_and_gradient(&e, circles).ok_or_else(nothing)?;
         let mut promise = f64::INFINITY;
         for steps in 0..MOST_STEPS {
             if disc.out_of_budget() {
@@ -130,7 +132,7 @@ impl<'a> Walls<'a> {
                 share *= 0.5;
                 self.trace(&next, &mut edge);
                 next = Self::inside(&next, &mut edge);
-                disc.climb(&next, circles).filter(|found| found.0 > force).map(|found| (next, found))
+                disc.force_and_gradient(&next, circles).filter(|found| found.0 > force).map(|found| (next, found))
             });
             match better {
                 Some((next, (f, g, _))) => (e, force, gradient) = (next, f, g),
@@ -174,18 +176,18 @@ fn inner_step(gradient: &Step, edge: &[[f64; 2]], circles: bool) -> Step {
     while mu > 1e-15 {
         for _ in 0..6 {
             let mut slope: SVector<f64, 5> = g - x * KAPPA;
-            let mut bend = SMatrix::<f64, 5, 5>::identity() * KAPPA;
+            let mut hessian = SMatrix::<f64, 5, 5>::identity() * KAPPA;
             for (a, b) in &rows {
                 let s = b - a.dot(&x);
                 slope -= a * (mu / s);
-                bend += a * a.transpose() * (mu / (s * s));
+                hessian += a * a.transpose() * (mu / (s * s));
             }
             for m in 0..5 {
                 let (low, high) = (MOST + x[m], MOST - x[m]);
                 slope[m] += mu / low - mu / high;
-                bend[(m, m)] += mu / (low * low) + mu / (high * high);
+                hessian[(m, m)] += mu / (low * low) + mu / (high * high);
             }
-            let Some(newton) = bend.cholesky().map(|c| c.solve(&slope)) else { return x };
+            let Some(newton) = hessian.cholesky().map(|c| c.solve(&slope)) else { return x };
             let mut share = 1.0;
             while share > 1e-6 && !allowed(&(x + newton * share)) {
                 share *= 0.7;

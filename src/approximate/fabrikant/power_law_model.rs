@@ -1,21 +1,22 @@
 //! The shape of G_a along a ray, from its value and slope at one place: what lets one sweep predict the next.
+//! (By roots of each ray instead, a 2:1 paraboloid takes 1.6 times the instructions, formulas 1.2 to 1.3 times.)
 
-use super::star::Ray;
+use super::ray_fan::Ray;
 
 /// G_a along a ray as 2 f0 x - C x^m, which is exact for gaps that are homogeneous about the centre: T = C a^m and m from
 /// G_a and G_aa at a.
 #[derive(Clone, Copy)]
-pub(super) struct Hump {
+pub(super) struct PowerLawModel {
     pub a: f64,
     linear: f64,
     t: f64,
     m: f64,
-    /// Top of the hump: place (in units of a) and height.
+    /// Maximum of the model: place (in units of a) and height.
     pub top: [f64; 2],
 }
 
-impl Hump {
-    /// `None` where no hump is in sight. Beyond a kink the model is no more than a guess.
+impl PowerLawModel {
+    /// `None` where the model has no maximum. Beyond a kink it is no more than a guess.
     pub fn through(ray: &Ray, f0: f64) -> Option<Self> {
         let (a, linear) = (ray.a, 2.0 * f0 * ray.a);
         let t = linear - ray.along.g_a;
@@ -27,7 +28,7 @@ impl Hump {
         Some(Self { a, linear, t, m, top: [y, linear * y * (1.0 - 1.0 / m)] })
     }
 
-    /// The outer root of the model, in units of a; `None` when D lies above the hump.
+    /// The outer root of the model, in units of a; `None` when D exceeds its maximum.
     pub fn root(&self, d: f64) -> Option<f64> {
         let Self { linear, t, m, .. } = *self;
         if d > self.top[1] {
