@@ -29,7 +29,7 @@ impl<T: Real> Columns<T> {
     /// Over `length` points; `mirrored`: the upper half of twice as many rows.
     pub(super) fn new(length: usize, mirrored: bool) -> Self {
         let (forward, inverse) =
-            T::with_planners(|_, complex| (complex.plan_fft_forward(length), complex.plan_fft_inverse(length)));
+            T::with_planners(length, |_, complex| (complex.plan_fft_forward(length), complex.plan_fft_inverse(length)));
         Self { length, mirrored, forward, inverse }
     }
 

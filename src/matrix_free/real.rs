@@ -1,6 +1,7 @@
 //! The two precisions, and their planners.
 
 use std::cell::RefCell;
+use std::collections::HashMap;
 use std::ops::Mul;
 
 use realfft::RealFftPlanner;
@@ -9,9 +10,10 @@ use rustfft::{FftNum, FftPlanner};
 
 /// A precision to compute in.
 pub(super) trait Real: FftNum + Mul<Output = Self> + Default {
-    /// Calls with the planners of this thread. Twiddle factors outlive an operator: small problems would spend most of
-    /// their time on them.
-    fn with_planners<R>(work: impl FnOnce(&mut RealFftPlanner<Self>, &mut FftPlanner<Self>) -> R) -> R;
+    /// Calls with the planners of this thread for a length. Twiddle factors outlive an operator: small problems would spend most
+    /// of their time on them. A planner builds upon what it has planned before: one that has served other lengths would round
+    /// otherwise, and so would another thread.
+    fn with_planners<R>(length: usize, work: impl FnOnce(&mut RealFftPlanner<Self>, &mut FftPlanner<Self>) -> R) -> R;
 
     /// The nearest number of this precision.
     fn of(value: f64) -> Self;
@@ -23,16 +25,19 @@ pub(super) trait Real: FftNum + Mul<Output = Self> + Default {
     }
 }
 
-type Planners<T> = RefCell<(RealFftPlanner<T>, FftPlanner<T>)>;
+type Planners<T> = RefCell<HashMap<usize, (RealFftPlanner<T>, FftPlanner<T>)>>;
 
 thread_local! {
-    static DOUBLE: Planners<f64> = RefCell::new((RealFftPlanner::new(), FftPlanner::new()));
-    static SINGLE: Planners<f32> = RefCell::new((RealFftPlanner::new(), FftPlanner::new()));
+    static DOUBLE: Planners<f64> = RefCell::default();
+    static SINGLE: Planners<f32> = RefCell::default();
 }
 
 impl Real for f64 {
-    fn with_planners<R>(work: impl FnOnce(&mut RealFftPlanner<Self>, &mut FftPlanner<Self>) -> R) -> R {
-        DOUBLE.with_borrow_mut(|(real, complex)| work(real, complex))
+    fn with_planners<R>(length: usize, work: impl FnOnce(&mut RealFftPlanner<Self>, &mut FftPlanner<Self>) -> R) -> R {
+        DOUBLE.with_borrow_mut(|planners| {
+            let (real, complex) = planners.entry(length).or_insert_with(|| (RealFftPlanner::new(), FftPlanner::new()));
+            work(real, complex)
+        })
     }
 
     fn of(value: f64) -> Self {
@@ -41,8 +46,11 @@ impl Real for f64 {
 }
 
 impl Real for f32 {
-    fn with_planners<R>(work: impl FnOnce(&mut RealFftPlanner<Self>, &mut FftPlanner<Self>) -> R) -> R {
-        SINGLE.with_borrow_mut(|(real, complex)| work(real, complex))
+    fn with_planners<R>(length: usize, work: impl FnOnce(&mut RealFftPlanner<Self>, &mut FftPlanner<Self>) -> R) -> R {
+        SINGLE.with_borrow_mut(|planners| {
+            let (real, complex) = planners.entry(length).or_insert_with(|| (RealFftPlanner::new(), FftPlanner::new()));
+            work(real, complex)
+        })
     }
 
     fn of(value: f64) -> Self {

@@ -22,8 +22,8 @@ impl Symbol {
     pub(super) fn of(length: [usize; 2], fill: impl Fn(usize, &mut [f64])) -> Self {
         let [mx, my] = length;
         let zero = Complex::default();
-        let (along, across) =
-            f64::with_planners(|real, complex| (real.plan_fft_forward(mx), complex.plan_fft_forward(my)));
+        let along = f64::with_planners(mx, |real, _| real.plan_fft_forward(mx));
+        let across = f64::with_planners(my, |_, complex| complex.plan_fft_forward(my));
         let (columns, half) = (mx / 2 + 1, my / 2 + 1);
         // Rows of the kernel, extended evenly: their transforms are real.
         let mut rows = vec![0.0; half * columns];

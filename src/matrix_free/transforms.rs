@@ -39,7 +39,7 @@ impl<T: Real> Transforms<T> {
         let Symbol { length, mirrored, ref values } = *symbol;
         let [width, height] = [length[0], if mirrored { length[1] / 2 } else { length[1] }];
         let (forward, inverse) =
-            T::with_planners(|real, _| (real.plan_fft_forward(width), real.plan_fft_inverse(width)));
+            T::with_planners(width, |real, _| (real.plan_fft_forward(width), real.plan_fft_inverse(width)));
         let columns = Columns::new(height, mirrored);
         let values: Vec<_> = values.chunks_exact(length[1] / 2 + 1).collect();
         let symbol = columns.arrange(&values, 1.0 / (width as f64 * height as f64));
