@@ -23,6 +23,8 @@ struct Drawn {
     gap: AnyGap,
     depth: f64,
     energy: Option<f64>,
+    /// What is left is printed in units of this.
+    unit: f64,
 }
 
 /// One family: its name, its draw, and the factor by which steps shrink.
@@ -33,9 +35,10 @@ struct Family {
     left: f64,
 }
 
-const FAMILIES: [Family; 5] = [
+const FAMILIES: [Family; 6] = [
     Family { name: "paraboloids, aspect to 200", draw: paraboloid, left: 0.17 },
     Family { name: "cones and powers 0.7 to 8", draw: power, left: 0.17 },
+    Family { name: "powers 0.05 to 0.7", draw: tip, left: 1.0 },
     Family { name: "regular pyramids", draw: pyramid, left: 0.315 },
     Family { name: "irregular pyramids", draw: irregular, left: 0.315 },
     Family { name: "flat rectangles", draw: flat, left: 1.0 },
@@ -48,20 +51,30 @@ fn unit() -> Result<EffectiveModulus, Failure> {
 fn paraboloid(draws: &mut Random) -> Result<Drawn, Failure> {
     let radii = [1.0, 10f64.powf(draws.between(0.0, 2.3))];
     let energy = 0.4 * Hertz::new(unit()?, radii)?.at_depth(1.0)?.force;
-    Ok(Drawn { gap: AnyGap::new(Paraboloid::new(radii)?), depth: 1.0, energy: Some(energy) })
+    Ok(Drawn { gap: AnyGap::new(Paraboloid::new(radii)?), depth: 1.0, energy: Some(energy), unit: 1.0 })
 }
 
 fn power(draws: &mut Random) -> Result<Drawn, Failure> {
     let degree = if draws.between(0.0, 1.0) < 0.3 { 1.0 } else { draws.between(0.7, 8.0) };
+    of_degree(degree)
+}
+
+/// In units of 1/(2^(1 + 2 k) - 1), what a geometric series leaves whose steps fall as they do at the tip.
+fn tip(draws: &mut Random) -> Result<Drawn, Failure> {
+    let degree = draws.between(0.05, 0.7);
+    Ok(Drawn { unit: 1.0 / ((1.0 + 2.0 * degree).exp2() - 1.0), ..of_degree(degree)? })
+}
+
+fn of_degree(degree: f64) -> Result<Drawn, Failure> {
     let gap = if degree == 1.0 { AnyGap::new(Cone::with_slope(1.0)?) } else { AnyGap::new(Power::new(1.0, degree)?) };
     let contact = Contact::new(unit()?, gap.clone(), Loading::depth(1.0))?;
     let state = solve(&contact, &Settings { method: Method::ClosedForm, ..Settings::default() }).remove(0)?;
-    Ok(Drawn { gap, depth: 1.0, energy: Some(state.force / (2.0 + 1.0 / degree)) })
+    Ok(Drawn { gap, depth: 1.0, energy: Some(state.force / (2.0 + 1.0 / degree)), unit: 1.0 })
 }
 
 fn pyramid(draws: &mut Random) -> Result<Drawn, Failure> {
     let gap = AnyGap::new(Polyhedron::pyramid(3 + draws.below(6), std::f64::consts::FRAC_PI_4)?);
-    Ok(Drawn { gap, depth: 1.0, energy: None })
+    Ok(Drawn { gap, depth: 1.0, energy: None, unit: 1.0 })
 }
 
 fn irregular(draws: &mut Random) -> Result<Drawn, Failure> {
@@ -71,7 +84,7 @@ fn irregular(draws: &mut Random) -> Result<Drawn, Failure> {
         let slope = draws.between(0.7, 1.4);
         [slope * angle.cos(), slope * aspect * angle.sin(), 0.0]
     });
-    Ok(Drawn { gap: AnyGap::new(Polyhedron::new(planes.collect())?), depth: 1.0, energy: None })
+    Ok(Drawn { gap: AnyGap::new(Polyhedron::new(planes.collect())?), depth: 1.0, energy: None, unit: 1.0 })
 }
 
 fn flat(draws: &mut Random) -> Result<Drawn, Failure> {
@@ -81,7 +94,7 @@ fn flat(draws: &mut Random) -> Result<Drawn, Failure> {
     let contact = Contact::new(unit()?, gap.clone(), Loading::depth(1.0))?;
     // Cells graded to the edges know its force to 1e-5 where a uniform grid knows a hundredth.
     let state = solve(&contact, &Settings { tolerance: 1e-5, ..Settings::default() }).remove(0)?;
-    Ok(Drawn { gap, depth: 1.0, energy: Some(0.5 * state.force) })
+    Ok(Drawn { gap, depth: 1.0, energy: Some(0.5 * state.force), unit: 1.0 })
 }
 
 /// Energies of `count` grids whose cells double, from `cells` along the longer side of the box of the overlap.
@@ -110,7 +123,7 @@ fn main() -> Result<(), Failure> {
         let mut random = Random(seed);
         let mut left: [Vec<f64>; 3] = Default::default();
         for _ in 0..draws {
-            let Drawn { gap, depth, energy } = (family.draw)(&mut random)?;
+            let Drawn { gap, depth, energy, unit } = (family.draw)(&mut random)?;
             let at = [random.between(-0.5, 0.5), random.between(-0.5, 0.5)];
             let gap = gap.placed(at, random.between(0.0, std::f64::consts::TAU))?;
             let cells = 10 + random.below(9);
@@ -118,7 +131,7 @@ fn main() -> Result<(), Failure> {
             let last = grids.len() - 1;
             let exact = energy.unwrap_or(grids[last] + family.left * (grids[last] - grids[last - 1]));
             for (n, left) in left.iter_mut().enumerate() {
-                left.push((exact - grids[n + 1]) / (grids[n + 1] - grids[n]));
+                left.push((exact - grids[n + 1]) / (grids[n + 1] - grids[n]) / unit);
             }
         }
         for (n, mut left) in left.into_iter().enumerate() {

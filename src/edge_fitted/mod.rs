@@ -60,7 +60,8 @@ pub(crate) use flanked::{Flat as FlankedFlat, flanked};
 pub(crate) use flat::{FlatStiffness, flat_stiffness};
 pub(crate) use outline::Outline;
 pub(crate) use oval::oval;
-pub(crate) use tilted::{Given, Tilted, tilted};
+pub(crate) use tilted::tilted;
+pub(crate) use tilted_mesh::{Given, Tilted};
 
 use crate::clock::Deadline;
 

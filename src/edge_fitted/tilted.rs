@@ -30,46 +30,8 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::Limits;
-use super::mesh::Point;
 use super::outline::{COARSEST, Outline};
-use super::region::Region;
-use super::tilted_mesh::Punch;
-
-/// What is given of a tilting punch, in the outline's axes.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Given {
-    /// f = g . (1, x, y).
-    Plane([f64; 3]),
-    /// The integrals of p, p x and p y.
-    Load([f64; 3]),
-}
-
-/// A tilted punch in contact, E* = 1, in the outline's axes.
-#[derive(Debug, Clone)]
-pub(crate) struct Tilted {
-    /// f = plane . (1, x, y).
-    pub plane: [f64; 3],
-    /// The integrals of p, p x and p y of the computed pressure.
-    pub load: [f64; 3],
-    /// Their derivatives by the plane.
-    pub matrix: [[f64; 3]; 3],
-    /// Relative error of its first entry.
-    pub stiffness_error: f64,
-    /// Bounds of the force at the plane; within its error where it is not proved.
-    pub force: [f64; 2],
-    /// Whether these are proved: contact everywhere.
-    pub proved: bool,
-    /// Bounds of the stored energy.
-    pub energy: [f64; 2],
-    /// Corners and pressure of all cells.
-    pub cells: Vec<([Point; 4], f64)>,
-    /// The separate regions of contact.
-    pub regions: Vec<Region>,
-    /// Whether it touches everywhere.
-    pub everywhere: bool,
-    /// Unknowns of the last mesh.
-    pub unknowns: usize,
-}
+use super::tilted_mesh::{Given, Punch, Tilted};
 
 /// Constant pressures on cells of size h leave of a pressure that varies by the share v of itself over a length l an energy of the order
 /// of v^2 (h/l)^3: cells are at most this times l v^(-2/3)/n, which leaves as much as the edges do.

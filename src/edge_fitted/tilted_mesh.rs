@@ -6,13 +6,48 @@ use super::active_set::{balance, factor, solve, solve_on};
 use super::compliance::Compliance;
 use super::integrand::Sums;
 use super::line_potential::Lines;
-use super::mesh::{Bilinear, Mesh};
+use super::mesh::{Bilinear, Mesh, Point};
 use super::outline::Fitted;
-use super::region::regions;
+use super::region::{Region, regions};
 use super::residual_norm::{Target, decay_lengths, norms};
 use super::symmetry::Orbits;
-use super::tilted::{Given, Tilted};
 use crate::clock::Deadline;
+
+/// What is given of a tilting punch, in the outline's axes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Given {
+    /// f = g . (1, x, y).
+    Plane([f64; 3]),
+    /// The integrals of p, p x and p y.
+    Load([f64; 3]),
+}
+
+/// A tilted punch in contact, E* = 1, in the outline's axes.
+#[derive(Debug, Clone)]
+pub(crate) struct Tilted {
+    /// f = plane . (1, x, y).
+    pub plane: [f64; 3],
+    /// The integrals of p, p x and p y of the computed pressure.
+    pub load: [f64; 3],
+    /// Their derivatives by the plane.
+    pub matrix: [[f64; 3]; 3],
+    /// Relative error of its first entry.
+    pub stiffness_error: f64,
+    /// Bounds of the force at the plane; within its error where it is not proved.
+    pub force: [f64; 2],
+    /// Whether these are proved: contact everywhere.
+    pub proved: bool,
+    /// Bounds of the stored energy.
+    pub energy: [f64; 2],
+    /// Corners and pressure of all cells.
+    pub cells: Vec<([Point; 4], f64)>,
+    /// The separate regions of contact.
+    pub regions: Vec<Region>,
+    /// Whether it touches everywhere.
+    pub everywhere: bool,
+    /// Unknowns of the last mesh.
+    pub unknowns: usize,
+}
 
 /// The pressure on a mesh.
 pub(super) struct Pressed {

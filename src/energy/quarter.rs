@@ -6,8 +6,7 @@
 
 use super::basis::{BENDS, DEGREES, POLYNOMIALS, legendre, slopes};
 use super::lane::{LANES, Lane};
-use super::tables::SINGULAR;
-use super::touching::{FIRSTS, TOUCHING, Touching};
+use super::touching::{FIRSTS, SINGULAR, TOUCHING, Touching};
 use crate::numeric::quadrature::GaussLegendre;
 
 /// Points along half a side.
@@ -54,7 +53,7 @@ pub(super) struct Rule {
     pub bends: [[f64; 8]; 5],
     /// Coefficients of the projection of L_j on the polynomials.
     pub projections: [[f64; POLYNOMIALS]; 8],
-    /// Bounds of the eight singular functions of the classes, [`super::tables::SINGULAR`], in the cell.
+    /// Bounds of the eight singular functions of the classes, [`super::touching::SINGULAR`], in the cell.
     pub suprema: [f64; 8],
 }
 

@@ -16,7 +16,7 @@ use super::basis::{CLASSES, DEGREES, NODES, legendre, slopes, through};
 use super::potential::Corners;
 use super::quarter::Rule;
 use super::rest::{beyond, norms, supremum};
-use super::touching::{FIRSTS, Touching};
+use super::touching::{FIRSTS, SINGULAR, Touching};
 use crate::grid::Kernel;
 use crate::influence::InfluenceTable;
 use crate::numeric::quadrature::GaussLegendre;
@@ -42,9 +42,6 @@ pub(super) const WIDEST: usize = 8;
 
 /// Tables that are kept.
 const MOST_KEPT: usize = 8;
-
-/// Singular functions of each class of parity: those of the cells (1, 0), (0, 1), (1, 1), as far as they have a part in it.
-pub(super) const SINGULAR: [&[usize]; 4] = [&[0, 1, 2], &[0, 2], &[1, 2], &[2]];
 
 /// What is left out, per unit of the root of the sum of squares of the differences of the pressure along x and along y.
 #[derive(Debug, Clone, Copy, Default)]

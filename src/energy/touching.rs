@@ -5,6 +5,9 @@ use super::potential::Corners;
 /// The cells that touch, in the order of their weights.
 pub(super) const TOUCHING: [[i32; 2]; 8] = [[-1, -1], [0, -1], [1, -1], [-1, 0], [1, 0], [-1, 1], [0, 1], [1, 1]];
 
+/// Singular functions of each class of parity: those of the cells (1, 0), (0, 1), (1, 1), as far as they have a part in it.
+pub(super) const SINGULAR: [&[usize]; 4] = [&[0, 1, 2], &[0, 2], &[1, 2], &[2]];
+
 /// First singular function of each class, and the end.
 pub(super) const FIRSTS: [usize; 5] = [0, 3, 5, 7, 8];
 

@@ -16,6 +16,7 @@ mod scale;
 mod section;
 mod surface;
 mod width;
+mod window;
 
 #[cfg(feature = "scene")]
 pub(crate) use axes::is_text;

@@ -3,8 +3,9 @@
 use plotters::coord::Shift;
 use plotters::prelude::*;
 
-use super::axes::{self, Window, at, px};
+use super::axes::{self, at, px};
 use super::frame::{Frame, Medium, width_of};
+use super::window::Window;
 use super::{COLOURS, Error, FONT, Fault, Figure, Format, render};
 use crate::numeric::geometry::Rect;
 use crate::units::UnitLabels;

@@ -3,11 +3,12 @@
 use plotters::coord::Shift;
 use plotters::prelude::*;
 
-use super::axes::{Window, px};
+use super::axes::px;
 use super::frame::{Frame, Medium};
 use super::outlines::mesh;
 use super::raster::Raster;
 use super::scale::Scale;
+use super::window::Window;
 use super::{Error, Fault, Figure, Format, PLACE, colour, render};
 use crate::grid::{Grid, Pressure};
 use crate::numeric::geometry::Rect;

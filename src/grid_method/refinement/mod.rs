@@ -87,6 +87,7 @@ pub(crate) fn as_far_as(
         let ends = match degree {
             Degree::Flat => Ends::Edges,
             Degree::Power(1.0) if scaled.gap.planes().is_some() || scaled.gap.ridges().is_some() => Ends::Corners,
+            Degree::Power(k) if k < 1.0 => Ends::Tip(k),
             Degree::Power(_) => Ends::Unknown,
         };
         (degree, ends)
@@ -234,8 +235,9 @@ impl Refinement<'_> {
                     next += 1;
                 }
                 if coarsest << next <= finest {
-                    // Should there be no time for it, this grid stands without bounds.
-                    best = Some(Refined { error: error.max(short), ..found });
+                    // Should there be no time for it, this grid stands without bounds: by its energy and by its pressures.
+                    let apart = (found.state.force() - value).abs();
+                    best = Some(Refined { error: error.max(short).max(apart), ..found });
                     continue;
                 }
             }
