@@ -47,55 +47,76 @@ const CUT: f64 = 3e-3;
 /// a_m over K, per share of the contact that may touch besides: chooses tau, where the bound is flat, and proves nothing.
 const RING: f64 = 2.5;
 
-/// Bounds of the force (E* = 1) of any gap at this depth, by a pressure on a grid; `None` where none can be had.
-/// `above_least`: the depth above what the gap is nowhere less than.
-/// Bounds no wider than `enough`, relative to the force, are not made narrower.
-pub(super) fn bounds(overlap: &GapOverlap, above_least: f64, trial: &Trial, enough: f64) -> Option<[f64; 2]> {
-    let known = [trial.displacement_reaches(), false];
-    known.into_iter().find_map(|known| by_trial(overlap, above_least, trial, known, enough))
+/// Why there are no bounds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Missing {
+    /// What lies beyond the grid, or beyond the displacement that is known.
+    Beyond,
+    /// Nothing narrow enough to be worth its time, on a larger grid either.
+    TooWide,
 }
 
-fn by_trial(overlap: &GapOverlap, above_least: f64, trial: &Trial, known: bool, enough: f64) -> Option<[f64; 2]> {
-    let (field, halves) = trial.field(overlap, known)?;
+/// Bounds of the force (E* = 1) of any gap at this depth, by a pressure on a grid.
+/// `above_least`: the depth above what the gap is nowhere less than.
+/// Bounds no wider than `enough`, relative to the force, are not made narrower.
+pub(super) fn bounds(overlap: &GapOverlap, above_least: f64, trial: &Trial, enough: f64) -> Result<[f64; 2], Missing> {
+    if trial.displacement_reaches() {
+        let found = by_trial(overlap, above_least, trial, true, enough);
+        if found != Err(Missing::Beyond) {
+            return found;
+        }
+    }
+    by_trial(overlap, above_least, trial, false, enough)
+}
+
+fn by_trial(
+    overlap: &GapOverlap,
+    above_least: f64,
+    trial: &Trial,
+    known: bool,
+    enough: f64,
+) -> Result<[f64; 2], Missing> {
+    let (field, halves) = trial.field(overlap, known).ok_or(Missing::TooWide)?;
     let residual = Residual { field: &field, overlap, halves };
     if enough > 0.0 && is_rough(&residual) {
-        return None;
+        return Err(Missing::TooWide);
     }
     let mut means = vec![[0.0; 2]; field.grid.len()];
     let [below, open] = lower(&residual, |i, j, mean| {
         images([i, j], field.grid.shape, halves).for_each(|k| means[k] = mean);
     });
-    let set = residual.admissible()?;
+    let set = residual.admissible().ok_or(Missing::Beyond)?;
     let mut dips = vec![f64::INFINITY; field.grid.len()];
     let of_residual = residual.norms_and_dips(&set, Some(&mut dips)).energy();
     let gamma = 0.5 * of_residual + open;
     if !(below > 0.0 && gamma.is_finite()) {
-        return None;
+        return Err(Missing::Beyond);
     }
-    // The contact alone, with all that may touch.
-    let touch = residual.may_touch(residual.deepest_dip(&dips))?;
+    // The contact alone, with all that may touch: where that is more than is under pressure, bounds are too wide for use.
+    let loaded = trial.pressure.iter().filter(|p| **p > 0.0).count() as f64;
+    let most = if enough > 0.0 { loaded } else { f64::INFINITY };
+    let (touch, cells) = residual.may_touch(residual.deepest_dip(&dips), most).ok_or(Missing::Beyond)?;
+    if cells > most {
+        return Err(Missing::TooWide);
+    }
     let dilated = dilation::bounds(&residual, &touch, below, gamma);
     if let Some([low, high]) = dilated.filter(|[low, high]| high - low <= enough * high) {
-        return Some([low, high]);
+        return Ok([low, high]);
     }
-    if enough > 0.0 && !is_hopeful(&residual, &touch, gamma, below / above_least, enough) {
-        return dilated;
+    if enough > 0.0 && !is_hopeful(&residual, cells / loaded, loaded, gamma, below / above_least, enough) {
+        return dilated.ok_or(Missing::TooWide);
     }
     let cut = Cut::around(&field, &touch, halves);
     let contact = Contact { residual: &residual, means, cut, of_residual, gamma };
     let any = contact.bounds(&touch, 2.0 * below / above_least * (1.0 - ROUNDING), above_least);
-    let both = [dilated, any].into_iter().flatten().reduce(|a, b| [a[0].max(b[0]), a[1].min(b[1])])?;
-    (both[0] <= both[1]).then_some(both)
+    let both = [dilated, any].into_iter().flatten().reduce(|a, b| [a[0].max(b[0]), a[1].min(b[1])]);
+    both.filter(|[low, high]| low <= high).ok_or(Missing::Beyond)
 }
 
 /// Whether (5) may leave no more than what is enough, or a few times that: by the punch of a disc of the area of the contact. `force`: the
 /// energy over the depth, between 1/3 and 1/2 of it.
-fn is_hopeful(residual: &Residual, touch: &[Quarter], gamma: f64, force: f64, enough: f64) -> bool {
-    let field = residual.field;
-    let [nx, ny] = field.grid.shape;
-    let loaded = (0..nx * ny).filter(|k| field.pressure((k % nx) as isize, (k / nx) as isize) > 0.0).count() as f64;
-    let ring = touch.iter().map(|q| 0.25 * residual.images(q.0, q.1)).sum::<f64>() / loaded;
-    let punch = 2.0 * (loaded * field.grid.cell_area() / std::f64::consts::PI).sqrt();
+fn is_hopeful(residual: &Residual, ring: f64, loaded: f64, gamma: f64, force: f64, enough: f64) -> bool {
+    let punch = 2.0 * (loaded * residual.field.grid.cell_area() / std::f64::consts::PI).sqrt();
     (2.0 * gamma * RING * ring * punch).sqrt() <= HOPE * enough * 2.5 * force
 }
 

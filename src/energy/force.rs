@@ -1,6 +1,6 @@
 //! The force from bounds of the energy: for a homogeneous gap P (d - g0) = (2 + 1/k) U, for any other [`any_gap`].
 
-use super::any_gap;
+use super::any_gap::{self, Missing};
 use super::bracket::{Trial, energy_bracket};
 use super::of_gap::GapOverlap;
 use crate::clock::Deadline;
@@ -64,9 +64,11 @@ fn bounds(
         None if !overlap.is_certain() || !is_positive(trial) => return None,
         None => {
             let above_least = above_least * (1.0 + ROUNDING);
-            let found = any_gap::bounds(overlap, above_least, trial, enough);
-            found
-                .or_else(|| around.find_map(|padded| any_gap::bounds(overlap, above_least, &padded.trial(), enough)))?
+            let mut found = any_gap::bounds(overlap, above_least, trial, enough);
+            while let (Err(Missing::Beyond), Some(padded)) = (found, around.next()) {
+                found = any_gap::bounds(overlap, above_least, &padded.trial(), enough);
+            }
+            found.ok()?
         }
         Some(degree) => {
             let around = around.map(|padded| energy_bracket(overlap, &padded.trial()));

@@ -72,17 +72,18 @@ impl Residual<'_> {
         let field = self.field;
         let loaded = |i: usize, j: usize| field.pressure(i as isize, j as isize) > 0.0;
         let mut set = Extension::of_cells(field.grid.shape, loaded);
-        let open = self.open(self.overlap, |i, j, q| set.holds(i, j, q), |_, _| false)?;
+        let (open, _) = self.open(self.overlap, |i, j, q| set.holds(i, j, q), |_, _| false, f64::INFINITY)?;
         open.into_iter().for_each(|(i, j, quarter)| set.open(i, j, quarter));
         Some(set)
     }
 
-    /// The quarters of cells without pressure in which an exact pressure may act: u, less the most by which it lies above f under
-    /// pressure, is no more than the exact displacement (domination), and where that lies above f there is no contact. `dip`: that most.
-    /// `None` where they may lie beyond the grid.
-    pub fn may_touch(&self, dip: f64) -> Option<Vec<Quarter>> {
+    /// The quarters of cells without pressure in which an exact pressure may act, and how many cells they and their images are: u, less the
+    /// most by which it lies above f under pressure, is no more than the exact displacement (domination), and where that lies above f
+    /// there is no contact. `dip`: that most. Once there are more than `most` cells no more are looked for. `None` where they may lie
+    /// beyond the grid.
+    pub fn may_touch(&self, dip: f64, most: f64) -> Option<(Vec<Quarter>, f64)> {
         let raised = Raised { overlap: self.overlap, by: dip * (1.0 + 1e-12) };
-        self.open(&raised, |_, _, _| false, |cell, quarter| cell.range(quarter)[1] < 0.0)
+        self.open(&raised, |_, _, _| false, |cell, quarter| cell.range(quarter)[1] < 0.0, most)
     }
 
     /// Quarters of cells without pressure in which `overlap` <= u could not be shown, but for those that are known. `closer` looks at
@@ -92,18 +93,22 @@ impl Residual<'_> {
         overlap: &dyn OverlapBounds,
         known: impl Fn(isize, isize, usize) -> bool,
         closer: impl Fn(&Cell, usize) -> bool,
-    ) -> Option<Vec<Quarter>> {
+        most: f64,
+    ) -> Option<(Vec<Quarter>, f64)> {
         let field = self.field;
         let loads = Loads::new(field);
         if !clear_beyond(field, overlap, &loads) {
             return None;
         }
         let loaded = |i: isize, j: isize| field.pressure(i, j) > 0.0;
-        let mut open = Vec::new();
+        let (mut open, mut cells) = (Vec::new(), 0.0);
         let mut room = Workspace::new();
-        let most = left_out(field);
+        let left_out = left_out(field);
         near(field, overlap, &loads, self.first(), loaded, |from, count, j| {
             for start in (0..count).step_by(LANES) {
+                if cells > most {
+                    return;
+                }
                 let first = from + start as isize;
                 let lanes = LANES.min(count - start);
                 let wanted = |k: usize| {
@@ -115,7 +120,7 @@ impl Residual<'_> {
                     continue;
                 }
                 let expansions = Expansions::new(field, first, j, &mut room);
-                let clear = self.clear(overlap, &expansions, [first, j], most, &wanted);
+                let clear = self.clear(overlap, &expansions, [first, j], left_out, &wanted);
                 for k in (0..lanes).filter(|k| wanted(*k)) {
                     let i = first + k as isize;
                     if clear[k] {
@@ -127,12 +132,14 @@ impl Residual<'_> {
                     let left: Vec<usize> = beyond.filter(|q| !cell.clear_quarter(*q)).collect();
                     if !left.is_empty() {
                         let cell = cell.with_overlap();
+                        let before = open.len();
                         open.extend(left.into_iter().filter(|q| !closer(&cell, *q)).map(|q| (i, j, q)));
+                        cells += 0.25 * self.images(i, j) * (open.len() - before) as f64;
                     }
                 }
             }
         });
-        Some(open)
+        Some((open, cells))
     }
 
     /// Of cells side by side, those over which r <= 0 by the corners of the cell alone. (No cell that touches may be loaded.)

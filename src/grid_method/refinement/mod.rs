@@ -228,7 +228,11 @@ impl Refinement<'_> {
                 continue;
             }
             // Bounds are no narrower than what the energy of this grid leaves: the next grid is one that may leave little enough.
-            let short = self.law.map_or(0.0, |_| self.energies.last().map_or(0.0, |low| value - low));
+            let short = match self.law {
+                // Of a singular tip bounds are hardly ever had.
+                None | Some((_, Ends::Tip(_))) => 0.0,
+                Some(_) => self.energies.last().map_or(0.0, |low| value - low),
+            };
             let finer = cells as f64 * (0.5 * short / (tolerance * value)).sqrt();
             if finer > cells as f64 && finer <= FINEST_PROVED.min(finest) as f64 && self.provable().is_some() {
                 while ((coarsest << next) as f64) < finer {
