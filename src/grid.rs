@@ -81,6 +81,13 @@ impl Grid {
     }
 }
 
+/// Cells along both sides of a box: `longest` along the longer one, at least half as many along the other.
+pub(crate) fn shape(window: &Rect, longest: usize) -> [usize; 2] {
+    let [w, h] = window.size();
+    let other = |ratio: f64| ((longest as f64 * ratio - 1e-9).ceil() as usize).clamp(longest.div_ceil(2), longest);
+    if w >= h { [longest, other(h / w)] } else { [other(w / h), longest] }
+}
+
 /// How displacement is compared with the gap in a cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
 pub enum Kernel {

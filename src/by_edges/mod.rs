@@ -17,14 +17,14 @@ mod oval;
 mod rings;
 mod tilted;
 
-use crate::bracket::ForceBracket;
 use crate::edge_fitted::Limits;
 use crate::gap::{AnyGap, Gap};
+use crate::grid::shape;
 use crate::grid::{Grid, Kernel, Pressure};
-use crate::grid_method::domain::shape;
 use crate::numeric::geometry::Rect;
 use crate::overlap::Overlap;
 use crate::problem::{Contact, Method, Settings};
+use crate::solution::ForceBracket;
 use crate::solution::{
     Cost, Origin, Patch, Piece, PressureSummary, Singular, Solution, TouchesEdge, Unsolved, Validity, Verdict,
 };

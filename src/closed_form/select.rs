@@ -328,7 +328,7 @@ pub(super) fn sampled(
     pressure: impl Fn(&ClosedForm, f64, f64) -> f64,
 ) -> Result<Pressure, Unsolved> {
     let outline = Rect::holding(form.patch.boundary(4 * BOUNDARY_POINTS)).expect("an ellipse has points");
-    let grid = Grid::over(&outline, crate::grid_method::domain::shape(&outline, cells));
+    let grid = Grid::over(&outline, crate::grid::shape(&outline, cells));
     // On a disc, cells at the same distance share one integral: whole numbers of half cells from the middle, in order.
     let round = form.patch.semi_axes[0] == form.patch.semi_axes[1] && grid.shape[0] == grid.shape[1];
     let from_middle = |i: usize| (2 * i + 1).abs_diff(grid.shape[0]);

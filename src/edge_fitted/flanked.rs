@@ -293,8 +293,8 @@ mod tests {
     /// Of very many faces: the truncated cone in closed form.
     #[test]
     fn many_faces_are_a_truncated_cone() {
-        use crate::EffectiveModulus;
         use crate::closed_form::FlatEndedCone;
+        use crate::problem::EffectiveModulus;
         let modulus = EffectiveModulus::from_e_star(1.0).unwrap();
         for growth in [1e-3, 1e-2, 0.1] {
             let found = pyramid(48, growth, 1e-3);

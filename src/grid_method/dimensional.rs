@@ -4,7 +4,6 @@ use super::gap_left;
 use super::refined::Refined;
 use super::single_grid::{self, GridState};
 use super::unresolved;
-use crate::bracket::ForceBracket;
 use crate::gap::{AnyGap, Law};
 use crate::grid::{Grid, Pressure};
 use crate::numeric::geometry::Rect;
@@ -12,6 +11,7 @@ use crate::overlap::Scaled;
 use crate::patch;
 use crate::patch::peak::{self, Ends};
 use crate::problem::{Contact, Settings};
+use crate::solution::ForceBracket;
 use crate::solution::{Cost, Origin, Patch, PressureSummary, Singular, Solution, TouchesEdge, Unsolved, Validity};
 
 /// A state of the grid method, its stiffness found.

@@ -7,7 +7,7 @@
 use crate::discrete::symmetry::Symmetry;
 use crate::discrete::{Discrete, DiscreteSolution};
 use crate::gap::{Degree, Gap, lattice};
-use crate::grid::{Grid, Kernel};
+use crate::grid::{Grid, Kernel, shape};
 use crate::matrix_free;
 use crate::numeric::geometry::Rect;
 use crate::overlap::Scaled;
@@ -31,13 +31,6 @@ struct Look {
 
 /// Shrinkings before the box is taken as it is: from a box 1e12 contacts wide down to one.
 const MOST_SHRINKINGS: usize = 40;
-
-/// Cells along both sides of a box: `longest` along the longer one, at least half as many along the other.
-pub(crate) fn shape(window: &Rect, longest: usize) -> [usize; 2] {
-    let [w, h] = window.size();
-    let other = |ratio: f64| ((longest as f64 * ratio - 1e-9).ceil() as usize).clamp(longest.div_ceil(2), longest);
-    if w >= h { [longest, other(h / w)] } else { [other(w / h), longest] }
-}
 
 /// Cells along the longer side of the first grid, from the homogeneity that gives the force from the energy: energies of
 /// contacts without sharp edges tell the most on so few.

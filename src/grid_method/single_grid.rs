@@ -1,10 +1,10 @@
 //! The contact at one depth on one grid: box, cells, solver, stiffness.
 
-use super::domain::shape;
 use super::expansion::expanded;
 use crate::clock::Deadline;
 use crate::discrete::{Discrete, DiscreteSolution};
 use crate::energy::Trial;
+use crate::grid::shape;
 use crate::grid::{Grid, Kernel};
 use crate::matrix_free;
 use crate::numeric::geometry::Rect;

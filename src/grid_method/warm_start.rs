@@ -8,7 +8,7 @@ use super::refinement;
 use super::single_grid::{self, GridState};
 use super::unresolved;
 use crate::discrete::Discrete;
-use crate::grid::Grid;
+use crate::grid::{Grid, shape};
 use crate::matrix_free;
 use crate::overlap::{Overlap, Scaled};
 use crate::patch;
@@ -81,7 +81,7 @@ impl WarmStart {
         let Some(overlap) = Overlap::of(contact.gap(), depth)? else { return Ok(None) };
         let scaled = overlap.scaled();
         let window = domain::locate(&scaled)?;
-        let grid = Grid::over(&window, domain::shape(&window, ROUGH_CELLS));
+        let grid = Grid::over(&window, shape(&window, ROUGH_CELLS));
         let problem = Discrete::sample(&scaled.gap, scaled.depth, grid, settings.kernel);
         let solution = domain::coarse(&problem)?;
         let state = GridState::of(Method::Fft, problem, solution);

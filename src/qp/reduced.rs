@@ -2,9 +2,9 @@
 
 use faer::Mat;
 
-use crate::InfluenceTable;
 use crate::discrete::Discrete;
 use crate::discrete::symmetry::Orbits;
+use crate::influence::InfluenceTable;
 
 /// S y = r in place of A p = f. With m cells in a group, y = sqrt(m) p, r = sqrt(m) f and
 /// S = (sum of A over both groups)/sqrt(m m'), which is symmetric. Scaled so that |f| <= 1 and a cell alone has S = 1.

@@ -6,13 +6,13 @@ mod prescribed;
 use error::FINEST_PROVED;
 pub(crate) use error::{claimed, is_cheap};
 
-use super::domain::{coarsest, locate, locate_closely, shape, squared};
+use super::domain::{coarsest, locate, locate_closely, squared};
 use super::extrapolation::{self, Ends, Estimate};
 use super::refined::Refined;
 use super::sharp_edges::{self, CutCells, Edge};
 use super::single_grid::{GridOptions, GridState, laid};
 use crate::gap::{Degree, Gap, Law};
-use crate::grid::{Grid, Kernel};
+use crate::grid::{Grid, Kernel, shape};
 use crate::numeric::geometry::Rect;
 use crate::overlap::Scaled;
 use crate::problem::{Method, Settings};

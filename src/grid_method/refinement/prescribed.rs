@@ -1,11 +1,11 @@
 //! A grid that is prescribed.
 
-use super::super::domain::shape;
 use super::super::refined::Refined;
 use super::super::single_grid::{GridOptions, GridState, laid};
 use super::{PRECISE, Refinement};
 use crate::gap::Gap;
 use crate::grid::Grid;
+use crate::grid::shape;
 use crate::numeric::geometry::Rect;
 use crate::solution::{Unsolved, Verdict};
 
