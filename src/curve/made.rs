@@ -165,7 +165,7 @@ impl Curve {
         }
         if strongest > 0.0 {
             let pressed = contact.under(Loading::force(strongest));
-            match crate::solve(&pressed, settings).remove(0).or_else(Unsolved::accept_best) {
+            match crate::solve::solve(&pressed, settings).remove(0).or_else(Unsolved::accept_best) {
                 Ok(state) => deepest = deepest.max(state.depth),
                 Err(unsolved) => return Ok(Err(unsolved)),
             }

@@ -5,12 +5,14 @@ pub(crate) mod engine;
 pub(crate) mod equilibrium;
 pub(crate) mod tilting;
 
+use crate::approximate;
+use crate::by_edges;
 use crate::closed_form::select;
 use crate::gap::AnyGap;
+use crate::grid_method;
 use crate::overlap::Overlap;
 use crate::problem::{Contact, Method, Settings};
 use crate::solution::{Solution, Unsolved, Verdict};
-use crate::{approximate, by_edges, grid_method};
 
 /// The state; `with_matrix`: its stiffness against tilts too.
 ///
