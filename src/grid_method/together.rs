@@ -59,10 +59,10 @@ pub(super) fn together(states: Vec<Solution>, settings: &Settings, missed: f64) 
     };
     let fields: Vec<&Pressure> = states.iter().filter_map(|s| s.pressure.field.as_ref()).collect();
     let field = (settings.outputs.pressure || settings.outputs.gap).then(|| spread(&fields)).flatten();
-    let worst = |of: fn(&crate::Residuals) -> f64| {
+    let worst = |of: fn(&crate::solution::Residuals) -> f64| {
         states.iter().filter_map(|s| s.residuals.as_ref().map(of)).fold(0.0, f64::max)
     };
-    let residuals = crate::Residuals {
+    let residuals = crate::solution::Residuals {
         complementarity: worst(|r| r.complementarity),
         tension: worst(|r| r.tension),
         penetration: worst(|r| r.penetration),
