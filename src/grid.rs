@@ -21,6 +21,11 @@ impl Grid {
         Self { origin: extent.min, spacing: [w / shape[0] as f64, h / shape[1] as f64], shape }
     }
 
+    /// Whether its middle along an axis is at `place`, but for rounding.
+    pub(crate) fn is_centred_on(&self, axis: usize, place: f64) -> bool {
+        (place - self.extent().centre()[axis]).abs() <= ASIDE * self.spacing[axis]
+    }
+
     /// Number of cells.
     #[must_use]
     pub fn len(&self) -> usize {
@@ -80,6 +85,9 @@ impl Grid {
         }
     }
 }
+
+/// Share of a cell that is rounding of its place: less than what every bound allows for.
+const ASIDE: f64 = 1e-12;
 
 /// Cells along both sides of a box: `longest` along the longer one, at least half as many along the other.
 pub(crate) fn shape(window: &Rect, longest: usize) -> [usize; 2] {

@@ -6,10 +6,6 @@ use super::problem::BracketProblem;
 /// Pressures that differ by less than this share of the largest are evened out.
 const SAME: f64 = 1e-6;
 
-/// Share of a cell by which the mirror of the gap may lie off that of the grid: well below the hair by which every square
-/// that is looked at is larger.
-const ASIDE: f64 = 1e-12;
-
 /// Along which axes the pressure is its own image.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Mirrors {
@@ -30,8 +26,7 @@ impl Mirrors {
     /// Evens out a pressure that is nearly symmetric.
     pub fn found(q: &mut [f64], problem: &BracketProblem) -> Self {
         let (grid, gap, at) = (&problem.grid, problem.gap.known().mirrors, problem.gap.known().centre);
-        let middle = grid.extent().centre();
-        let gap = [0, 1].map(|m| gap[m] && (at[m] - middle[m]).abs() <= ASIDE * grid.spacing[m]);
+        let gap = [0, 1].map(|m| gap[m] && grid.is_centred_on(m, at[m]));
         Self::of(q, grid.shape, gap)
     }
 

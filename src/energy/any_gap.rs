@@ -103,11 +103,12 @@ fn by_trial(
     if let Some([low, high]) = dilated.filter(|[low, high]| high - low <= enough * high) {
         return Ok([low, high]);
     }
-    if enough > 0.0 && !is_hopeful(&residual, cells / loaded, loaded, gamma, below / above_least, enough) {
+    let ring = cells / loaded;
+    if enough > 0.0 && !is_hopeful(&residual, ring, loaded, gamma, below / above_least, enough) {
         return dilated.ok_or(Missing::TooWide);
     }
     let cut = Cut::around(&field, &touch, halves);
-    let contact = Contact { residual: &residual, means, cut, of_residual, gamma };
+    let contact = Contact { residual: &residual, means, cut, of_residual, gamma, ring };
     let any = contact.bounds(&touch, 2.0 * below / above_least * (1.0 - ROUNDING), above_least);
     let both = [dilated, any].into_iter().flatten().reduce(|a, b| [a[0].max(b[0]), a[1].min(b[1])]);
     both.filter(|[low, high]| low <= high).ok_or(Missing::Beyond)
@@ -207,6 +208,8 @@ struct Contact<'a> {
     /// a(w, w) with w = r under pressure.
     of_residual: f64,
     gamma: f64,
+    /// What may touch besides, over what is under pressure.
+    ring: f64,
 }
 
 /// The constant 1.
@@ -298,10 +301,8 @@ impl Contact<'_> {
         let p = self.pressure();
         let area = self.field().grid.cell_area();
         let stiffness = flat.iter().sum::<f64>() * area;
-        let images = |q: &Quarter| self.residual.images(q.0, q.1);
         let loaded = p.iter().filter(|p| **p > 0.0).count() as f64;
-        let ring = touch.iter().map(|q| 0.25 * images(q)).sum::<f64>() / loaded;
-        let tau = (RING * (ring + 1.0 / loaded.sqrt()) * stiffness / (2.0 * self.gamma)).sqrt();
+        let tau = (RING * (self.ring + 1.0 / loaded.sqrt()) * stiffness / (2.0 * self.gamma)).sqrt();
         let cut = |m: &[f64]| -> Vec<f64> { m.iter().zip(&p).map(|(m, p)| m.clamp(0.0, tau * p)).collect() };
         let mut m = cut(flat);
         // What was cut off is made good by the cells that are not.

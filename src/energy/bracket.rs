@@ -110,9 +110,8 @@ impl Trial<'_> {
     }
 
     fn halves(&self, overlap: &dyn OverlapBounds) -> Halves {
-        let (mirrors, middle) = (overlap.mirrors(), self.grid.extent().centre());
-        let near = |m: usize, c: f64| (c - middle[m]).abs() <= ASIDE * self.grid.spacing[m];
-        let mut halves = [0, 1].map(|m| mirrors[m].is_some_and(|c| near(m, c)));
+        let mirrors = overlap.mirrors();
+        let mut halves = [0, 1].map(|m| mirrors[m].is_some_and(|c| self.grid.is_centred_on(m, c)));
         // A pressure that is not even would lose by being made so.
         let strongest = self.pressure.iter().copied().fold(0.0, f64::max);
         for (axis, half) in halves.iter_mut().enumerate().filter(|(_, half)| **half) {
@@ -124,9 +123,6 @@ impl Trial<'_> {
         halves
     }
 }
-
-/// Share of a cell by which a mirror of the overlap may lie off the middle of the grid: less than what every bound allows for.
-const ASIDE: f64 = 1e-12;
 
 /// Pressures that differ by less than this share of the largest are made even.
 const SAME: f64 = 1e-4;

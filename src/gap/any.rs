@@ -112,6 +112,16 @@ impl AnyGap {
         self.under(outer.after(&self.transform))
     }
 
+    /// The gap's own values at outer points.
+    fn own_gaps(&self, points: &[[f64; 2]], to: &mut [f64]) {
+        let mut own = [[0.0; 2]; AT_ONCE];
+        for (points, to) in points.chunks(AT_ONCE).zip(to.chunks_mut(AT_ONCE)) {
+            let own = &mut own[..points.len()];
+            points.iter().zip(own.iter_mut()).for_each(|(p, own)| *own = self.transform.inward(*p));
+            self.inner.gaps(own, to);
+        }
+    }
+
     /// A rectangle in the frame in which planes are turned but not moved.
     fn unturned(&self, rect: &Rect) -> Rect {
         Rect { min: self.transform.unturned(rect.min), max: self.transform.unturned(rect.max) }
@@ -142,6 +152,9 @@ impl AnyGap {
     }
 }
 
+/// Points that are seen in the gap's own frame at once.
+const AT_ONCE: usize = 16;
+
 impl<G: Gap + Clone + 'static> From<&G> for AnyGap {
     fn from(gap: &G) -> Self {
         gap.clone().into_any()
@@ -154,9 +167,6 @@ impl std::fmt::Debug for AnyGap {
     }
 }
 
-/// Points that are seen in the gap's own frame at once.
-const AT_ONCE: usize = 16;
-
 #[warn(clippy::missing_trait_methods)]
 impl Gap for AnyGap {
     fn gap(&self, x: f64, y: f64) -> f64 {
@@ -165,13 +175,8 @@ impl Gap for AnyGap {
     }
 
     fn gaps(&self, points: &[[f64; 2]], to: &mut [f64]) {
-        let mut own = [[0.0; 2]; AT_ONCE];
-        for (points, to) in points.chunks(AT_ONCE).zip(to.chunks_mut(AT_ONCE)) {
-            let own = &mut own[..points.len()];
-            points.iter().zip(own.iter_mut()).for_each(|(p, own)| *own = self.transform.inward(*p));
-            self.inner.gaps(own, to);
-            points.iter().zip(to).for_each(|(p, to)| *to = self.transform.height_outward(*to, *p));
-        }
+        self.own_gaps(points, to);
+        points.iter().zip(to).for_each(|(p, to)| *to = self.transform.height_outward(*to, *p));
     }
 
     fn gradient(&self, x: f64, y: f64) -> Option<[f64; 2]> {
@@ -221,11 +226,7 @@ impl Gap for AnyGap {
         } else if let Some(planes) = &self.turned {
             mean::of_planes(planes, &self.unturned(cell))
         } else {
-            let inner = |points: &[[f64; 2]], to: &mut [f64]| {
-                let own: Vec<[f64; 2]> = points.iter().map(|p| self.transform.inward(*p)).collect();
-                self.inner.gaps(&own, to);
-            };
-            mean::by_values(&inner, cell)
+            mean::by_values(&|points, to| self.own_gaps(points, to), cell)
         };
         self.transform.height_outward(own, cell.centre())
     }

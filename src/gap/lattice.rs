@@ -52,13 +52,10 @@ fn in_cells<E>(gap: &dyn Gap, grid: &Grid, of: &OfCell, before: &dyn Fn() -> Res
     Ok(values)
 }
 
-/// Share of a cell by which a mirror of the gap may lie off the middle of the grid: what rounding does.
-const ASIDE: f64 = 1e-12;
-
 /// Along which axes the gap is its own image in the middle of the grid.
 fn mirrored(gap: &dyn Gap, grid: &Grid) -> [bool; 2] {
-    let (known, middle) = (gap.describe(), grid.extent().centre());
-    [0, 1].map(|m| known.mirrors[m] && (known.centre[m] - middle[m]).abs() <= ASIDE * grid.spacing[m])
+    let known = gap.describe();
+    [0, 1].map(|m| known.mirrors[m] && grid.is_centred_on(m, known.centre[m]))
 }
 
 /// Cells from a corner to another, the second one beyond the last.

@@ -139,7 +139,7 @@ impl Gap for Minimum {
     }
 
     fn gaps(&self, points: &[[f64; 2]], to: &mut [f64]) {
-        points.iter().zip(to).for_each(|(p, to)| *to = self.gap(p[0], p[1]));
+        super::one_by_one(self, points, to);
     }
 
     fn gradient(&self, x: f64, y: f64) -> Option<[f64; 2]> {

@@ -128,7 +128,7 @@ pub trait Gap: Send + Sync {
 
     /// The gap at several points: `to[k]` at `points[k]`.
     fn gaps(&self, points: &[[f64; 2]], to: &mut [f64]) {
-        points.iter().zip(to).for_each(|(p, to)| *to = self.gap(p[0], p[1]));
+        one_by_one(self, points, to);
     }
 
     /// (dg/dx, dg/dy) where it is known; at a kink, that of one of the sides.
@@ -257,6 +257,11 @@ pub trait Gap: Send + Sync {
     {
         AnyGap::of(Arc::new(self))
     }
+}
+
+/// The gap at several points, each by itself.
+fn one_by_one(gap: &(impl Gap + ?Sized), points: &[[f64; 2]], to: &mut [f64]) {
+    points.iter().zip(to).for_each(|(p, to)| *to = gap.gap(p[0], p[1]));
 }
 
 /// Any gap, put somewhere else or tilted.

@@ -2,7 +2,7 @@
 
 use crate::grid::{Grid, Pressure};
 use crate::problem::Settings;
-use crate::solution::{Origin, Patch, Piece, PressureSummary, Solution, TouchesEdge, Validity};
+use crate::solution::{Origin, Patch, Piece, PressureSummary, Residuals, Solution, TouchesEdge, Validity};
 
 /// Cells along the longer side of the field that all contacts share.
 const FIELD: usize = 1024;
@@ -59,10 +59,9 @@ pub(super) fn together(states: Vec<Solution>, settings: &Settings, missed: f64) 
     };
     let fields: Vec<&Pressure> = states.iter().filter_map(|s| s.pressure.field.as_ref()).collect();
     let field = (settings.outputs.pressure || settings.outputs.gap).then(|| spread(&fields)).flatten();
-    let worst = |of: fn(&crate::solution::Residuals) -> f64| {
-        states.iter().filter_map(|s| s.residuals.as_ref().map(of)).fold(0.0, f64::max)
-    };
-    let residuals = crate::solution::Residuals {
+    let worst =
+        |of: fn(&Residuals) -> f64| states.iter().filter_map(|s| s.residuals.as_ref().map(of)).fold(0.0, f64::max);
+    let residuals = Residuals {
         complementarity: worst(|r| r.complementarity),
         tension: worst(|r| r.tension),
         penetration: worst(|r| r.penetration),

@@ -18,7 +18,7 @@ impl Gap for Formula {
 
     fn gaps(&self, points: &[[f64; 2]], to: &mut [f64]) {
         match &self.region {
-            Some(_) => points.iter().zip(to).for_each(|(p, to)| *to = self.gap(p[0], p[1])),
+            Some(_) => crate::gap::one_by_one(self, points, to),
             None => self.values_at(points, to),
         }
     }

@@ -235,10 +235,12 @@ impl Refinement<'_> {
             };
             let finer = cells as f64 * (0.5 * short / (tolerance * value)).sqrt();
             if finer > cells as f64 && finer <= FINEST_PROVED.min(finest) as f64 && self.provable().is_some() {
-                while ((coarsest << next) as f64) < finer {
-                    next += 1;
+                let mut enough = next;
+                while ((coarsest << enough) as f64) < finer {
+                    enough += 1;
                 }
-                if coarsest << next <= finest {
+                if coarsest << enough <= finest {
+                    next = enough;
                     // Should there be no time for it, this grid stands without bounds: by its energy and by its pressures.
                     let apart = (found.state.force() - value).abs();
                     best = Some(Refined { error: error.max(short).max(apart), ..found });
