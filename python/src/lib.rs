@@ -114,8 +114,8 @@ fn command(py: Python<'_>, arguments: Vec<std::ffi::OsString>) -> PyResult<u8> {
 
 /// JSON Schema of a scene, as text.
 #[pyfunction]
-fn schema() -> String {
-    contact_patch::scene::schema().to_string()
+fn schema() -> &'static str {
+    contact_patch::scene::schema()
 }
 
 #[pymodule]

@@ -16,10 +16,7 @@ pub(super) struct SchemaCommand {
 
 impl SchemaCommand {
     pub(super) fn run(&self) -> Result<ExitCode, Failure> {
-        self.output.target(&[])?.write(|to| {
-            serde_json::to_writer_pretty(&mut *to, &crate::scene::schema())?;
-            to.write_all(b"\n")
-        })?;
+        self.output.target(&[])?.write(|to| to.write_all(crate::scene::schema().as_bytes()))?;
         Ok(ExitCode::SUCCESS)
     }
 }

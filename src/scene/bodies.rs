@@ -10,7 +10,7 @@ use crate::error::InputError;
 use crate::problem::{Body, EffectiveModulus};
 
 /// A body: its Young's or shear modulus with Poisson's ratio, or "rigid".
-#[cfg(feature = "cli")]
+#[cfg(test)]
 #[derive(schemars::JsonSchema)]
 #[schemars(untagged)]
 #[expect(dead_code, reason = "this form is only for the JSON Schema")]
@@ -24,7 +24,7 @@ pub(super) enum BodyForm {
 
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(super) struct YoungForm {
     /// Young's modulus E > 0, in units of stress.
     #[serde(alias = "E")]
@@ -36,7 +36,7 @@ pub(super) struct YoungForm {
 
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(super) struct ShearForm {
     /// Shear modulus mu > 0, in units of stress.
     #[serde(alias = "G")]
@@ -47,7 +47,7 @@ pub(super) struct ShearForm {
 }
 
 /// The same in the letters of the field.
-#[cfg(feature = "cli")]
+#[cfg(test)]
 #[derive(schemars::JsonSchema)]
 #[schemars(deny_unknown_fields)]
 #[expect(dead_code, reason = "this form is only for the JSON Schema")]
@@ -61,7 +61,7 @@ pub(super) struct YoungLettersForm {
 }
 
 /// The same in the letters of the field.
-#[cfg(feature = "cli")]
+#[cfg(test)]
 #[derive(schemars::JsonSchema)]
 #[schemars(deny_unknown_fields)]
 #[expect(dead_code, reason = "this form is only for the JSON Schema")]
@@ -75,7 +75,7 @@ pub(super) struct ShearLettersForm {
 }
 
 /// A body that does not deform.
-#[cfg(feature = "cli")]
+#[cfg(test)]
 #[derive(schemars::JsonSchema)]
 #[schemars(rename_all = "snake_case")]
 #[expect(dead_code, reason = "this form is only for the JSON Schema")]

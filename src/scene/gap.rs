@@ -18,7 +18,7 @@ use crate::gap::{AnyGap, Minimum, Sum};
 #[derive(Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[cfg_attr(
-    feature = "cli",
+    test,
     derive(schemars::JsonSchema),
     schemars(tag = "kind", transform = super::schema::with_place)
 )]
@@ -47,10 +47,10 @@ const COMMON: [&str; 3] = ["kind", "at", "rotate"];
 /// A gap made of others.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(super) struct PartsForm {
     /// The gaps, at least one.
-    #[cfg_attr(feature = "cli", schemars(with = "Vec<GapForm>"))]
+    #[cfg_attr(test, schemars(with = "Vec<GapForm>"))]
     // Read one by one.
     #[serde(rename = "of")]
     _of: Any,

@@ -12,7 +12,7 @@ use crate::problem::{Load, Loading};
 const MOST_STEPS: usize = 100_000;
 
 /// One state of loading, or several.
-#[cfg(feature = "cli")]
+#[cfg(test)]
 #[derive(schemars::JsonSchema)]
 #[schemars(untagged)]
 #[expect(dead_code, reason = "this form is only for the JSON Schema")]
@@ -27,7 +27,7 @@ pub(super) enum LoadingForm {
 /// Approach of the bodies, in units of length; negative: they do not touch.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(super) struct DepthForm {
     /// Approach at the origin.
     depth: f64,
@@ -38,7 +38,7 @@ pub(super) struct DepthForm {
 /// Normal force; with `through` or `moment` on a punch free to tilt.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(super) struct ForceForm {
     /// Normal force, 0 or more.
     force: f64,
@@ -51,7 +51,7 @@ pub(super) struct ForceForm {
 /// Several depths, answered in order.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(super) struct DepthsForm {
     depths: Vec<f64>,
 }
@@ -59,14 +59,14 @@ pub(super) struct DepthsForm {
 /// Several forces, answered in order.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(super) struct ForcesForm {
     forces: Vec<f64>,
 }
 
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(super) struct RangeForm {
     depth_range: RangeFields,
 }
@@ -74,7 +74,7 @@ pub(super) struct RangeForm {
 /// Equal steps of depth; 0 is left out.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(super) struct RangeFields {
     /// The last depth.
     to: f64,

@@ -12,7 +12,7 @@ use crate::gap::{
 /// A measured surface.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(super) struct HeightMapForm {
     /// Text grid, XYZ, .npy, .x3p or .sdf; relative to the scene file.
     file: String,
@@ -48,7 +48,7 @@ pub(super) struct HeightMapForm {
 
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(rename_all = "snake_case")]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(super) enum FormatForm {
     Text,
     Xyz,
@@ -59,7 +59,7 @@ pub(super) enum FormatForm {
 
 #[derive(Debug, Clone, Copy, Default, Deserialize)]
 #[serde(rename_all = "snake_case")]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(super) enum SurfaceForm {
     #[default]
     Upper,
@@ -77,7 +77,7 @@ impl From<SurfaceForm> for Surface {
 
 #[derive(Debug, Clone, Copy, Default, Deserialize)]
 #[serde(rename_all = "snake_case")]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(super) enum ZeroForm {
     #[default]
     FirstTouch,
@@ -95,7 +95,7 @@ impl From<ZeroForm> for Zero {
 
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(super) enum LevelForm {
     #[default]
     None,
@@ -166,7 +166,7 @@ fn renamed(mut error: InputError, key: &str) -> InputError {
 /// A measured line y, z across a body, extruded along an axis or rolled along it.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(super) struct ProfileForm {
     /// Points [y, z] in order along the line; heights z count upwards.
     points: Option<Vec<[f64; 2]>>,
@@ -206,7 +206,7 @@ pub(super) struct ProfileForm {
 
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(rename_all = "snake_case")]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(super) enum LineFormatForm {
     Columns,
     Miniprof,
@@ -214,7 +214,7 @@ pub(super) enum LineFormatForm {
 
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(rename_all = "snake_case")]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(super) enum AlongForm {
     X,
     Y,
@@ -222,7 +222,7 @@ pub(super) enum AlongForm {
 
 #[derive(Debug, Clone, Copy, Default, Deserialize)]
 #[serde(rename_all = "snake_case")]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(super) enum InterpolationForm {
     /// A cubic spline: what a smooth body is met by.
     #[default]
@@ -242,7 +242,7 @@ impl From<InterpolationForm> for Interpolation {
 
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(rename_all = "snake_case")]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(super) enum UnitForm {
     M,
     Mm,
@@ -271,7 +271,7 @@ impl UnitForm {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(super) enum MirrorForm {
     Y,
     Z,

@@ -23,7 +23,6 @@ mod gap;
 mod given;
 mod loading;
 mod measured;
-#[cfg(feature = "cli")]
 mod schema;
 pub(crate) mod settings;
 mod shapes;
@@ -36,7 +35,6 @@ use serde::Deserialize;
 pub use document::Json;
 pub(crate) use document::{key_in_path, quoted};
 pub use given::Given;
-#[cfg(feature = "cli")]
 pub use schema::schema;
 
 use crate::error::InputError;
@@ -73,7 +71,7 @@ pub struct Scene {
 /// The keys of a scene. Bodies, gap and loading are read by their own modules.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct SceneForm {
     /// Where the schema of this file is, for editors.
     #[serde(rename = "$schema")]
@@ -81,14 +79,14 @@ struct SceneForm {
     /// Any text; comes back with the result.
     name: Option<String>,
     /// One or two bodies; one alone is pressed against a rigid one.
-    #[cfg_attr(feature = "cli", schemars(with = "Option<Vec<bodies::BodyForm>>", length(min = 1, max = 2)))]
+    #[cfg_attr(test, schemars(with = "Option<Vec<bodies::BodyForm>>", length(min = 1, max = 2)))]
     bodies: Option<Any>,
     /// E* > 0 of the pair, in place of `bodies`.
     effective_modulus: Option<f64>,
-    #[cfg_attr(feature = "cli", schemars(with = "gap::GapForm"))]
+    #[cfg_attr(test, schemars(with = "gap::GapForm"))]
     #[serde(rename = "gap")]
     _gap: Any,
-    #[cfg_attr(feature = "cli", schemars(with = "loading::LoadingForm"))]
+    #[cfg_attr(test, schemars(with = "loading::LoadingForm"))]
     #[serde(rename = "loading")]
     _loading: Any,
     /// Labels of units for tables, pictures and exports; numbers are not converted.

@@ -14,7 +14,7 @@ pub(crate) const MOST_CELLS: usize = 16_384;
 /// Labels of the units that the numbers of a scene are in.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(super) struct UnitsForm {
     /// Unit of length, such as "mm".
     length: String,
@@ -29,7 +29,7 @@ pub(super) fn units(form: UnitsForm) -> Result<UnitLabels, InputError> {
 /// Cells along the longer side, or "map".
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(untagged, expecting = "a whole number, or \"map\"")]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(super) enum CellsForm {
     Along(usize),
     Named(CellsName),
@@ -37,7 +37,7 @@ pub(super) enum CellsForm {
 
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(rename_all = "snake_case")]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(super) enum CellsName {
     Map,
 }
@@ -45,7 +45,8 @@ pub(super) enum CellsName {
 /// Names of the methods.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema, clap::ValueEnum), value(rename_all = "snake_case"))]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum), value(rename_all = "snake_case"))]
 pub(crate) enum MethodName {
     /// The cheapest method that reaches the tolerance.
     Auto,
@@ -80,7 +81,8 @@ impl From<MethodName> for Method {
 /// Names of the kernels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema, clap::ValueEnum), value(rename_all = "snake_case"))]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum), value(rename_all = "snake_case"))]
 pub(crate) enum KernelName {
     /// Means over cells.
     Galerkin,
@@ -100,7 +102,8 @@ impl From<KernelName> for Kernel {
 /// Names of what the stated error is to be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema, clap::ValueEnum), value(rename_all = "snake_case"))]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum), value(rename_all = "snake_case"))]
 pub(crate) enum EvidenceName {
     /// A proved bracket wherever a theorem reaches.
     Proof,
@@ -120,7 +123,7 @@ impl From<EvidenceName> for ErrorBar {
 /// Boundaries that `fabrikant` may choose from; a Fourier series for a(theta) by its order.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(rename_all = "snake_case")]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(super) enum BoundaryForm {
     Stationary,
     Ellipse,
@@ -133,7 +136,7 @@ pub(super) enum BoundaryForm {
 /// How to solve; everything here has a default.
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(super) struct SolveForm {
     /// Which method; by default the cheapest that reaches the tolerance.
     method: Option<MethodName>,
@@ -155,7 +158,7 @@ pub(super) struct SolveForm {
 /// What else to compute and write.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(super) enum OutputName {
     /// The boundary of the patch as closed lines.
     Patch,

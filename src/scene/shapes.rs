@@ -35,7 +35,7 @@ fn radians(inclination: f64) -> Result<f64, InputError> {
 /// x^2/(2 R1) + y^2/(2 R2).
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(super) struct ParaboloidForm {
     /// Relative radii of curvature along x and y, greater than 0; "flat" or null for a straight generator.
     radii: [Option<RadiusForm>; 2],
@@ -44,7 +44,7 @@ pub(super) struct ParaboloidForm {
 /// A radius of curvature, or the word for none.
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(untagged, expecting = "a number greater than 0, or \"flat\" for a straight generator")]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(super) enum RadiusForm {
     Length(f64),
     Straight(StraightForm),
@@ -53,7 +53,7 @@ pub(super) enum RadiusForm {
 /// A straight generator: the radius of curvature is infinite.
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(rename_all = "snake_case")]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(super) enum StraightForm {
     Flat,
 }
@@ -71,7 +71,7 @@ impl ParaboloidForm {
 /// A true sphere.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(super) struct SphereForm {
     /// Radius, greater than 0.
     radius: f64,
@@ -86,7 +86,7 @@ impl SphereForm {
 /// A cone.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(super) struct ConeForm {
     /// Angle between the cone and the surface, degrees, greater than 0 and less than 90.
     inclination: f64,
@@ -107,7 +107,7 @@ impl ConeForm {
 /// coefficient r^exponent.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(super) struct PowerForm {
     /// Greater than 0.
     coefficient: f64,
@@ -124,7 +124,7 @@ impl PowerForm {
 /// A regular pyramid: tan(inclination) max over k of (x cos(2 pi k/faces) + y sin(2 pi k/faces)).
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(super) struct PyramidForm {
     /// Number of faces, 2 (a wedge) or more.
     faces: usize,
@@ -161,7 +161,7 @@ const VICKERS: f64 = 68.0;
 /// degrees less.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(super) struct IndenterForm {
     /// Angle between the axis and a face, degrees, greater than 0 and less than 90, where it is not the nominal one.
     face_angle: Option<f64>,
@@ -203,7 +203,7 @@ impl IndenterForm {
 /// The highest of several planes.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(super) struct PolyhedronForm {
     /// [slope_x, slope_y, offset] each.
     planes: Vec<[f64; 3]>,
@@ -219,7 +219,7 @@ impl PolyhedronForm {
 /// A flat punch: 0 inside the outline, no contact outside.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(super) struct FlatForm {
     /// The edge.
     outline: OutlineForm,
@@ -234,7 +234,7 @@ impl FlatForm {
 /// A plan-form: radius, semi-axes, or corners.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(rename_all = "snake_case")]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(super) enum OutlineForm {
     Disc(f64),
     Ellipse([f64; 2]),
@@ -257,7 +257,7 @@ impl OutlineForm {
 /// A body of revolution.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(super) struct RevolvedForm {
     /// Points [r, z] of the generatrix, r rising; z is the gap.
     points: Vec<[f64; 2]>,
@@ -273,7 +273,7 @@ impl RevolvedForm {
 /// A gap written as an expression in x, y, r and theta.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[cfg_attr(not(feature = "formula"), expect(dead_code, reason = "read, then refused by name"))]
 pub(super) struct FormulaForm {
     /// For instance "x^2/2 + 0.1*abs(y)^3".
