@@ -2,6 +2,7 @@
 
 use super::basis::NODES;
 use super::field::{COEFFICIENTS, Field, RING};
+use super::outside::{Loads, clear_beyond};
 use super::overlap::OverlapBounds;
 use super::residual::{Halves, Norms, Residual};
 use crate::grid::Grid;
@@ -55,13 +56,20 @@ impl Padded {
 
 /// Cells that a grid is enlarged by on each side where its contact ends too close to its border to be sure of what lies beyond: one
 /// for so many of the longer side.
-const PADDING: [usize; 2] = [8, 3];
+const PADDING: [usize; 5] = [32, 16, 8, 5, 3];
 
 impl Trial<'_> {
-    /// On larger and larger grids, as far as that is worth while.
-    pub(crate) fn enlarged(&self) -> impl Iterator<Item = Padded> {
+    /// On larger and larger grids, as far as that is worth while; without those beyond which the load alone does not rule out contact.
+    pub(crate) fn enlarged(&self, overlap: &dyn OverlapBounds) -> impl Iterator<Item = Padded> {
         let longer = self.grid.shape[0].max(self.grid.shape[1]);
-        PADDING.iter().map(move |part| self.padded(longer.div_ceil(*part)))
+        let padded = PADDING.iter().map(move |part| self.padded(longer.div_ceil(*part)));
+        padded.filter(|padded| padded.trial().is_clear_beyond(overlap))
+    }
+
+    /// Whether the load rules out all contact beyond the grid: nothing is bounded where it does not.
+    pub(super) fn is_clear_beyond(&self, overlap: &dyn OverlapBounds) -> bool {
+        let nx = self.grid.shape[0];
+        clear_beyond(self.grid, overlap, &Loads::new(self.grid, |j| &self.pressure[j * nx..(j + 1) * nx]))
     }
 
     /// With so many more cells on each side: where the contact ends close to the grid, nothing can be shown of what lies beyond.

@@ -58,23 +58,24 @@ fn bounds(
     trial: &Trial,
     enough: f64,
 ) -> Option<[f64; 2]> {
-    let mut around = trial.enlarged();
+    if !is_positive(trial) {
+        return None;
+    }
+    let around = trial.enlarged(overlap);
     let [lower, upper] = match degree {
         // Where it is not known that the overlap ends, samples would have to prove it.
-        None if !overlap.is_certain() || !is_positive(trial) => return None,
+        None if !overlap.is_certain() => return None,
         None => {
-            let above_least = above_least * (1.0 + ROUNDING);
-            let mut found = any_gap::bounds(overlap, above_least, trial, enough);
-            while let (Err(Missing::Beyond), Some(padded)) = (found, around.next()) {
-                found = any_gap::bounds(overlap, above_least, &padded.trial(), enough);
-            }
-            found.ok()?
+            let bounds = |trial: &Trial| any_gap::bounds(overlap, above_least * (1.0 + ROUNDING), trial, enough);
+            let own = trial.is_clear_beyond(overlap).then(|| bounds(trial));
+            let mut found = own.into_iter().chain(around.map(|padded| bounds(&padded.trial())));
+            found.find(|found| *found != Err(Missing::Beyond))?.ok()?
         }
         Some(degree) => {
-            let around = around.map(|padded| energy_bracket(overlap, &padded.trial()));
-            let mut found = std::iter::once(energy_bracket(overlap, trial)).chain(around);
-            let [lower, upper] =
-                found.find_map(|bracket| Some(bracket.bounds()).filter(|[_, upper]| upper.is_finite()))?;
+            let bounds =
+                |trial: &Trial| Some(energy_bracket(overlap, trial).bounds()).filter(|[_, upper]| upper.is_finite());
+            let own = trial.is_clear_beyond(overlap).then(|| bounds(trial)).flatten();
+            let [lower, upper] = own.or_else(|| around.into_iter().find_map(|padded| bounds(&padded.trial())))?;
             let per_energy = (2.0 + degree.inverse()) / above_lowest;
             [lower * per_energy * (1.0 - ROUNDING), upper * per_energy * (1.0 + ROUNDING)]
         }

@@ -5,6 +5,7 @@
 
 use super::field::{Field, RING};
 use super::overlap::OverlapBounds;
+use crate::grid::Grid;
 use crate::numeric::geometry::Rect;
 
 /// Blocks of cells along each side of the loaded box.
@@ -24,11 +25,9 @@ pub(super) struct Loads {
 }
 
 impl Loads {
-    /// Of a pressure p >= 0 on the cells of a grid.
-    pub fn new(field: &Field) -> Self {
-        let grid = &field.grid;
+    /// Of a pressure p >= 0 on the cells of a grid, row by row.
+    pub fn new<'a>(grid: &Grid, row: impl Fn(usize) -> &'a [f64]) -> Self {
         let [nx, ny] = grid.shape;
-        let row = |j: usize| &field.pressures(0, j as isize)[..nx];
         let loaded = |p: &f64| *p > 0.0;
         let rows: Vec<usize> = (0..ny).filter(|j| row(*j).iter().any(loaded)).collect();
         let (Some(low), Some(high)) = (rows.first(), rows.last()) else {
@@ -74,9 +73,9 @@ impl Loads {
 }
 
 /// The rectangle of the cells that are looked at.
-fn looked_at(field: &Field) -> Rect {
-    let extent = field.grid.extent();
-    let more = [0, 1].map(|m| RING as f64 * field.grid.spacing[m]);
+fn looked_at(grid: &Grid) -> Rect {
+    let extent = grid.extent();
+    let more = [0, 1].map(|m| RING as f64 * grid.spacing[m]);
     Rect {
         min: [extent.min[0] - more[0], extent.min[1] - more[1]],
         max: [extent.max[0] + more[0], extent.max[1] + more[1]],
@@ -84,9 +83,9 @@ fn looked_at(field: &Field) -> Rect {
 }
 
 /// Whether f <= u everywhere beyond the cells that are looked at.
-pub(super) fn clear_beyond(field: &Field, overlap: &dyn OverlapBounds, loads: &Loads) -> bool {
+pub(super) fn clear_beyond(grid: &Grid, overlap: &dyn OverlapBounds, loads: &Loads) -> bool {
     let Some(reach) = overlap.reach() else { return false };
-    let inner = looked_at(field);
+    let inner = looked_at(grid);
     if (0..2).all(|m| inner.min[m] <= reach.min[m] && reach.max[m] <= inner.max[m]) {
         return true;
     }

@@ -96,8 +96,8 @@ impl Residual<'_> {
         most: f64,
     ) -> Option<(Vec<Quarter>, f64)> {
         let field = self.field;
-        let loads = Loads::new(field);
-        if !clear_beyond(field, overlap, &loads) {
+        let loads = Loads::new(&field.grid, |j| &field.pressures(0, j as isize)[..field.grid.shape[0]]);
+        if !clear_beyond(&field.grid, overlap, &loads) {
             return None;
         }
         let loaded = |i: isize, j: isize| field.pressure(i, j) > 0.0;
