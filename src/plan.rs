@@ -106,7 +106,7 @@ pub fn plan(contact: &Contact, settings: &Settings) -> Result<Plan, Unsolved> {
         Some(Degree::Flat) => steps.push("its contact cannot grow: force ~ depth".to_owned()),
         None => {}
     }
-    let method = chosen(settings, closed, route.is_some(), &mut steps);
+    let method = chosen(settings, closed, route.as_ref(), &mut steps);
     match method {
         Method::ClosedForm | Method::EdgeFitted => left_out.push("the surface grid".to_owned()),
         Method::Ritz | Method::Fabrikant => {
@@ -156,31 +156,31 @@ fn probe(contact: &Contact, loads: &[Load], steps: &mut Vec<String>) -> (f64, [f
     }
 }
 
-fn chosen(settings: &Settings, closed: bool, fitted: bool, steps: &mut Vec<String>) -> Method {
-    match settings.method {
-        Method::Auto if settings.cells.is_some() => {
+fn chosen(settings: &Settings, closed: bool, fitted: Option<&Route>, steps: &mut Vec<String>) -> Method {
+    match (settings.method, fitted) {
+        (Method::Auto, _) if settings.cells.is_some() => {
             steps.push("fft: the number of cells is prescribed, so a grid is wanted".to_owned());
             Method::Fft
         }
-        Method::Auto if settings.outputs.gap => {
+        (Method::Auto, _) if settings.outputs.gap => {
             steps.push("fft: the gap field is asked for, and formulas do not give it".to_owned());
             Method::Fft
         }
-        Method::Auto if closed => {
+        (Method::Auto, _) if closed => {
             steps.push("closed form: exact, and the cheapest".to_owned());
             Method::ClosedForm
         }
-        Method::Auto if fitted => {
-            steps.push("edge_fitted: cells graded to the edges of the material, and the force is proved".to_owned());
+        (Method::Auto, Some(route)) => {
+            steps.push(format!("edge_fitted: {}", route.evidence()));
             Method::EdgeFitted
         }
-        Method::Auto => {
+        (Method::Auto, None) => {
             steps.push(
                 "fft: no closed form, and faster than the quadratic programme at every number of cells".to_owned(),
             );
             Method::Fft
         }
-        prescribed => {
+        (prescribed, _) => {
             steps.push(format!("{}: prescribed", prescribed.name()));
             prescribed
         }

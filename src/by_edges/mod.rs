@@ -122,6 +122,22 @@ impl Route {
         }
     }
 
+    /// How the cells lie and what shows the error of the force, in words.
+    pub fn evidence(&self) -> &'static str {
+        match self {
+            Self::Flat(_) => "cells graded to the edges of the material, and the force is proved",
+            Self::Tilted(_) => {
+                "cells graded to the edges of the material, and the force is proved if it touches everywhere, else estimated"
+            }
+            Self::Layer(_) => "cells graded to the edges of the flat, whose stiffness bounds the force from both sides",
+            Self::Flanked { .. } => {
+                "cells graded to the edges of the flat and to the contact beyond it, and the error is estimated"
+            }
+            Self::Rings(_) => "rings about the axis, and the force is proved",
+            Self::Oval(_) => "cells along the closed strip, and the error is estimated",
+        }
+    }
+
     fn solve(&self, contact: &Contact, depth: f64, settings: &Settings) -> Option<Found> {
         let limits = Limits { tolerance: settings.tolerance, deadline: settings.deadline, ..Limits::default() };
         match self {

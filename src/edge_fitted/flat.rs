@@ -16,6 +16,9 @@ pub(crate) struct FlatStiffness {
     pub unknowns: usize,
 }
 
+/// Share of the tolerance that the next mesh is to meet: one that just misses it costs as much as the one that has to follow.
+pub(super) const AIM: f64 = 0.9;
+
 /// Bounds of K on meshes of rising n until the half width is within the tolerance. The width falls as n^-3 (see
 /// `Outline`), so the next n follows from the width; at least one more cell each time. `None` where the outline has no mesh
 /// that can be solved on, and where the time ends before the first one is.
@@ -40,7 +43,7 @@ pub(crate) fn flat_stiffness(outline: &Outline, limits: &Limits) -> Option<FlatS
         let width = (stiffness[1] - stiffness[0]) / (stiffness[0] + stiffness[1]);
         let met = width <= limits.tolerance;
         best = Some(FlatStiffness { stiffness, cells: cells(&fitted, &pressure), unknowns });
-        let factor = (width / limits.tolerance).cbrt();
+        let factor = (width / (AIM * limits.tolerance)).cbrt();
         let next = ((n as f64 * factor).ceil() as usize).max(n + 1).min(2 * n);
         // Unknowns grow as n^2, time at least so.
         let growth = (next * next) as f64 / (n * n) as f64;

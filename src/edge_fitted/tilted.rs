@@ -30,6 +30,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::Limits;
+use super::flat::AIM;
 use super::outline::{COARSEST, Outline};
 use super::tilted_mesh::{Given, Punch, Tilted};
 
@@ -98,7 +99,7 @@ pub(crate) fn tilted(outline: &Outline, given: Given, limits: &Limits) -> Option
             found.estimate(n, best.as_ref().map(|(n, best)| (*n, best)));
         }
         let width = (found.force[1] - found.force[0]) / (found.force[0] + found.force[1]);
-        let wanted = if width < 1.0 { n as f64 * (width / limits.tolerance).cbrt() } else { n as f64 / BEFORE };
+        let wanted = if width < 1.0 { n as f64 * (width / (AIM * limits.tolerance)).cbrt() } else { n as f64 / BEFORE };
         let mut next = (wanted.ceil() as usize).max(n + 1).min(2 * n);
         while next > n && !fits(next, size) {
             next -= 1;
