@@ -13,7 +13,7 @@ use std::time::Instant;
 
 use contact_patch::gap::{Gap, Paraboloid, Polyhedron};
 use contact_patch::geometry::Rect;
-use contact_patch::matrix_free::{self, Settings, solve_nested};
+use contact_patch::matrix_free::{Settings, solve_nested, solve_under_force};
 use contact_patch::{Discrete, DiscreteSolution, Grid, Kernel};
 use realfft::RealFftPlanner;
 use rustfft::FftPlanner;
@@ -167,31 +167,13 @@ fn at_depth(problem: &Discrete, settings: &Settings) -> Solved {
     ([solution.operator_products - single, single], force(&solution, problem))
 }
 
-/// Newton's method for the depth around the solver.
-fn by_newton(problem: &Discrete, wanted: f64, settings: &Settings) -> Solved {
-    // The depth is known to a few percent, as after a search on 32 cells.
-    let mut off = -0.02;
-    let moved = |off: f64| Discrete { overlap: problem.overlap.iter().map(|f| f + off).collect(), ..problem.clone() };
-    let mut now = moved(off);
-    let mut products = [0; 2];
-    let mut solution = solve_nested(&now, settings).expect("solved");
-    loop {
-        products[0] += solution.operator_products - solution.single_precision;
-        products[1] += solution.single_precision;
-        let reached = force(&solution, &now);
-        let ones = vec![1.0; now.overlap.len()];
-        let growing = matrix_free::growth(&now, &solution.pressure, &ones, settings).expect("grown");
-        if (reached / wanted - 1.0).abs() < 1e-8 {
-            return (products, reached);
-        }
-        let stiffness = growing.iter().sum::<f64>() * now.grid.cell_area();
-        let exponent = stiffness * (1.0 + off) / reached;
-        let next = (1.0 + off) * ((wanted / reached).ln() / exponent).exp() - 1.0;
-        let start: Vec<f64> = solution.pressure.iter().zip(&growing).map(|(p, m)| p + (next - off) * m).collect();
-        off = next;
-        now = moved(off);
-        solution = matrix_free::solve(&now, Some(&start), settings).expect("solved");
-    }
+/// From a depth that is known to a few percent, as after a search on few cells.
+fn under_force(problem: &Discrete, wanted: f64, settings: &Settings) -> Solved {
+    let guess = Discrete { overlap: problem.overlap.iter().map(|f| f - 0.02).collect(), ..problem.clone() };
+    let (deeper, solution) = solve_under_force(&guess, wanted, None, settings).expect("solved");
+    assert!((deeper - 0.02).abs() < 1e-7, "{deeper}");
+    let single = solution.single_precision;
+    ([solution.operator_products - single, single], force(&solution, problem))
 }
 
 /// Slope of log y over log x, by least squares.
@@ -223,7 +205,7 @@ fn main() {
             let (_, wanted) = at_depth(&problem, &settings);
             for (k, given) in ["depth", "force"].into_iter().enumerate() {
                 let solve =
-                    || if k == 0 { at_depth(&problem, &settings) } else { by_newton(&problem, wanted, &settings) };
+                    || if k == 0 { at_depth(&problem, &settings) } else { under_force(&problem, wanted, &settings) };
                 let bytes = heap::of(|| {
                     black_box(solve());
                 }) / (n * n) as f64;
