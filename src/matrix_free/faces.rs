@@ -20,12 +20,12 @@
 //!
 //! No proof of convergence covers every A. When the residual stops falling, [`super::monotone`] takes over, which has one.
 
-use super::fixed::{Fixed, dot, largest};
+use super::fixed::{Fixed, STEPS, STEPS_UNDER_LOAD, dot, largest};
 use super::level::{Level, State, occupied};
 use super::operator::Scratch;
 
 /// Fall of the residual on a face before the face is looked at again.
-const INNER: f32 = 0.2;
+const INNER: f32 = 0.35;
 
 /// The residual on the face that is aimed at, in tolerances: what is left is for the pressures rounded up to zero.
 const AIM: f64 = 0.9;
@@ -188,8 +188,9 @@ fn descend(level: &Level, state: &mut State, work: &mut Work, tolerance: f64, sc
         }
         let cells = rows.start * width..rows.end * width;
         let Work { r, z, d, ad, w, own, image, face, flat } = work;
+        let steps = if level.load.is_some() { STEPS_UNDER_LOAD } else { STEPS };
         let near_inverse =
-            Fixed { single: level.single, periodic: level.periodic, preconditioner: level.preconditioner, face };
+            Fixed { single: level.single, periodic: level.periodic, preconditioner: level.preconditioner, face, steps };
         if level.load.is_some() && STALE * stale >= known {
             flat.resize(face.len(), 0.0);
             w[cells.clone()].copy_from_slice(&face[cells.clone()]);

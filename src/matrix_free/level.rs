@@ -90,12 +90,15 @@ impl Level<'_> {
         state.products += 1;
     }
 
-    /// Scales the pressures to the load, where one is given.
+    /// Scales the pressures to the load, where one is given; from nothing they are all the same.
     pub(super) fn scale_to_load(&self, state: &mut State) {
-        let sum: f64 = state.p.iter().sum();
-        if let Some(load) = self.load.filter(|_| sum > 0.0) {
-            state.p.iter_mut().for_each(|p| *p *= load / sum);
+        let Some(load) = self.load else { return };
+        let mut sum: f64 = state.p.iter().sum();
+        if sum <= 0.0 {
+            state.p.iter_mut().zip(self.f).for_each(|(p, f)| *p = if *f > 0.0 { 1.0 } else { 0.0 });
+            sum = state.p.iter().sum();
         }
+        state.p.iter_mut().for_each(|p| *p *= load / sum);
     }
 
     /// Takes the pressure out of one cell, and what it did out of the residual: row by row, without a transform.

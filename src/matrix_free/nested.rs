@@ -12,8 +12,9 @@ use crate::influence::InfluenceTable;
 use crate::solution::Unsolved;
 
 /// Error of the gap on the grids before the last, relative to the depth: well below their distance from the next grid. What is
-/// left on a coarse grid is smooth, and dear on the fine one: at 5e-4 a paraboloid on 1024 cells takes 6 products more.
-const COARSE_TOLERANCE: f64 = 3e-5;
+/// left on a coarse grid is smooth, and dear on the fine one: at 5e-4 a paraboloid on 1024 cells takes 6 products more. At 3e-5 the
+/// coarse grids cost more than they save.
+const COARSE_TOLERANCE: f64 = 1e-4;
 
 /// Cells along the longer side of the coarsest grid.
 const COARSEST: usize = 12;

@@ -12,8 +12,9 @@ use super::{Cells, Operators, SYMMETRIC, Settings, with_threads};
 use crate::discrete::{Discrete, DiscreteSolution};
 use crate::solution::{Unsolved, Verdict};
 
-/// Share of the depth that it may change by within one box of cells.
+/// Share of the depth that it may change by within one box of cells, and on the coarse grids before, whose depths are their own.
 const ROOM: f64 = 0.04;
+const ROOM_ON_COARSE: f64 = 0.3;
 
 /// Boxes that are tried.
 const MOST_BOXES: usize = 8;
@@ -50,7 +51,7 @@ pub fn solve_under_force(
     let grid = problem.grid;
     let moved =
         |by: f64| Discrete { grid, kernel: problem.kernel, overlap: problem.overlap.iter().map(|f| f + by).collect() };
-    let mut start = start.filter(|p| p.len() == grid.len());
+    let mut start = start.filter(|p| p.len() == grid.len()).map(<[f64]>::to_vec);
     // Relative to the depth that is found.
     let held = Settings { tolerance: (1.0 - 2.0 * ROOM) * settings.tolerance, ..*settings };
     let limit = Limit { products: settings.products, deadline: settings.deadline };
@@ -72,10 +73,10 @@ pub fn solve_under_force(
             let mut left = match start.take() {
                 Some(start) => {
                     let operators = Operators::new(&table, window.shape(), window.mirrored, true);
-                    let start = window.cut(grid.shape, start, 0.0).into_iter().map(|p| p / unit).collect();
+                    let start = window.cut(grid.shape, &start, 0.0).into_iter().map(|p| p / unit).collect();
                     cells.solve(&table, &operators, Some(start), held.tolerance, limit, scratch)
                 }
-                None => from_coarse(cells, &table, &held, scratch, within),
+                None => from_coarse(cells, &table, &held, scratch, |by| by.abs() <= ROOM_ON_COARSE),
             };
             let by = left.state.deeper;
             if within(by) {
@@ -92,6 +93,10 @@ pub fn solve_under_force(
                 break;
             }
             deeper += (by * window.deepest).clamp(STEP[0] * deepest, STEP[1] * deepest);
+            if left.solved {
+                left.state.p.iter_mut().for_each(|p| *p *= unit);
+                start = Some(window.paste(grid.shape, &left.state.p));
+            }
         }
         Err(Unsolved::new(Verdict::IterationLimit, format!("the depth for the force {force:e} was not found")))
     })
