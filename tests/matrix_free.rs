@@ -4,7 +4,7 @@ mod random;
 
 use contact_patch::closed_form::Hertz;
 use contact_patch::gap::Paraboloid;
-use contact_patch::matrix_free::{Settings, Solver, solve, solve_nested};
+use contact_patch::matrix_free::{Settings, Solver, solve, solve_nested, solve_under_force};
 use contact_patch::{
     Contact, Discrete, DiscreteSolution, EffectiveModulus, Grid, InfluenceTable, Kernel, Loading, Method, Outputs,
     Verdict,
@@ -324,4 +324,33 @@ fn hertz_a_hundred_times_longer_than_wide() {
         let [hx, hy] = solution.pressure.field.expect("asked for").grid.spacing;
         assert!(hx > 20.0 * hy, "cells as slender as the contact asks for: {hx} {hy}");
     }
+}
+
+#[test]
+fn under_a_force_the_answer_is_that_of_its_depth() {
+    let settings = Settings::default();
+    let mut loaded = 0;
+    for number in 0..100 {
+        let problem = random_problem(number);
+        let at_depth = solve_nested(&problem, &settings).expect("solved");
+        let wanted = force(&at_depth.pressure, &problem.grid);
+        if wanted <= 0.0 || at_depth.unknowns < 20 {
+            continue;
+        }
+        loaded += 1;
+        let deepest = problem.deepest();
+        for (guess, start) in [(-0.02, None), (0.3, None), (0.01, Some(&at_depth.pressure))] {
+            let off = guess * deepest;
+            let guessed = Discrete { overlap: problem.overlap.iter().map(|f| f + off).collect(), ..problem.clone() };
+            let start = start.map(Vec::as_slice);
+            let (deeper, solution) = solve_under_force(&guessed, wanted, start, &settings)
+                .unwrap_or_else(|unsolved| panic!("{number} {guess}: {unsolved}"));
+            assert!((deeper + off).abs() < 1e-6 * deepest, "{number} {guess}: {deeper} {off}");
+            let found = force(&solution.pressure, &problem.grid);
+            assert!((found / wanted - 1.0).abs() < 1e-8, "{number} {guess}: {found} {wanted}");
+            let there = Discrete { overlap: guessed.overlap.iter().map(|f| f + deeper).collect(), ..problem.clone() };
+            check(&there, &solution, 1e-8);
+        }
+    }
+    assert!(loaded > 60, "{loaded}");
 }

@@ -82,9 +82,11 @@ pub(crate) fn solution(
 /// No closer than the samples of a measured gap can be told from: what they leave open of the force, P' off >= P off/(d - g0) since P is
 /// convex, is stated beside the error of the grids (`acceptance/sampled`), and where it exceeds the tolerance no finer grid helps.
 pub(crate) fn within_samples(overlap: &Overlap, settings: &Settings) -> Settings {
-    let off = if overlap.gap.is_measured() { overlap.gap.sampling_error(&overlap.reach) } else { 0.0 };
-    let open = off / overlap.deepest;
-    if settings.cells.is_some() || !(open > 0.0) {
+    if settings.cells.is_some() || !overlap.gap.is_measured() {
+        return *settings;
+    }
+    let open = overlap.gap.sampling_error(&overlap.reach) / overlap.deepest;
+    if !(open > 0.0) {
         return *settings;
     }
     let tolerance = if open > settings.tolerance {

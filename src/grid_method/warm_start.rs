@@ -7,7 +7,7 @@ use super::refined::Refined;
 use super::refinement;
 use super::single_grid::{self, GridState};
 use super::unresolved;
-use crate::discrete::Discrete;
+use crate::discrete::{Discrete, DiscreteSolution};
 use crate::grid::{Grid, shape};
 use crate::matrix_free;
 use crate::overlap::{Overlap, Scaled};
@@ -88,28 +88,92 @@ impl WarmStart {
         Ok(Some(Self::grown(scaled, Refined::of(state, f64::INFINITY))?))
     }
 
+    /// The depth under a force on a grid of this many cells, from a depth near it.
+    ///
+    /// # Errors
+    /// `IterationLimit`.
+    pub fn depth_under(
+        contact: &Contact,
+        near: f64,
+        force: f64,
+        cells: usize,
+        settings: &Settings,
+    ) -> Result<Option<f64>, Unsolved> {
+        let Some(overlap) = Overlap::of(contact.gap(), near)? else { return Ok(None) };
+        let scaled = overlap.scaled();
+        let units = &scaled.units;
+        let window = domain::locate(&scaled)?;
+        let grid = Grid::over(&window, shape(&window, cells));
+        let problem = Discrete::sample_before(&scaled.gap, scaled.depth, grid, settings.kernel, settings.deadline)?;
+        let force = force / (contact.modulus().e_star() * units.height * units.length);
+        let deadline = settings.deadline;
+        let held = matrix_free::Settings { tolerance: 1e-4, deadline, ..matrix_free::Settings::default() };
+        let (deeper, _) = matrix_free::solve_under_force(&problem, force, None, &held)?;
+        Ok(Some((scaled.depth + deeper) * units.height))
+    }
+
     /// The state at another depth on the same cells, from here; `None` when they do not hold its contact, or when it takes
     /// the limit of many grids.
     ///
     /// # Errors
     /// `IterationLimit`.
     pub fn continued_to(&self, contact: &Contact, depth: f64, settings: &Settings) -> Result<Option<Self>, Unsolved> {
-        let Some(growing) = &self.growing else { return Ok(None) };
-        let Refined { state: before, force, error, .. } = &self.refined;
-        let Some(overlap) = Overlap::of(contact.gap(), depth)? else { return Ok(None) };
+        let deeper = depth / self.scaled.units.height - self.scaled.depth;
+        self.continued(contact, deeper, settings, |problem, start, settings| {
+            Ok((0.0, matrix_free::solve(problem, Some(start), settings)?))
+        })
+    }
+
+    /// The state under a force on the same cells, as [`Self::continued_to`].
+    ///
+    /// # Errors
+    /// `IterationLimit`.
+    pub fn continued_under(
+        &self,
+        contact: &Contact,
+        force: f64,
+        settings: &Settings,
+    ) -> Result<Option<Self>, Unsolved> {
         let units = self.scaled.units;
+        let force = force / (contact.modulus().e_star() * units.height * units.length);
+        let Some(stiffness) = self.stiffness() else { return Ok(None) };
+        let deeper = (force - self.refined.state.force()) / stiffness;
+        self.continued(contact, deeper, settings, |problem, start, settings| {
+            matrix_free::solve_under_force(problem, force, Some(start), settings)
+        })
+    }
+
+    /// On the same cells, deeper by about as much: `solve` says what the depth is larger by in the end.
+    fn continued(
+        &self,
+        contact: &Contact,
+        mut deeper: f64,
+        settings: &Settings,
+        solve: impl Fn(&Discrete, &[f64], &matrix_free::Settings) -> Result<(f64, DiscreteSolution), Unsolved>,
+    ) -> Result<Option<Self>, Unsolved> {
+        let Some(growing) = &self.growing else { return Ok(None) };
+        let Refined { state: before, error, force, .. } = &self.refined;
+        let units = self.scaled.units;
+        let moved = |problem: &Discrete, by: f64| Discrete {
+            overlap: problem.overlap.iter().map(|f| f + by).collect(),
+            ..problem.clone()
+        };
+        let mut problem = moved(&before.problem, deeper);
+        // To first order in the change, exactly.
+        let start: Vec<f64> = before.solution.pressure.iter().zip(growing).map(|(p, m)| p + deeper * m).collect();
+        let (threads, deadline) = (settings.threads, settings.deadline);
+        let (more, solution) =
+            solve(&problem, &start, &matrix_free::Settings { threads, deadline, ..matrix_free::Settings::default() })?;
+        if more != 0.0 {
+            problem = moved(&problem, more);
+            deeper += more;
+        }
+        let depth = (self.scaled.depth + deeper) * units.height;
+        let Some(overlap) = Overlap::of(contact.gap(), depth)? else { return Ok(None) };
         // A smaller reach takes no cell away.
         let reach = units.rect_inward(&overlap.reach).union(&self.scaled.reach);
         let certain = overlap.certain && self.scaled.certain;
         let scaled = Scaled { depth: depth / units.height, reach, certain, ..self.scaled.clone() };
-        let deeper = scaled.depth - self.scaled.depth;
-        let problem =
-            Discrete { overlap: before.problem.overlap.iter().map(|f| f + deeper).collect(), ..before.problem.clone() };
-        // To first order in the change, exactly.
-        let start: Vec<f64> = before.solution.pressure.iter().zip(growing).map(|(p, m)| p + deeper * m).collect();
-        let Settings { threads, deadline, .. } = *settings;
-        let settings = matrix_free::Settings { threads, deadline, ..matrix_free::Settings::default() };
-        let solution = matrix_free::solve(&problem, Some(&start), &settings)?;
         if expanded(&scaled, &problem.grid.extent(), &problem.grid, &solution.pressure).is_some() {
             return Ok(None);
         }

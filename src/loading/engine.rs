@@ -73,6 +73,15 @@ impl<'a> Engine<'a> {
         }
     }
 
+    /// A state with what all states took so far.
+    fn counted(&mut self, mut state: Solution) -> Solution {
+        self.spent.iterations += state.cost.iterations;
+        self.spent.operator_products += state.cost.operator_products;
+        self.spent.steps += 1;
+        state.cost = Cost { unknowns: state.cost.unknowns, ..self.spent };
+        state
+    }
+
     /// On a grid, without tilt: a coarse one when that is enough, the cells of the last full one when the contact stays on them.
     fn untilted(&mut self, depth: f64, quick: bool) -> Result<Solution, Unsolved> {
         let apart = || Ok(Solution::apart(self.settings.method, depth, [0.0; 2]));
@@ -111,10 +120,38 @@ impl<'a> Engine<'a> {
 /// Relative error of the force that the search for equilibrium begins with.
 const ROUGH: f64 = 0.02;
 
+/// A prescribed grid has so many times the cells, along a side, of the one that its depth is sought on; and the fewest of that.
+const COARSER: usize = 4;
+const FEWEST: usize = 48;
+
 impl Respond for Engine<'_> {
+    fn nearer(&mut self, depth: f64, force: f64) -> Option<f64> {
+        let cells = self.settings.cells? / COARSER;
+        let sought = cells >= FEWEST
+            && matches!(self.settings.method, Method::Auto | Method::Fft)
+            && !self.with_matrix
+            && !self.several_grids;
+        let depth_under = || WarmStart::depth_under(self.contact, depth, force, cells, self.settings).ok()?;
+        sought.then(depth_under).flatten()
+    }
+
+    fn loaded(&mut self, force: f64) -> Result<Option<Solution>, Unsolved> {
+        let Some(warm_start) = self.warm_start.as_ref().filter(|_| self.settings.method != Method::Qp) else {
+            return Ok(None);
+        };
+        let loaded = match warm_start.continued_under(self.contact, force, self.settings) {
+            Ok(Some(loaded)) => loaded,
+            Err(unsolved) if unsolved.verdict == Verdict::TimeLimit => return Err(unsolved),
+            _ => return Ok(None),
+        };
+        let state = loaded.solution(self.contact, self.settings);
+        self.warm_start = Some(loaded);
+        Ok(Some(self.counted(state?)))
+    }
+
     fn respond(&mut self, depth: f64, tilt: [f64; 2], quick: bool) -> Result<Solution, Unsolved> {
         self.settings.deadline.check()?;
-        let mut state = match self.without_grid(depth, tilt, quick) {
+        let state = match self.without_grid(depth, tilt, quick) {
             Some(answered) => answered?,
             None if !self.with_matrix => self.untilted(depth, quick)?,
             None => {
@@ -129,11 +166,7 @@ impl Respond for Engine<'_> {
                 }
             }
         };
-        self.spent.iterations += state.cost.iterations;
-        self.spent.operator_products += state.cost.operator_products;
-        self.spent.steps += 1;
-        state.cost = Cost { unknowns: state.cost.unknowns, ..self.spent };
-        Ok(state)
+        Ok(self.counted(state))
     }
 }
 

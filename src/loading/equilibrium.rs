@@ -32,6 +32,16 @@ const PATIENCE: usize = 8;
 pub(crate) trait Respond {
     /// The state at this depth and tilt; `quick`: a few percent are enough.
     fn respond(&mut self, depth: f64, tilt: [f64; 2], quick: bool) -> Result<Solution, Unsolved>;
+
+    /// A depth nearer to that under the force than a quick search finds, where a coarser grid than the full one tells.
+    fn nearer(&mut self, _depth: f64, _force: f64) -> Option<f64> {
+        None
+    }
+
+    /// The full state under the force itself, from the last full one; `None` where depths have to be tried.
+    fn loaded(&mut self, _force: f64) -> Result<Option<Solution>, Unsolved> {
+        Ok(None)
+    }
 }
 
 /// A state that the search can go on from, with what it lacks: one whose error is larger than asked for serves as well.
@@ -93,7 +103,15 @@ pub(crate) fn under_force(
     // The state nearest to the load, and how far it misses it.
     let mut nearest: Option<(f64, Solution)> = None;
     for _ in 0..MOST_STEPS {
-        let (state, short) = match usable(engine.respond(lowest + overlap, [0.0; 2], quick)) {
+        let answer = match if full_steps > 0 { engine.loaded(force) } else { Ok(None) } {
+            Ok(Some(loaded)) => {
+                overlap = loaded.depth - lowest;
+                Ok(loaded)
+            }
+            Ok(None) => engine.respond(lowest + overlap, [0.0; 2], quick),
+            Err(unsolved) => Err(unsolved),
+        };
+        let (state, short) = match usable(answer) {
             Ok(found) => found,
             // Deeper than the contact has an end: look above.
             Err(e) if e.verdict == Verdict::Unbounded && quick => {
@@ -153,6 +171,7 @@ pub(crate) fn under_force(
         if quick && miss.abs() < QUICK {
             // From here on the two resolutions disagree about the bracket.
             (quick, low, high) = (false, 0.0, f64::INFINITY);
+            overlap = engine.nearer(lowest + overlap, force).map_or(overlap, |depth| depth - lowest);
         }
     }
     let reason = format!(

@@ -20,12 +20,12 @@
 //!
 //! No proof of convergence covers every A. When the residual stops falling, [`super::monotone`] takes over, which has one.
 
-use super::fixed::{Fixed, dot, largest};
+use super::fixed::{Fixed, STEPS, STEPS_UNDER_LOAD, dot, largest};
 use super::level::{Level, State, occupied};
 use super::operator::Scratch;
 
 /// Fall of the residual on a face before the face is looked at again.
-const INNER: f32 = 0.2;
+const INNER: f32 = 0.35;
 
 /// The residual on the face that is aimed at, in tolerances: what is left is for the pressures rounded up to zero.
 const AIM: f64 = 0.9;
@@ -39,6 +39,9 @@ const WITHIN_SINGLE: f64 = 5e-6;
 /// Cells that leave are taken out one by one when they are no more: a product is dearer than their sums, and the next step is
 /// then free to have its best length.
 const FEW: usize = 8;
+
+/// A face of which one cell in so many has changed has a flat punch of its own.
+const STALE: usize = 16;
 
 /// Changes of face without halving the residual before the face is given up.
 const PATIENCE: i32 = 12;
@@ -61,12 +64,14 @@ struct Work {
     image: Vec<f32>,
     /// 1 on the face and 0 elsewhere.
     face: Vec<f32>,
+    /// Under a load: nearly the pressure of a flat punch on a face before.
+    flat: Vec<f32>,
 }
 
 impl Work {
     fn new(n: usize) -> Self {
         let [r, z, d, ad, w, own, image, face] = [(); 8].map(|()| vec![0.0; n]);
-        Self { r, z, d, ad, w, own, image, face }
+        Self { r, z, d, ad, w, own, image, face, flat: Vec::new() }
     }
 }
 
@@ -74,6 +79,7 @@ impl Work {
 /// p >= 0 and its residual, recomputed. Without a compliance in double precision the residual is not looked at again.
 pub(super) fn relax(level: &Level, state: &mut State, scratch: &mut Scratch) -> bool {
     let mut work = Work::new(state.p.len());
+    level.scale_to_load(state);
     if level.compliance.is_none() {
         begin(level, state, &mut work, scratch);
         let reached = descend(level, state, &mut work, level.tolerance, scratch);
@@ -85,6 +91,7 @@ pub(super) fn relax(level: &Level, state: &mut State, scratch: &mut Scratch) -> 
         begin(level, state, &mut work, scratch);
         descend(level, state, &mut work, level.tolerance, scratch);
         project(state);
+        level.scale_to_load(state);
     }
     level.refresh(state, scratch);
     let mut error = level.error(state);
@@ -100,6 +107,7 @@ pub(super) fn relax(level: &Level, state: &mut State, scratch: &mut Scratch) -> 
         let goal = level.tolerance.max(FALL * error) * 0.3_f64.powi(stalls as i32);
         descend(level, state, &mut work, goal, scratch);
         project(state);
+        level.scale_to_load(state);
         level.refresh(state, scratch);
         let now = level.error(state);
         stalls = if now <= 0.5 * error { 0 } else { stalls + 1 };
@@ -122,7 +130,7 @@ fn begin(level: &Level, state: &mut State, work: &mut Work, scratch: &mut Scratc
         state.single_products += 1;
     }
     for ((r, f), ad) in work.r.iter_mut().zip(level.f).zip(&work.ad) {
-        *r = (f - f64::from(*ad)) as f32;
+        *r = (f + state.deeper - f64::from(*ad)) as f32;
     }
 }
 
@@ -134,12 +142,22 @@ fn descend(level: &Level, state: &mut State, work: &mut Work, tolerance: f64, sc
     let mut best = (f64::INFINITY, 0_i32);
     work.face.fill(0.0);
     let mut dad_old = 0.0;
+    // Cells that joined or left the face since the flat punch was found, and those of the face then.
+    let (mut stale, mut known) = (0, 0);
+    if level.load.is_some() {
+        // Weighted by the pressures that are there.
+        let (sum, moment) =
+            state.p.iter().zip(&work.r).fold((0.0, 0.0), |(s, m), (p, r)| (s + p, m + p * f64::from(*r)));
+        if sum > 0.0 {
+            deepen(&mut state.deeper, &mut work.r, -moment / sum);
+        }
+    }
     loop {
         // The new face, and how far the present state is from a solution.
         let (mut worst, mut changed, mut leaving) = (0.0_f64, false, false);
         for (((inside, &p), &r), &f) in work.face.iter_mut().zip(&state.p).zip(&work.r).zip(level.f) {
             let r = f64::from(r);
-            let is = f > 0.0
+            let is = f + state.deeper > 0.0
                 && match *inside > 0.0 {
                     true => p > 0.0,
                     false => p + r > 0.0 && (p > 0.0 || r > 0.5 * tolerance),
@@ -147,6 +165,7 @@ fn descend(level: &Level, state: &mut State, work: &mut Work, tolerance: f64, sc
             worst = worst.max(if is { r.abs() } else { r.max(p.abs()) });
             let is = f32::from(u8::from(is));
             changed |= is != *inside;
+            stale += usize::from(is != *inside);
             leaving |= is == 0.0 && p != 0.0;
             *inside = is;
         }
@@ -168,17 +187,31 @@ fn descend(level: &Level, state: &mut State, work: &mut Work, tolerance: f64, sc
             return true;
         }
         let cells = rows.start * width..rows.end * width;
-        let Work { r, z, d, ad, w, own, image, face } = work;
+        let Work { r, z, d, ad, w, own, image, face, flat } = work;
+        let steps = if level.load.is_some() { STEPS_UNDER_LOAD } else { STEPS };
         let near_inverse =
-            Fixed { single: level.single, periodic: level.periodic, preconditioner: level.preconditioner, face };
+            Fixed { single: level.single, periodic: level.periodic, preconditioner: level.preconditioner, face, steps };
+        if level.load.is_some() && STALE * stale >= known {
+            flat.resize(face.len(), 0.0);
+            w[cells.clone()].copy_from_slice(&face[cells.clone()]);
+            near_inverse.approach(w, flat, [own, image], rows.clone(), scratch);
+            (stale, known) = (0, face[cells.clone()].iter().filter(|m| **m > 0.0).count());
+        }
         let (face, z, d) = (&face[cells.clone()], &mut z[..], &mut d[..]);
+        let flat = if level.load.is_some() { &mut flat[cells.clone()] } else { &mut [] };
+        flat.iter_mut().zip(face).for_each(|(flat, m)| *flat *= m);
+        let stiffness = sum(flat);
+        if level.load.is_some() {
+            let by = -dot(flat, &r[cells.clone()]) / stiffness;
+            deepen(&mut state.deeper, r, by);
+        }
 
         // Relax on the face. The first step also empties the cells that left.
         leaving &= changed;
         if leaving {
             let left = cells.clone().zip(face).filter(|(k, m)| **m == 0.0 && state.p[*k] != 0.0);
             let left: Vec<usize> = left.map(|(k, _)| k).take(FEW + 1).collect();
-            if left.len() <= FEW {
+            if left.len() <= FEW && level.load.is_none() {
                 left.into_iter().for_each(|k| level.take_out(&mut state.p, k, r));
                 leaving = false;
             }
@@ -210,6 +243,12 @@ fn descend(level: &Level, state: &mut State, work: &mut Work, tolerance: f64, sc
                     *d = z + beta * m * *d;
                 }
             }
+            if let Some(load) = level.load {
+                // The load stays; what the cells that leave carried goes where a flat punch would carry it.
+                let missing = if leaving { load - p.iter().sum::<f64>() } else { 0.0 };
+                let share = ((missing - sum(direction)) / stiffness) as f32;
+                direction.iter_mut().zip(&*flat).for_each(|(d, flat)| *d += share * flat);
+            }
             level.single.product(d, rows.clone(), ad, 0..height, scratch);
             let direction = &d[cells.clone()];
             state.single_products += 1;
@@ -233,6 +272,10 @@ fn descend(level: &Level, state: &mut State, work: &mut Work, tolerance: f64, sc
             for (r, ad) in r.iter_mut().zip(&*ad) {
                 *r -= alpha as f32 * ad;
             }
+            if level.load.is_some() {
+                let by = -dot(flat, &r[cells.clone()]) / stiffness;
+                deepen(&mut state.deeper, r, by);
+            }
             let now = largest(face, &r[cells.clone()]);
             if leaving {
                 // p - p, to the last bit.
@@ -247,6 +290,26 @@ fn descend(level: &Level, state: &mut State, work: &mut Work, tolerance: f64, sc
             }
         }
     }
+}
+
+/// Moves every cell by as much.
+fn deepen(deeper: &mut f64, r: &mut [f32], by: f64) {
+    if by.is_finite() {
+        *deeper += by;
+        r.iter_mut().for_each(|r| *r += by as f32);
+    }
+}
+
+/// Of all numbers: short sums in single precision, summed in double.
+fn sum(numbers: &[f32]) -> f64 {
+    let piece = |numbers: &[f32]| {
+        let mut sums = [0.0_f32; 8];
+        for numbers in numbers.chunks(8) {
+            sums.iter_mut().zip(numbers).for_each(|(sum, number)| *sum += number);
+        }
+        sums.iter().map(|s| f64::from(*s)).sum::<f64>()
+    };
+    numbers.chunks(512).map(piece).sum()
 }
 
 fn project(state: &mut State) {

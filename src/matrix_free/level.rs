@@ -13,8 +13,10 @@ pub(super) const NEAR: usize = 8;
 /// The discrete problem on a box of cells, in units of the largest overlap and with A = 1 from a cell to itself: p and r are
 /// then of one size.
 pub(super) struct Level<'a> {
-    /// Overlap in each cell.
+    /// Overlap in each cell; under a load up to a constant ([`State::deeper`]).
     pub(super) f: &'a [f64],
+    /// The sum of the pressures, where that is given in place of the depth.
+    pub(super) load: Option<f64>,
     /// The compliance; none where a start for the next grid is all that is wanted.
     pub(super) compliance: Option<&'a Convolution<f64>>,
     pub(super) single: &'a Convolution<f32>,
@@ -43,6 +45,8 @@ pub(super) struct State {
     pub(super) p: Vec<f64>,
     /// f - A p in every cell, when it was last computed in double precision.
     pub(super) r: Vec<f64>,
+    /// What f is larger by everywhere; zero where the depth is given.
+    pub(super) deeper: f64,
     pub(super) iterations: usize,
     /// Products in double precision.
     pub(super) products: usize,
@@ -52,7 +56,7 @@ pub(super) struct State {
 
 impl State {
     pub(super) fn from(p: Vec<f64>) -> Self {
-        Self { p, r: Vec::new(), iterations: 0, products: 0, single_products: 0 }
+        Self { p, r: Vec::new(), deeper: 0.0, iterations: 0, products: 0, single_products: 0 }
     }
 
     pub(super) fn all_products(&self) -> usize {
@@ -76,14 +80,25 @@ impl Level<'_> {
         state.r.resize(state.p.len(), 0.0);
         let given = occupied(&state.p, width);
         let Some(compliance) = self.compliance.filter(|_| !given.is_empty()) else {
-            state.r.copy_from_slice(self.f);
+            state.r.iter_mut().zip(self.f).for_each(|(r, f)| *r = f + state.deeper);
             return;
         };
         compliance.product(&state.p, given, &mut state.r, 0..height, scratch);
         for (r, f) in state.r.iter_mut().zip(self.f) {
-            *r = f - *r;
+            *r = f + state.deeper - *r;
         }
         state.products += 1;
+    }
+
+    /// Scales the pressures to the load, where one is given; from nothing they are all the same.
+    pub(super) fn scale_to_load(&self, state: &mut State) {
+        let Some(load) = self.load else { return };
+        let mut sum: f64 = state.p.iter().sum();
+        if sum <= 0.0 {
+            state.p.iter_mut().zip(self.f).for_each(|(p, f)| *p = if *f > 0.0 { 1.0 } else { 0.0 });
+            sum = state.p.iter().sum();
+        }
+        state.p.iter_mut().for_each(|p| *p *= load / sum);
     }
 
     /// Takes the pressure out of one cell, and what it did out of the residual: row by row, without a transform.

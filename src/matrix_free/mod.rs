@@ -23,6 +23,7 @@ mod real;
 mod solver;
 mod symbol;
 mod transforms;
+mod under_force;
 mod window;
 
 use crate::clock::Deadline;
@@ -34,6 +35,7 @@ pub use growth::{displacement, growth};
 pub use nested::{halved, solve_nested};
 pub use operator::{Operator, Scratch};
 pub use solver::Solver;
+pub use under_force::solve_under_force;
 
 use convolution::{Convolution, FEW, Sums};
 use level::{Level, Limit, NEAR, State};
@@ -119,6 +121,9 @@ struct Cells {
     mirrored: bool,
     /// Overlap; where it is below -1, minus infinity for one, it counts by its sign alone.
     overlap: Vec<f64>,
+    /// The sum of the pressures, where that is given in place of the depth: the overlap may then become larger or smaller
+    /// everywhere.
+    load: Option<f64>,
 }
 
 /// How a grid was left.
@@ -219,6 +224,7 @@ impl Cells {
         }
         let level = Level {
             f: &self.overlap,
+            load: self.load,
             compliance: operators.compliance.as_ref(),
             single: &operators.single,
             preconditioner: &operators.preconditioner,
@@ -235,7 +241,7 @@ impl Cells {
         }
         let mut state = State::from(p);
         let solved = faces::relax(&level, &mut state, scratch)
-            || (answer && monotone::minimise(&level, operators.norm, &mut state, scratch));
+            || (answer && self.load.is_none() && monotone::minimise(&level, operators.norm, &mut state, scratch));
         Left { state, solved }
     }
 }

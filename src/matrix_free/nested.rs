@@ -6,13 +6,15 @@
 
 use super::level::Limit;
 use super::window::Window;
-use super::{Cells, Operators, SYMMETRIC, Settings, no_contact, with_threads};
+use super::{Cells, Left, Operators, SYMMETRIC, Scratch, Settings, no_contact, with_threads};
 use crate::discrete::{Discrete, DiscreteSolution};
+use crate::influence::InfluenceTable;
 use crate::solution::Unsolved;
 
 /// Error of the gap on the grids before the last, relative to the depth: well below their distance from the next grid. What is
-/// left on a coarse grid is smooth, and dear on the fine one: at 5e-4 a paraboloid on 1024 cells takes 6 products more.
-const COARSE_TOLERANCE: f64 = 3e-5;
+/// left on a coarse grid is smooth, and dear on the fine one: at 5e-4 a paraboloid on 1024 cells takes 6 products more. At 3e-5 the
+/// coarse grids cost more than they save.
+const COARSE_TOLERANCE: f64 = 1e-4;
 
 /// Cells along the longer side of the coarsest grid.
 const COARSEST: usize = 12;
@@ -38,26 +40,44 @@ pub fn solve_nested(problem: &Discrete, settings: &Settings) -> Result<DiscreteS
     with_threads(settings.threads, |scratch| {
         let Some(window) = Window::of(problem, SYMMETRIC * settings.tolerance) else { return Ok(no_contact(problem)) };
         let table = window.table(problem);
-        let mut grids = vec![window.grid(problem)];
-        while let Some(coarser) = grids.last().and_then(coarser) {
-            grids.push(coarser);
-        }
-        let mut start: Option<Vec<f64>> = None;
-        for (level, grid) in grids.iter().enumerate().rev() {
-            let (tolerance, products) = match level {
-                0 => (settings.tolerance, settings.products),
-                _ => (COARSE_TOLERANCE.max(settings.tolerance), 60),
-            };
-            let limit = Limit { products, deadline: settings.deadline };
-            let operators = Operators::new(&table, grid.shape, grid.mirrored, level == 0);
-            let left = grid.solve(&table, &operators, start.take(), tolerance, limit, scratch);
-            if level == 0 {
-                return window.finish(problem, &table, left, settings);
-            }
-            start = Some(finer(grid, &left.state.p, grids[level - 1].shape));
-        }
-        Ok(no_contact(problem))
+        let left = from_coarse(window.grid(problem), &table, settings, scratch, |_| true);
+        window.finish(problem, &table, left, settings)
     })
+}
+
+/// Solves a grid from coarser ones of it, as long as what they are deeper by will do; that of the grid is counted from its overlap.
+pub(super) fn from_coarse(
+    grid: Cells,
+    table: &InfluenceTable,
+    settings: &Settings,
+    scratch: &mut Scratch,
+    will_do: impl Fn(f64) -> bool,
+) -> Left {
+    let mut grids = vec![grid];
+    while let Some(coarser) = grids.last().and_then(coarser) {
+        grids.push(coarser);
+    }
+    let mut start: Option<Vec<f64>> = None;
+    let mut deeper = 0.0;
+    loop {
+        let level = grids.len() - 1;
+        let Some(mut grid) = grids.pop() else { unreachable!("the finest grid returns") };
+        let (tolerance, products) = match level {
+            0 => (settings.tolerance, settings.products),
+            _ => (COARSE_TOLERANCE.max(settings.tolerance), 60),
+        };
+        let limit = Limit { products, deadline: settings.deadline };
+        let operators = Operators::new(table, grid.shape, grid.mirrored, level == 0);
+        grid.overlap.iter_mut().for_each(|f| *f += deeper);
+        let mut left = grid.solve(table, &operators, start.take(), tolerance, limit, scratch);
+        deeper += left.state.deeper;
+        let Some(next) = grids.last().filter(|_| will_do(deeper)) else {
+            left.state.deeper = deeper;
+            left.solved &= level == 0;
+            return left;
+        };
+        start = Some(finer(&grid, &left.state.p, next.shape));
+    }
 }
 
 /// Two by two cells made one. `None` when the grid is coarse enough or nothing overlaps on the next.
@@ -84,7 +104,9 @@ fn coarser(fine: &Cells) -> Option<Cells> {
         }
     }
     let deepest = overlap.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    (deepest > 0.0).then_some(Cells { shape, mirrored: fine.mirrored, overlap })
+    // The pressure that moves a cell by the depth is half as large, the cells are a quarter.
+    let load = fine.load.map(|load| 0.5 * load);
+    (deepest > 0.0).then_some(Cells { shape, mirrored: fine.mirrored, overlap, load })
 }
 
 /// The pressure on the cells of `coarse` as a start on cells of half their sides.

@@ -152,6 +152,6 @@ impl Window {
         let mut overlap = self.cut(problem.grid.shape, &problem.overlap, f64::NEG_INFINITY);
         // With finite numbers u = f - (f - u) is not lost.
         overlap.iter_mut().for_each(|f| *f = (*f / self.deepest).max(-1.0));
-        Cells { shape: self.shape(), mirrored: self.mirrored, overlap }
+        Cells { shape: self.shape(), mirrored: self.mirrored, overlap, load: None }
     }
 }

@@ -127,10 +127,23 @@ impl SplineMap {
         let coarse = Nodes { shape: [nx, ny], spacing, origin: nodes.node(columns[0], rows[0]) };
         let coarse = Splines::through(coarse, &gaps, Ends::NotAKnot);
         let mut most = 0.0_f64;
+        // Cell and place in it; at the end of a cell without material the next one may have some.
+        let place = |k: usize, first: usize, n: usize| {
+            let steps = k.checked_sub(first)?;
+            let cell = (steps / every).min(n - 2);
+            let at = (steps - cell * every) as f64 / every as f64;
+            (at <= 1.0).then_some((cell, at))
+        };
         for j in inner[1][0]..=inner[1][1] {
             for i in inner[0][0]..=inner[0][1] {
-                let [x, y] = nodes.node(i, j);
-                let off = coarse.at([x, y]) - self.splines.value(j * nodes.shape[0] + i);
+                let Some(((column, s), (row, t))) = place(i, columns[0], nx).zip(place(j, rows[0], ny)) else {
+                    continue;
+                };
+                let value = coarse.inside(column, row, [s, t]).unwrap_or_else(|| {
+                    let [x, y] = nodes.node(i, j);
+                    coarse.at([x, y])
+                });
+                let off = value - self.splines.value(j * nodes.shape[0] + i);
                 most = if off.is_finite() { most.max(off.abs()) } else { most };
             }
         }
@@ -163,10 +176,11 @@ impl Gap for SplineMap {
         let [nx, ny] = self.shape().map(|n| n - 1);
         let mut held: Option<[[usize; 2]; 2]> = None;
         for j in 0..ny {
-            for i in (0..nx).filter(|&i| self.splines.dips(i, j, depth)) {
-                let [c, r] = held.unwrap_or([[i, i], [j, j]]);
-                held = Some([[c[0].min(i), c[1].max(i)], [r[0].min(j), r[1].max(j)]]);
-            }
+            let dips = |i: &usize| self.splines.dips(*i, j, depth);
+            let Some(first) = (0..nx).find(dips) else { continue };
+            let last = (first..nx).rfind(dips).unwrap_or(first);
+            let [c, r] = held.unwrap_or([[first, last], [j, j]]);
+            held = Some([[c[0].min(first), c[1].max(last)], [r[0], j]]);
         }
         match held {
             None => Reach::Nowhere,
