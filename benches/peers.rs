@@ -176,6 +176,31 @@ fn under_force(problem: &Discrete, wanted: f64, settings: &Settings) -> Solved {
     ([solution.operator_products - single, single], force(&solution, problem))
 }
 
+/// A dense case without a mirror, Clarabel against the active set.
+fn dense() {
+    #[cfg(feature = "qp")]
+    for n in [49, 78] {
+        let (sin, cos) = 0.3_f64.sin_cos();
+        let punch = Polyhedron::pyramid(3, std::f64::consts::FRAC_PI_4).expect("a pyramid");
+        let turned = move |x: f64, y: f64| punch.gap(cos * x + sin * y, cos * y - sin * x);
+        let grid = Grid::over(&Rect { min: [-1.7, -1.55], max: [1.5, 1.65] }, [n; 2]);
+        let problem = Discrete::sample(&turned, 1.0, grid, Kernel::Galerkin);
+        let timed = |solve: &dyn Fn() -> contact_patch::qp::QpSolution| {
+            let clock = Instant::now();
+            (solve().solution, clock.elapsed().as_secs_f64())
+        };
+        let (interior, first) = timed(&|| contact_patch::qp::solve(&problem, None).expect("solved"));
+        let (pivots, second) = timed(&|| contact_patch::qp::solve_by_active_set(&problem, None).expect("solved"));
+        let strongest = interior.pressure.iter().copied().fold(0.0, f64::max);
+        let off = interior.pressure.iter().zip(&pivots.pressure).fold(0.0_f64, |m, (p, q)| m.max((p - q).abs()));
+        println!(
+            "dense, {} unknowns: Clarabel {first:.2} s, active set {second:.2} s elapsed; pressures differ by {:.1e}",
+            interior.unknowns,
+            off / strongest
+        );
+    }
+}
+
 /// Slope of log y over log x, by least squares.
 fn exponent(points: &[(f64, f64)]) -> f64 {
     let n = points.len() as f64;
@@ -227,6 +252,9 @@ fn main() {
         growth.push((name, costs));
     }
     threads(&chosen, last);
+    if chosen("dense") {
+        dense();
+    }
     for (name, costs) in growth.iter().filter(|(_, costs)| costs[0].len() > 1) {
         println!("{name}: CPU s ~ N^{:.2} at depth, N^{:.2} under a force", exponent(&costs[0]), exponent(&costs[1]));
     }
