@@ -6,15 +6,17 @@
 //! Cold, to 1e-8, at a depth and under the force of that depth. Products on the finest grid, CPU seconds by one thread, pairs,
 //! bytes a cell; then elapsed time by two threads over that by one, and the exponents of the cost in N.
 
+#[path = "../tests/random/mod.rs"]
+mod random;
 mod timing;
 
 use std::hint::black_box;
-use std::time::Instant;
 
 use contact_patch::gap::{Gap, Paraboloid, Polyhedron};
 use contact_patch::geometry::Rect;
 use contact_patch::matrix_free::{Settings, solve_nested, solve_under_force};
 use contact_patch::{Discrete, DiscreteSolution, Grid, Kernel};
+use random::Random;
 use realfft::RealFftPlanner;
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
@@ -79,23 +81,14 @@ fn pair(n: usize) -> impl FnMut() {
     }
 }
 
-/// A number in 0 to 1 (Steele, Lea & Flood 2014).
-fn random(state: &mut u64) -> f64 {
-    *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    let mut z = *state;
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    ((z ^ (z >> 31)) >> 11) as f64 * 2.0_f64.powi(-53)
-}
-
 /// Heights of a self-affine surface on n by n cells, rms 1: waves of 1/4 to 1/64 of the box, Hurst exponent 0.8.
 fn rough(n: usize) -> Vec<f64> {
-    let mut seed = 19;
+    let mut random = Random(19);
     let mut heights = vec![Complex::new(0.0, 0.0); n * n];
     let (least, most) = (4.0_f64, 64_isize);
     for j in -most..=most {
         for i in 0..=most {
-            let (size, turn) = ((i as f64).hypot(j as f64), std::f64::consts::TAU * random(&mut seed));
+            let (size, turn) = ((i as f64).hypot(j as f64), std::f64::consts::TAU * random.next());
             if size >= least && size <= most as f64 && (i > 0 || j > 0) {
                 let at = j.rem_euclid(n as isize) as usize * n + i as usize;
                 heights[at] = Complex::from_polar(size.powf(-1.8), turn);
@@ -169,7 +162,7 @@ fn at_depth(problem: &Discrete, settings: &Settings) -> Solved {
 
 /// From a depth that is known to a few percent, as after a search on few cells.
 fn under_force(problem: &Discrete, wanted: f64, settings: &Settings) -> Solved {
-    let guess = Discrete { overlap: problem.overlap.iter().map(|f| f - 0.02).collect(), ..problem.clone() };
+    let guess = problem.deeper(-0.02);
     let (deeper, solution) = solve_under_force(&guess, wanted, None, settings).expect("solved");
     assert!((deeper - 0.02).abs() < 1e-7, "{deeper}");
     let single = solution.single_precision;
@@ -186,7 +179,7 @@ fn dense() {
         let grid = Grid::over(&Rect { min: [-1.7, -1.55], max: [1.5, 1.65] }, [n; 2]);
         let problem = Discrete::sample(&turned, 1.0, grid, Kernel::Galerkin);
         let timed = |solve: &dyn Fn() -> contact_patch::qp::QpSolution| {
-            let clock = Instant::now();
+            let clock = std::time::Instant::now();
             (solve().solution, clock.elapsed().as_secs_f64())
         };
         let (interior, first) = timed(&|| contact_patch::qp::solve(&problem, None).expect("solved"));
@@ -251,6 +244,7 @@ fn main() {
         }
         growth.push((name, costs));
     }
+    #[cfg(feature = "parallel")]
     threads(&chosen, last);
     if chosen("dense") {
         dense();
@@ -261,13 +255,13 @@ fn main() {
 }
 
 /// Elapsed time by one thread over that by two, in turn.
+#[cfg(feature = "parallel")]
 fn threads(chosen: &dyn Fn(&str) -> bool, last: usize) {
-    #[cfg(feature = "parallel")]
     for n in [1024, 2048].into_iter().filter(|n| *n <= last) {
         for Case { name, problem } in cases().into_iter().filter(|case| chosen(case.name)) {
             let problem = problem(n);
             let time = |threads| {
-                let clock = Instant::now();
+                let clock = std::time::Instant::now();
                 drop(black_box(solve_nested(&problem, &Settings { threads, ..Settings::default() })));
                 clock.elapsed().as_secs_f64()
             };
@@ -277,5 +271,4 @@ fn threads(chosen: &dyn Fn(&str) -> bool, last: usize) {
             println!("{n:>5} {name:<18} one thread {one:.3} s, two {two:.3} s elapsed: {:.2} times", one / two);
         }
     }
-    let _ = (chosen, last, Instant::now());
 }

@@ -19,14 +19,13 @@ mod tilted;
 
 use crate::edge_fitted::Limits;
 use crate::gap::{AnyGap, Gap};
-use crate::grid::shape;
-use crate::grid::{Grid, Kernel, Pressure};
+use crate::grid::{Grid, Kernel, Pressure, shape};
 use crate::numeric::geometry::Rect;
 use crate::overlap::Overlap;
 use crate::problem::{Contact, Method, Settings};
-use crate::solution::ForceBracket;
 use crate::solution::{
-    Cost, Origin, Patch, Piece, PressureSummary, Singular, Solution, TouchesEdge, Unsolved, Validity, Verdict,
+    Cost, ForceBracket, Origin, Patch, Piece, PressureSummary, Singular, Solution, TouchesEdge, Unsolved, Validity,
+    Verdict,
 };
 
 /// What the cells are fitted to.

@@ -7,8 +7,7 @@
 use crate::discrete::{Discrete, DiscreteSolution};
 use crate::error::{InputError, finite};
 use crate::gap::{AnyGap, Reach};
-use crate::grid::shape;
-use crate::grid::{Grid, Kernel};
+use crate::grid::{Grid, Kernel, shape};
 use crate::matrix_free::{self, Solver};
 use crate::numeric::geometry::Rect;
 use crate::overlap::{Overlap, Units, reach_of};

@@ -58,6 +58,12 @@ impl Discrete {
         Ok(Self { grid, kernel, overlap })
     }
 
+    /// The same, deeper by `by`.
+    #[must_use]
+    pub fn deeper(&self, by: f64) -> Self {
+        Self { overlap: self.overlap.iter().map(|f| f + by).collect(), ..*self }
+    }
+
     /// The largest overlap; what gaps and penetrations are measured against. Not positive: there is no contact.
     #[must_use]
     pub fn deepest(&self) -> f64 {

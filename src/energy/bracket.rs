@@ -59,15 +59,17 @@ impl Padded {
 const PADDING: [usize; 5] = [32, 16, 8, 5, 3];
 
 impl Trial<'_> {
-    /// On larger and larger grids, as far as that is worth while; without those beyond which the load alone does not rule out contact.
-    pub(crate) fn enlarged(&self, overlap: &dyn OverlapBounds) -> impl Iterator<Item = Padded> {
+    /// What `bounds` finds on the grid itself, else on larger and larger ones, as far as that is worth while; those beyond which the load
+    /// alone does not rule out contact are not tried.
+    pub(crate) fn first_that<T>(&self, overlap: &dyn OverlapBounds, bounds: impl Fn(&Trial) -> Option<T>) -> Option<T> {
+        let try_on = |trial: &Trial| trial.is_clear_beyond(overlap).then(|| bounds(trial)).flatten();
         let longer = self.grid.shape[0].max(self.grid.shape[1]);
-        let padded = PADDING.iter().map(move |part| self.padded(longer.div_ceil(*part)));
-        padded.filter(|padded| padded.trial().is_clear_beyond(overlap))
+        let enlarged = || PADDING.iter().find_map(|part| try_on(&self.padded(longer.div_ceil(*part)).trial()));
+        try_on(self).or_else(enlarged)
     }
 
     /// Whether the load rules out all contact beyond the grid: nothing is bounded where it does not.
-    pub(super) fn is_clear_beyond(&self, overlap: &dyn OverlapBounds) -> bool {
+    fn is_clear_beyond(&self, overlap: &dyn OverlapBounds) -> bool {
         let nx = self.grid.shape[0];
         clear_beyond(self.grid, overlap, &Loads::new(self.grid, |j| &self.pressure[j * nx..(j + 1) * nx]))
     }

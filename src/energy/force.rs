@@ -61,21 +61,20 @@ fn bounds(
     if !is_positive(trial) {
         return None;
     }
-    let around = trial.enlarged(overlap);
     let [lower, upper] = match degree {
         // Where it is not known that the overlap ends, samples would have to prove it.
         None if !overlap.is_certain() => return None,
         None => {
             let bounds = |trial: &Trial| any_gap::bounds(overlap, above_least * (1.0 + ROUNDING), trial, enough);
-            let own = trial.is_clear_beyond(overlap).then(|| bounds(trial));
-            let mut found = own.into_iter().chain(around.map(|padded| bounds(&padded.trial())));
-            found.find(|found| *found != Err(Missing::Beyond))?.ok()?
+            // Only contact beyond the grid is a reason to enlarge it.
+            trial
+                .first_that(overlap, |trial| Some(bounds(trial)).filter(|found| *found != Err(Missing::Beyond)))?
+                .ok()?
         }
         Some(degree) => {
-            let bounds =
-                |trial: &Trial| Some(energy_bracket(overlap, trial).bounds()).filter(|[_, upper]| upper.is_finite());
-            let own = trial.is_clear_beyond(overlap).then(|| bounds(trial)).flatten();
-            let [lower, upper] = own.or_else(|| around.into_iter().find_map(|padded| bounds(&padded.trial())))?;
+            let bounds = |trial: &Trial| energy_bracket(overlap, trial).bounds();
+            let [lower, upper] =
+                trial.first_that(overlap, |trial| Some(bounds(trial)).filter(|[_, upper]| upper.is_finite()))?;
             let per_energy = (2.0 + degree.inverse()) / above_lowest;
             [lower * per_energy * (1.0 - ROUNDING), upper * per_energy * (1.0 + ROUNDING)]
         }

@@ -11,8 +11,9 @@ use crate::overlap::Scaled;
 use crate::patch;
 use crate::patch::peak::{self, Ends};
 use crate::problem::{Contact, Settings};
-use crate::solution::ForceBracket;
-use crate::solution::{Cost, Origin, Patch, PressureSummary, Singular, Solution, TouchesEdge, Unsolved, Validity};
+use crate::solution::{
+    Cost, ForceBracket, Origin, Patch, PressureSummary, Singular, Solution, TouchesEdge, Unsolved, Validity,
+};
 
 /// A state of the grid method, its stiffness found.
 pub(crate) fn dimensional(

@@ -154,18 +154,14 @@ impl WarmStart {
         let Some(growing) = &self.growing else { return Ok(None) };
         let Refined { state: before, error, force, .. } = &self.refined;
         let units = self.scaled.units;
-        let moved = |problem: &Discrete, by: f64| Discrete {
-            overlap: problem.overlap.iter().map(|f| f + by).collect(),
-            ..problem.clone()
-        };
-        let mut problem = moved(&before.problem, deeper);
+        let mut problem = before.problem.deeper(deeper);
         // To first order in the change, exactly.
         let start: Vec<f64> = before.solution.pressure.iter().zip(growing).map(|(p, m)| p + deeper * m).collect();
         let (threads, deadline) = (settings.threads, settings.deadline);
         let (more, solution) =
             solve(&problem, &start, &matrix_free::Settings { threads, deadline, ..matrix_free::Settings::default() })?;
         if more != 0.0 {
-            problem = moved(&problem, more);
+            problem = problem.deeper(more);
             deeper += more;
         }
         let depth = (self.scaled.depth + deeper) * units.height;

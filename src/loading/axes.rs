@@ -7,8 +7,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use crate::edge_fitted::resample;
-use crate::grid::shape;
-use crate::grid::{Grid, Pressure};
+use crate::grid::{Grid, Pressure, shape};
 use crate::numeric::geometry::Rect;
 use crate::problem::{Contact, Load, Loading, Method, Outputs, Settings};
 use crate::solution::{Patch, Solution, Unsolved, Verdict};

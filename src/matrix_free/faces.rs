@@ -189,8 +189,8 @@ fn descend(level: &Level, state: &mut State, work: &mut Work, tolerance: f64, sc
         let cells = rows.start * width..rows.end * width;
         let Work { r, z, d, ad, w, own, image, face, flat } = work;
         let steps = if level.load.is_some() { STEPS_UNDER_LOAD } else { STEPS };
-        let near_inverse =
-            Fixed { single: level.single, periodic: level.periodic, preconditioner: level.preconditioner, face, steps };
+        let periodic = level.periodic.map(|periodic| (periodic, steps));
+        let near_inverse = Fixed { single: level.single, periodic, preconditioner: level.preconditioner, face };
         if level.load.is_some() && STALE * stale >= known {
             flat.resize(face.len(), 0.0);
             w[cells.clone()].copy_from_slice(&face[cells.clone()]);

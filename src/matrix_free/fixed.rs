@@ -8,13 +8,11 @@ use super::operator::Scratch;
 /// A face that stays.
 pub(super) struct Fixed<'a> {
     pub(super) single: &'a Convolution<f32>,
-    /// The near compliance that [`Fixed::approach`] takes its steps with; without it there is one step, of a usual length.
-    pub(super) periodic: Option<&'a Convolution<f32>>,
+    /// The near compliance that [`Fixed::approach`] takes its steps with, and how many; without it there is one, of a usual length.
+    pub(super) periodic: Option<(&'a Convolution<f32>, usize)>,
     pub(super) preconditioner: &'a Convolution<f32>,
     /// 1 on the face and 0 elsewhere.
     pub(super) face: &'a [f32],
-    /// Steps of [`Fixed::approach`], where there is a near compliance.
-    pub(super) steps: usize,
 }
 
 /// Steps of [`Fixed::approach`]: with 2 the solver takes a quarter more products with A, with 4 hardly fewer.
@@ -42,7 +40,7 @@ impl Fixed<'_> {
         let cells = rows.start * width..rows.end * width;
         let face = &self.face[cells.clone()];
         let (mut rz_old, mut alpha) = (0.0, USUAL);
-        let steps = if self.periodic.is_some() { self.steps } else { 1 };
+        let steps = self.periodic.map_or(1, |(_, steps)| steps);
         z[cells.clone()].fill(0.0);
         for step in 0..steps {
             self.preconditioner.product(r, rows.clone(), image, rows.clone(), scratch);
@@ -52,7 +50,7 @@ impl Fixed<'_> {
             for ((d, z), m) in d[cells.clone()].iter_mut().zip(&image[cells.clone()]).zip(face) {
                 *d = m * z + beta * *d;
             }
-            if let Some(periodic) = self.periodic.filter(|_| step + 1 < steps) {
+            if let Some((periodic, _)) = self.periodic.filter(|_| step + 1 < steps) {
                 periodic.product(d, rows.clone(), image, rows.clone(), scratch);
                 alpha = (rz / dot(&d[cells.clone()], &image[cells.clone()])) as f32;
                 for ((r, ad), m) in r[cells.clone()].iter_mut().zip(&image[cells.clone()]).zip(face) {

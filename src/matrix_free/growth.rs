@@ -65,13 +65,7 @@ pub fn growth(problem: &Discrete, pressure: &[f64], rates: &[f64], settings: &Se
                 return Err(Unsolved::new(Verdict::IterationLimit, reason));
             }
             before = worst;
-            let fixed = fixed::Fixed {
-                single: &single,
-                periodic: None,
-                preconditioner: &preconditioner,
-                face: &face,
-                steps: fixed::STEPS,
-            };
+            let fixed = fixed::Fixed { single: &single, periodic: None, preconditioner: &preconditioner, face: &face };
             let mut r: Vec<f32> = residual.iter().zip(&face).map(|(r, m)| (r / worst) as f32 * m).collect();
             let goal = (0.7 * tolerance / worst).max(faces::FALL);
             products += 1 + fixed.relax(&mut r, goal as f32, settings.products - products, scratch, |alpha, d| {

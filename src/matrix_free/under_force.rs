@@ -49,8 +49,6 @@ pub fn solve_under_force(
     settings: &Settings,
 ) -> Result<(f64, DiscreteSolution), Unsolved> {
     let grid = problem.grid;
-    let moved =
-        |by: f64| Discrete { grid, kernel: problem.kernel, overlap: problem.overlap.iter().map(|f| f + by).collect() };
     let mut start = start.filter(|p| p.len() == grid.len()).map(<[f64]>::to_vec);
     // Relative to the depth that is found.
     let held = Settings { tolerance: (1.0 - 2.0 * ROOM) * settings.tolerance, ..*settings };
@@ -59,10 +57,12 @@ pub fn solve_under_force(
         let mut deeper = 0.0;
         for _ in 0..MOST_BOXES {
             settings.deadline.check()?;
-            let here = moved(deeper);
+            let here = problem.deeper(deeper);
             let deepest = here.deepest();
             let room = ROOM * deepest;
-            let Some(window) = Window::of(&moved(deeper + room), SYMMETRIC * settings.tolerance) else { break };
+            let Some(window) = Window::of(&problem.deeper(deeper + room), SYMMETRIC * settings.tolerance) else {
+                break;
+            };
             let table = window.table(problem);
             let unit = window.deepest / table.get(0, 0);
             let halves = if window.mirrored { 2.0 } else { 1.0 };
@@ -81,7 +81,7 @@ pub fn solve_under_force(
             let by = left.state.deeper;
             if within(by) {
                 deeper += by * window.deepest;
-                let found = moved(deeper);
+                let found = problem.deeper(deeper);
                 // Far below, overlaps count by their sign alone.
                 let now = window.grid(&found).overlap;
                 for ((r, now), before) in left.state.r.iter_mut().zip(now).zip(overlap) {

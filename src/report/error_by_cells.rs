@@ -21,7 +21,7 @@ pub(crate) fn error_by_cells(contact: &Contact, state: &Solution) -> Option<Pres
         let values = || bracket.shares.iter().map(|share| share / bracket.lower).collect();
         known.then(|| Pressure { grid: *trial.grid, values: values() })
     };
-    shown(&trial).or_else(|| trial.enlarged(&overlap).find_map(|padded| shown(&padded.trial())))
+    trial.first_that(&overlap, shown)
 }
 
 #[cfg(test)]

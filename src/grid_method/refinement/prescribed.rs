@@ -4,8 +4,7 @@ use super::super::refined::Refined;
 use super::super::single_grid::{GridOptions, GridState, laid};
 use super::{PRECISE, Refinement};
 use crate::gap::Gap;
-use crate::grid::Grid;
-use crate::grid::shape;
+use crate::grid::{Grid, shape};
 use crate::numeric::geometry::Rect;
 use crate::solution::{Unsolved, Verdict};
 
