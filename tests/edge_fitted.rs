@@ -494,3 +494,21 @@ fn strips_thinner_than_any_cell_of_a_grid() {
         assert!(matches!(unsolved.verdict, Verdict::ToleranceNotReached | Verdict::TimeLimit), "{unsolved}");
     }
 }
+
+/// Where the growth of the contact alone takes 0.4 to 1.1 of the tolerance, the flat or the strip answers, and no grid: it took seconds and
+/// missed.
+#[test]
+fn tips_between_their_flats_and_their_strips() {
+    let slope = 20f64.to_radians().tan();
+    for (faces, flat_stiffness) in [(3, 2.730), (4, 2.304_596)] {
+        for growth in [1.6e-3, 2.5e-3, 2.7e-3, 2.9e-3, 3.1e-3, 3.19e-3, 3.3e-3, 4.5e-3] {
+            let tip = Polyhedron::truncated_pyramid(faces, 20f64.to_radians(), 1.0).unwrap();
+            let depth = growth * slope;
+            let state = fitted(1.0, tip, Load::Depth(depth), &Settings::default());
+            let (error, least) = (state.force_error.unwrap(), flat_stiffness * depth);
+            assert!(error <= 1e-3);
+            assert!(state.force * (1.0 + error) >= least * (1.0 - 2e-4), "{faces} {growth}: {}", state.force / least);
+            assert!(state.force * (1.0 - error) <= least * (1.0 + 0.5 * growth) * (1.0 + 2e-4), "{faces} {growth}");
+        }
+    }
+}

@@ -18,7 +18,7 @@ use crate::consistency::{Claim, Response, nothing_left_out, too_few_cells, withi
 use crate::gap::Gap;
 use crate::overlap::least;
 use crate::problem::{Contact, Load, Settings};
-use crate::solution::{Origin, Solution, Unsolved, Verdict};
+use crate::solution::{Origin, Solution, Unsolved, Verdict, rounded_up};
 
 /// The answer as it leaves the library: a state that fails a condition becomes a verdict, and a verdict keeps its best state
 /// only when that is complete.
@@ -97,7 +97,8 @@ const LONGER: &str = "more \"seconds\" in \"solve\" (batch: --seconds), a larger
 
 /// What helps when the error is larger than the tolerance.
 fn finer(settings: &Settings, state: &Solution) -> String {
-    let enough = state.force_error.map_or(String::new(), |error| format!("a tolerance of {error:.1e} or more; "));
+    let enough =
+        state.force_error.map_or(String::new(), |error| format!("a tolerance of {} or more; ", rounded_up(error)));
     let other = match (state.origin, settings.cells) {
         (Origin::ClosedForm, _) => "rounding is all that is left of the error",
         (_, Some(_)) => "more cells, or no \"cells\" at all: they are then chosen by the tolerance",

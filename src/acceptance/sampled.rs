@@ -12,7 +12,7 @@ use crate::bracket::DepthBracket;
 use crate::gap::Gap;
 use crate::overlap::Overlap;
 use crate::problem::{Contact, Load, Settings};
-use crate::solution::{Piece, Solution, Unsolved, Verdict};
+use crate::solution::{Piece, Solution, Unsolved, Verdict, rounded_up};
 
 /// The answer with the error of the measured gap in its error and its bracket.
 ///
@@ -38,8 +38,9 @@ pub(crate) fn with_samples(
                 settings.tolerance
             );
             let hint = format!(
-                "a tolerance of {total:.1e} or more, a finer measurement, \"smooth\" where it is noise, or \"interpolation\": \"linear\" \
-                 where the facets are the surface"
+                "a tolerance of {} or more, a finer measurement, \"smooth\" where it is noise, or \"interpolation\": \"linear\" \
+                 where the facets are the surface",
+                rounded_up(total)
             );
             Err(Unsolved::new(Verdict::ToleranceNotReached, reason).with_best(state).with_hint(hint))
         }

@@ -40,8 +40,10 @@ pub(crate) struct FlatTip {
     pub growth: f64,
 }
 
-/// The part of the tolerance that the growth of the contact may take.
-const SHARE: f64 = 0.8;
+/// The part of the tolerance that the growth of the contact may take: the stiffness of the flat is then cheap; and the most, where nothing
+/// else comes as near.
+const SHARE: f64 = 0.65;
+const MOST_SHARE: f64 = 0.8;
 
 impl FlatTip {
     /// `None` where the gap has no level plane below all others somewhere.
@@ -74,9 +76,14 @@ impl FlatTip {
 }
 
 impl Layer {
-    /// `None` where the growth alone exceeds the tolerance.
+    /// `None` where the growth alone takes too much of the tolerance.
     pub(super) fn of(tip: &FlatTip, tolerance: f64) -> Option<Self> {
         Self::up_to(tip, 4.0 * SHARE * tolerance)
+    }
+
+    /// The same where the growth leaves little for the flat itself.
+    pub(super) fn at_most(tip: &FlatTip, tolerance: f64) -> Option<Self> {
+        Self::up_to(tip, 4.0 * MOST_SHARE * tolerance)
     }
 
     /// The same where the contact passes the flat by at most `most` of its size.
@@ -105,7 +112,7 @@ impl Layer {
     pub(super) fn solve(&self, contact: &Contact, depth: f64, settings: &Settings, limits: &Limits) -> Option<Found> {
         let growth = self.growth * (1.0 + 4.0 * f64::EPSILON);
         // The growth alone takes a quarter of it.
-        let limits = Limits { tolerance: limits.tolerance.max(0.36 * growth) - 0.26 * growth, ..*limits };
+        let limits = Limits { tolerance: (limits.tolerance - 0.26 * growth).max(0.05 * growth), ..*limits };
         let punch = self.flat.punch(&limits)?;
         let mut found =
             self.flat.state(contact, depth - self.flat.value, settings, punch, format!("the gap is {}", self.found()));

@@ -96,6 +96,8 @@ impl Route {
                     return Some(Self::Layer(layer));
                 } else if flanked.as_ref().is_some_and(|flanked| flanked.fits(tolerance)) {
                     return flanked.map(|flanked| Self::Flanked { tip: flanked, tolerance, flat: tip });
+                } else if let Some(layer) = layer::Layer::at_most(&tip, tolerance) {
+                    return Some(Self::Layer(layer));
                 } else if tip.growth > BLURRED || tolerance >= ROUGHEST {
                     break;
                 }

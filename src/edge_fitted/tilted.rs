@@ -44,6 +44,9 @@ const ENOUGH: [f64; 2] = [5.6, 1.6];
 /// The mesh before the first one, where it lifts off, over that.
 const BEFORE: f64 = 0.67;
 
+/// The least order that the error is taken to fall with.
+const SLOWEST: f64 = 0.5;
+
 /// Cells of the first look, over the size of the outline.
 const LOOK: f64 = 0.4;
 
@@ -98,8 +101,17 @@ pub(crate) fn tilted(outline: &Outline, given: Given, limits: &Limits) -> Option
         if !found.everywhere {
             found.estimate(n, best.as_ref().map(|(n, best)| (*n, best)));
         }
-        let width = (found.force[1] - found.force[0]) / (found.force[0] + found.force[1]);
-        let wanted = if width < 1.0 { n as f64 * (width / (AIM * limits.tolerance)).cbrt() } else { n as f64 / BEFORE };
+        let width = found.width();
+        // What cells at many corners leave falls more slowly.
+        let order = best.as_ref().filter(|(_, before)| before.width() < 1.0).map_or(3.0, |(coarser, before)| {
+            let seen = (before.width() / width).ln() / (n as f64 / *coarser as f64).ln();
+            seen.clamp(SLOWEST, 3.0)
+        });
+        let wanted = if width < 1.0 {
+            n as f64 * (width / (AIM * limits.tolerance)).powf(1.0 / order)
+        } else {
+            n as f64 / BEFORE
+        };
         let mut next = (wanted.ceil() as usize).max(n + 1).min(2 * n);
         while next > n && !fits(next, size) {
             next -= 1;
@@ -151,6 +163,11 @@ const ROOM: f64 = 0.3;
 const SMALL: f64 = 0.7;
 
 impl Tilted {
+    /// Half of it, relative.
+    fn width(&self) -> f64 {
+        (self.force[1] - self.force[0]) / (self.force[0] + self.force[1])
+    }
+
     /// Where it lifts off: what energy and force still change by, after what they changed by since the mesh before.
     fn estimate(&mut self, n: usize, before: Option<(usize, &Self)>) {
         let Some((coarser, before)) = before else {

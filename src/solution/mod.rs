@@ -15,6 +15,7 @@ pub use bounds::{BracketCost, DepthBracket, Evidence, ForceBracket, Repair, Side
 pub use patch::{Patch, Piece, TouchesEdge};
 pub use pressure::{PressureSummary, Singular};
 pub use residuals::Residuals;
+pub(crate) use unsolved::rounded_up;
 pub use unsolved::{Unsolved, Verdict};
 
 /// How the force of a state was found: what a checker needs to know to judge it.

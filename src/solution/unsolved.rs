@@ -77,9 +77,19 @@ impl Unsolved {
 
     /// The error that was reached is not the one asked for, and why no less was tried.
     pub(crate) fn short_of(tolerance: f64, reached: f64, why: &str) -> Self {
-        let reason = format!("relative error {reached:.1e} reached, the tolerance is {tolerance:.1e}: {why}");
+        let reason = format!("relative error {} reached, the tolerance is {tolerance:.1e}: {why}", rounded_up(reached));
         Self::new(Verdict::ToleranceNotReached, reason)
     }
+}
+
+/// Two digits of an error, never less than it.
+pub(crate) fn rounded_up(error: f64) -> String {
+    let nearest = format!("{error:.1e}");
+    if nearest.parse::<f64>().is_ok_and(|shown| shown < error) {
+        let step = 0.1 * 10.0_f64.powf(error.log10().floor());
+        return format!("{:.1e}", error + 0.5 * step);
+    }
+    nearest
 }
 
 /// What is wrong, in one word.
