@@ -37,17 +37,6 @@ impl Around {
         let along = if swapped { b } else { a };
         let length = norm(along);
         let axis = along.map(|c| c / length);
-        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-        for p in map.corners() {
-            let v = minus(p, map.centre);
-            for (k, c) in [dot(axis, v), cross(axis, v)].into_iter().enumerate() {
-                low[k] = low[k].min(c);
-                high[k] = high[k].max(c);
-            }
-        }
-        let mid = [0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1])];
-        let centre =
-            [map.centre[0] + mid[0] * axis[0] - mid[1] * axis[1], map.centre[1] + mid[0] * axis[1] + mid[1] * axis[0]];
         let mut turn: f64 = 0.0;
         for side in [-1.0, 1.0] {
             for (v, long) in [(map.ds(side), !swapped), (map.dt(side), swapped)] {
@@ -55,7 +44,32 @@ impl Around {
                 turn = turn.max(off.abs() / norm(v));
             }
         }
-        Self { centre, axis, half: [0, 1].map(|k| 0.5 * (high[k] - low[k])), swapped, turn }
+        Self { centre: map.centre, axis, half: [0.0; 2], swapped, turn }.over(&map.corners())
+    }
+
+    /// The rectangle with the same axis around other points.
+    pub fn over(&self, points: &[Point]) -> Self {
+        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+        for p in points {
+            for (k, c) in self.local(*p).into_iter().enumerate() {
+                low[k] = low[k].min(c);
+                high[k] = high[k].max(c);
+            }
+        }
+        let centre = self.outer([0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1])]);
+        Self { centre, half: [0, 1].map(|k| 0.5 * (high[k] - low[k])), ..*self }
+    }
+
+    /// A point given along and across.
+    fn outer(&self, [u, v]: Point) -> Point {
+        let [x, y] = self.axis;
+        [self.centre[0] + u * x - v * y, self.centre[1] + u * y + v * x]
+    }
+
+    /// Its corners, counter-clockwise.
+    pub fn corners(&self) -> [Point; 4] {
+        let [a, b] = self.half;
+        [[-a, -b], [a, -b], [a, b], [-a, b]].map(|p| self.outer(p))
     }
 
     /// Along and across.
@@ -215,35 +229,65 @@ fn relative_error(carrier: &Shape, distance: f64) -> f64 {
     GAUSS_3 * variation * (direction(carrier.half[0]) + direction(carrier.half[1])) + 1e-13
 }
 
-/// Row a: the 3 x 3 Gauss sums over representative a of the potentials int 1/r of all cells.
+/// Row a: the 3 x 3 Gauss sums over representative a of the potentials int 1/r of all cells that are at least as large; a pair takes
+/// the sum over its smaller one.
 fn gauss_rows(mesh: &Mesh, lines: &Lines, orbits: &Orbits, shapes: &[Shape], deadline: Deadline) -> Option<Vec<f64>> {
     const PER_BATCH: usize = 7;
     let loaded = mesh.loaded;
     let mut rows = vec![0.0; orbits.loaded * loaded];
     let mut scratch = Scratch::default();
-    let reps = &orbits.representatives[..orbits.loaded];
-    for (block, cells) in reps.chunks(PER_BATCH).enumerate() {
+    // Large cells first, so that those at least as large as some cell, and their edges, come before the others.
+    let mut cells: Vec<usize> = (0..loaded).collect();
+    cells.sort_by(|&a, &b| shapes[b].size().total_cmp(&shapes[a].size()));
+    let mut place = vec![usize::MAX; mesh.edges.len()];
+    let mut edges = Vec::with_capacity(mesh.edges.len());
+    // Of each cell: how many edges it needs.
+    let mut needed = Vec::with_capacity(loaded);
+    for &cell in &cells {
+        for (edge, _) in mesh.cell_edges[cell].iter().flatten() {
+            if place[*edge] == usize::MAX {
+                place[*edge] = edges.len();
+                edges.push(*edge);
+            }
+        }
+        needed.push(edges.len());
+    }
+    let ordered = lines.subset(edges.into_iter());
+    let mut reps: Vec<usize> = (0..orbits.loaded).collect();
+    reps.sort_by(|&a, &b| {
+        let size = |orbit: usize| shapes[orbits.representatives[orbit]].size();
+        size(b).total_cmp(&size(a))
+    });
+    for batch in reps.chunks(PER_BATCH) {
         if deadline.has_passed() {
             return None;
         }
         let mut points = Points::EMPTY;
         let mut weights = Vec::with_capacity(9 * PER_BATCH);
-        for &i in cells {
-            for (point, weight) in shapes[i].map.gauss() {
+        let mut smallest = f64::INFINITY;
+        for &orbit in batch {
+            let shape = &shapes[orbits.representatives[orbit]];
+            smallest = smallest.min(shape.size());
+            for (point, weight) in shape.map.gauss() {
                 points.push(point);
                 weights.push(weight);
             }
         }
-        lines.moments(&points, &mut scratch);
-        for (j, sides) in mesh.cell_edges.iter().enumerate() {
-            for (c, _) in cells.iter().enumerate() {
+        // Images of one cell differ by rounding.
+        let larger = cells.partition_point(|&j| shapes[j].size() >= smallest * (1.0 - 1e-9));
+        if larger == 0 {
+            continue;
+        }
+        ordered.moments(&points, needed[larger - 1], &mut scratch);
+        for &j in &cells[..larger] {
+            for (c, &orbit) in batch.iter().enumerate() {
                 let mut sum = 0.0;
-                for (edge, sign) in sides.iter().flatten() {
-                    let products = &scratch.products[*edge];
+                for (edge, sign) in mesh.cell_edges[j].iter().flatten() {
+                    let products = &scratch.products[place[*edge]];
                     let part: f64 = (9 * c..9 * c + 9).map(|k| weights[k] * products[k]).sum();
                     sum += sign * part;
                 }
-                rows[(block * PER_BATCH + c) * loaded + j] = sum;
+                rows[orbit * loaded + j] = sum;
             }
         }
     }

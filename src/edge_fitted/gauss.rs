@@ -56,16 +56,26 @@ pub(crate) const B: [f64; 10] = [
 /// polynomial weights and with a logarithm added where the subcell touches an edge, are summed at other points.
 #[derive(Debug)]
 pub(crate) struct Rule {
-    /// Points on [-1, 1].
-    pub points: Vec<f64>,
-    /// Their weights.
-    pub weights: Vec<f64>,
-    /// ln t at the points, t = (1 + x)/2 or (1 - x)/2 from the end that touches; zero where none does.
-    pub logarithm: Vec<f64>,
+    /// Its points, [`LANES`] at a time; the last one is repeated without weight.
+    pub lanes: Vec<RulePoints>,
     /// An end touches.
     pub logarithmic: bool,
-    /// Row q: the Lagrange polynomials of the m nodes at point q.
-    pub lagrange: Vec<f64>,
+}
+
+/// Points of a rule that are summed together.
+pub(crate) const LANES: usize = 4;
+
+/// Some points of a rule.
+#[derive(Debug)]
+pub(crate) struct RulePoints {
+    /// On [-1, 1].
+    pub points: [f64; LANES],
+    /// Their weights.
+    pub weights: [f64; LANES],
+    /// ln t at the points, t = (1 + x)/2 or (1 - x)/2 from the end that touches; zero where none does.
+    pub logarithm: [f64; LANES],
+    /// The Lagrange polynomial of every node; zero beyond the m nodes.
+    pub lagrange: [[f64; LANES]; NODES[1]],
 }
 
 /// Which end of a direction lies on an edge.
@@ -126,14 +136,26 @@ fn make_rule(m: usize, touch: Touch) -> Rule {
         }
     }
     let sign = if touch == Touch::High { -1.0 } else { 1.0 };
-    let points: Vec<f64> = parts.iter().map(|p| sign * (2.0 * p.0 - 1.0)).collect();
-    Rule {
-        weights: parts.iter().map(|p| 2.0 * p.1).collect(),
-        logarithm: parts.iter().map(|p| if touch == Touch::None { 0.0 } else { p.0.ln() }).collect(),
-        logarithmic: touch != Touch::None,
-        lagrange: points.iter().flat_map(|&x| lagrange(nodes, x)).collect(),
-        points,
-    }
+    let lanes = parts.chunks(LANES).map(|parts| {
+        let mut some = RulePoints {
+            points: [0.0; LANES],
+            weights: [0.0; LANES],
+            logarithm: [0.0; LANES],
+            lagrange: [[0.0; LANES]; 5],
+        };
+        for l in 0..LANES {
+            let (t, weight) = parts.get(l).copied().unwrap_or((parts[parts.len() - 1].0, 0.0));
+            let x = sign * (2.0 * t - 1.0);
+            some.points[l] = x;
+            some.weights[l] = 2.0 * weight;
+            some.logarithm[l] = if touch == Touch::None { 0.0 } else { t.ln() };
+            for (row, value) in some.lagrange.iter_mut().zip(lagrange(nodes, x)) {
+                row[l] = value;
+            }
+        }
+        some
+    });
+    Rule { lanes: lanes.collect(), logarithmic: touch != Touch::None }
 }
 
 #[cfg(test)]
@@ -240,30 +262,16 @@ mod tests {
                             .collect()
                     })
                     .collect();
-                let value = |p: &(usize, usize), k: usize| {
-                    let t: f64 = 0.5 * (1.0 + rule.points[k]);
-                    t.powi(p.0 as i32) * rule.logarithm[k].powi(p.1 as i32)
+                let points = rule.lanes.iter().flat_map(|some| (0..LANES).map(move |l| (some, l)));
+                let sum = |p: &(usize, usize), q: &(usize, usize)| -> f64 {
+                    let product = |(some, l): (&RulePoints, usize)| {
+                        let (t, log) = (0.5 * (1.0 + some.points[l]), some.logarithm[l]);
+                        let weight = 0.5 * some.weights[l] * (1.0 - t).powi(a as i32) * t.powi(b as i32);
+                        weight * t.powi((p.0 + q.0) as i32) * log.powi((p.1 + q.1) as i32)
+                    };
+                    points.clone().map(product).sum()
                 };
-                let sums: Vec<Vec<f64>> = basis
-                    .iter()
-                    .map(|p| {
-                        basis
-                            .iter()
-                            .map(|q| {
-                                (0..rule.points.len())
-                                    .map(|k| {
-                                        let t: f64 = 0.5 * (1.0 + rule.points[k]);
-                                        0.5 * rule.weights[k]
-                                            * (1.0 - t).powi(a as i32)
-                                            * t.powi(b as i32)
-                                            * value(p, k)
-                                            * value(q, k)
-                                    })
-                                    .sum()
-                            })
-                            .collect()
-                    })
-                    .collect();
+                let sums: Vec<Vec<f64>> = basis.iter().map(|p| basis.iter().map(|q| sum(p, q)).collect()).collect();
                 assert!(dominated(&exact, &sums, 1.0 + LOGARITHMIC_SLACK), "m {m} weight {a} {b}");
             }
         }

@@ -1,8 +1,9 @@
 //! The integrand of (2) on one subcell (`residual_norm`), from interpolants and what they leave out.
 
 use super::bilinear::{CORNERS, bilinear, gradient_range, weighted_gradient};
-use super::gauss::{LOGARITHMIC_SLACK, Rule};
-use super::mesh::{Bilinear, Point, dot, norm};
+use super::gauss::{LANES, LOGARITHMIC_SLACK, NODES, Rule};
+use super::mesh::{Bilinear, Point, norm};
+use super::simd::{Kernel, vectorised};
 
 /// The two sums of (2), and the same sums of what interpolation leaves out.
 #[derive(Debug, Clone, Copy, Default)]
@@ -55,44 +56,15 @@ pub(crate) struct Integrand<'a> {
 impl Integrand<'_> {
     /// The sums of (2) for chi (f - u), chi bilinear with these values at the corners.
     pub fn sums(&self, chi: &[f64; 4]) -> Sums {
-        let Self { map, decay, count: [m, n], nodal, jumps, left_out: [slope_rest, value_rest], .. } = *self;
-        let inverse = decay.map(|l| 1.0 / l);
+        let Self { map, decay, left_out: [slope_rest, value_rest], .. } = *self;
         let steep = gradient_range(map, &decay)
             .map_or(f64::INFINITY, |g| g.iter().map(|c| c[0].abs().max(c[1].abs()).powi(2)).sum::<f64>());
         let (fade, fade_spread) = match gradient_range(map, chi) {
             Some(g) => (g.map(|c| 0.5 * (c[0] + c[1])), norm(g.map(|c| 0.5 * (c[1] - c[0])))),
             None => ([0.0; 2], f64::INFINITY),
         };
-        let (mut alpha, mut beta, mut square) = (0.0, 0.0, 0.0);
+        let Squares { alpha, beta, square } = vectorised(Sum { integrand: self, chi, fade, steep });
         let [rs, rt] = self.rules;
-        for (q, &t) in rt.points.iter().enumerate() {
-            // Interpolants along the line t.
-            let mut line = [[0.0; 5]; 3];
-            for (row, values) in line.iter_mut().zip(nodal) {
-                for (i, r) in row.iter_mut().enumerate().take(m) {
-                    *r = (0..n).map(|j| rt.lagrange[q * n + j] * values[j * m + i]).sum();
-                }
-            }
-            for (r, &s) in rs.points.iter().enumerate() {
-                let basis = &rs.lagrange[r * m..(r + 1) * m];
-                let at = |row: &[f64; 5]| basis.iter().zip(row).map(|(b, v)| b * v).sum::<f64>();
-                let logs = [rs.logarithm[r], rt.logarithm[q]];
-                let slope = [0, 1].map(|c| at(&line[1 + c]) - jumps[0][c] * logs[0] - jumps[1][c] * logs[1]);
-                let rest = bilinear(&self.overlap, s, t) - at(&line[0]);
-                let drest = [0, 1].map(|c| self.slope[c] - slope[c]);
-                let c = bilinear(chi, s, t);
-                let w = c * rest;
-                let dw = [c * drest[0] + rest * fade[0], c * drest[1] + rest * fade[1]];
-                let j = map.jacobian(s, t);
-                let weight = rs.weights[r] * rt.weights[q];
-                let jl = weighted_gradient(map, &decay, s, t);
-                let inv = bilinear(&inverse, s, t);
-                alpha += weight
-                    * (j * bilinear(&decay, s, t) * dot(dw, dw) + w * dot(dw, jl) + 0.5 * j * w * w * steep * inv);
-                beta += weight * j * w * w * inv;
-                square += weight * j * rest * rest;
-            }
-        }
         let slack = if rs.logarithmic || rt.logarithmic { 1.0 + 2.5 * LOGARITHMIC_SLACK } else { 1.0 };
         // The parts left out.
         let area = 4.0 * CORNERS.iter().map(|c| map.jacobian(c[0], c[1])).fold(0.0, f64::max);
@@ -110,5 +82,79 @@ impl Integrand<'_> {
             alpha_rest: (high.sqrt() * e1 + (0.5 * steep / low).sqrt() * e0).powi(2),
             beta_rest: e0 * e0 / low,
         }
+    }
+}
+
+/// Sums over the points of the rules: the two of (2), and that of the square of f - u.
+struct Squares {
+    alpha: f64,
+    beta: f64,
+    square: f64,
+}
+
+struct Sum<'a> {
+    integrand: &'a Integrand<'a>,
+    chi: &'a [f64; 4],
+    /// The gradient of chi, in the middle of its range.
+    fade: Point,
+    /// |grad l0|^2 at most.
+    steep: f64,
+}
+
+impl Kernel for Sum<'_> {
+    type Output = Squares;
+
+    #[inline(always)]
+    fn run(self) -> Squares {
+        let Self { chi, fade, steep, .. } = self;
+        let Integrand { map, ref overlap, slope, ref decay, rules: [rs, rt], count: [m, n], nodal, jumps, .. } =
+            *self.integrand;
+        let inverse = decay.map(|l| 1.0 / l);
+        let (mut alpha, mut beta, mut square) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+        for row in &rt.lanes {
+            for q in (0..LANES).filter(|&q| row.weights[q] > 0.0) {
+                let (t, log_t, weight_t) = (row.points[q], row.logarithm[q], row.weights[q]);
+                // Interpolants along the line t.
+                let mut line = [[0.0; NODES[1]]; 3];
+                for (out, values) in line.iter_mut().zip(nodal) {
+                    for (j, basis) in row.lagrange.iter().enumerate().take(n) {
+                        for (i, r) in out.iter_mut().enumerate().take(m) {
+                            *r += basis[q] * values[j * m + i];
+                        }
+                    }
+                }
+                let [u, ux, uy] = &line;
+                for some in &rs.lanes {
+                    for l in 0..LANES {
+                        let s = some.points[l];
+                        let at = |row: &[f64; NODES[1]]| {
+                            let b = &some.lagrange;
+                            b[0][l] * row[0] + b[1][l] * row[1] + b[2][l] * row[2] + b[3][l] * row[3] + b[4][l] * row[4]
+                        };
+                        let logs = [some.logarithm[l], log_t];
+                        let du = [
+                            at(ux) - jumps[0][0] * logs[0] - jumps[1][0] * logs[1],
+                            at(uy) - jumps[0][1] * logs[0] - jumps[1][1] * logs[1],
+                        ];
+                        let rest = bilinear(overlap, s, t) - at(u);
+                        let c = bilinear(chi, s, t);
+                        let w = c * rest;
+                        let dw = [c * (slope[0] - du[0]) + rest * fade[0], c * (slope[1] - du[1]) + rest * fade[1]];
+                        let j = map.jacobian(s, t);
+                        let weight = some.weights[l] * weight_t;
+                        let jl = weighted_gradient(map, decay, s, t);
+                        let inv = bilinear(&inverse, s, t);
+                        let squares = dw[0] * dw[0] + dw[1] * dw[1];
+                        let cross = w * (dw[0] * jl[0] + dw[1] * jl[1]);
+                        alpha[l] +=
+                            weight * (j * bilinear(decay, s, t) * squares + cross + 0.5 * j * w * w * steep * inv);
+                        beta[l] += weight * j * w * w * inv;
+                        square[l] += weight * j * rest * rest;
+                    }
+                }
+            }
+        }
+        let [alpha, beta, square] = [alpha, beta, square].map(|lanes| lanes.iter().sum());
+        Squares { alpha, beta, square }
     }
 }

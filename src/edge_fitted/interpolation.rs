@@ -13,7 +13,13 @@
 //! the second because L = ln(r1 + |a1|) + ln(r2 + |a2|) - 2 ln d between the ends, where ln(r + |a|) is the potential of a
 //! half line that leads away, and has no third term beyond them. On a subcell that touches the edge, ln d = ln t + ln d(1):
 //! ln t is kept aside and only the slope of d(1) along the side remains. u of an edge is d L/pi, with
-//! d^m u = d^(m-1) of (direction . n) L.
+//!
+//! ```text
+//! grad (d L) = n L + v1/r1 - v2/r2,                                            v: x less an end of it, turned by a right angle.
+//! ```
+//!
+//! The last two terms vanish in the sum over all edges at a node, so that d^m u = d^(m-1) of (s . n) L there; a single edge that is
+//! taken as far keeps them: s . v is constant along s, |d^(m-1) s . v/r| <= (m-1)! |s . v|/r^m.
 
 use super::compliance::Around;
 use super::gauss::{B, NODES, Touch, logarithm_error};
@@ -74,6 +80,12 @@ impl Far {
 
     /// Adds `strength` times a source with these bounds, on a cell of half lengths `half`.
     pub fn add(&mut self, strength: f64, source: &Source, half: [f64; 2]) {
+        self.add_derivatives(strength, source, half);
+        self.strength += strength;
+    }
+
+    /// The same without its strength.
+    pub fn add_derivatives(&mut self, strength: f64, source: &Source, half: [f64; 2]) {
         for k in 0..2 {
             for i in 0..CHOICES {
                 self.slope[k][i] += strength * source.slope[k][i + NODES[0]];
@@ -89,7 +101,6 @@ impl Far {
                 self.orders[1][k][m] += factor * source.value[k][m];
             }
         }
-        self.strength += strength;
     }
 
     /// The least numbers of nodes along both directions that leave out no more than `allowed` of the slope, the value over
@@ -102,9 +113,12 @@ impl Far {
         })
     }
 
-    /// Takes the bounds for these numbers of nodes.
-    pub fn set(&mut self, count: [usize; 2]) {
-        self.block = [0, 1].map(|q| self.orders[q][0][count[0]] + CHEBYSHEV_LEBESGUE * self.orders[q][1][count[1]]);
+    /// Takes the bounds for these numbers of nodes, at which slope and value are known within `nodal`.
+    pub fn set(&mut self, count: [usize; 2], nodal: [f64; 2]) {
+        self.block = [0, 1].map(|q| {
+            let left_out = self.orders[q][0][count[0]] + CHEBYSHEV_LEBESGUE * self.orders[q][1][count[1]];
+            left_out + CHEBYSHEV_LEBESGUE.powi(2) * nodal[q]
+        });
     }
 }
 
@@ -132,20 +146,27 @@ impl Source {
         Self { slope: [slope; 2], value: [value; 2] }
     }
 
-    /// An edge, `delta` away, seen from a cell.
+    /// A single edge, `delta` away, seen from a cell.
     pub fn edge<const K: usize>(e: &NearEdge<K>, around: &Around, corners: &[Point; 4], delta: f64) -> Self {
         let (d, a) = corner_coordinates(corners, e);
         let line = distance_from_line(&d);
         let beside = a.iter().all(|x| *x > e.length) || a.iter().all(|x| *x < 0.0);
         let r = e.ends.map(|p| around.distance(p));
+        let local = e.ends.map(|p| around.local(p));
         let normal = e.normal();
         let across = [-around.axis[1], around.axis[0]];
         let mut source = Self { slope: [[0.0; ORDERS]; 2], value: [[0.0; ORDERS]; 2] };
         for k in 0..2 {
-            let lean =
-                if around.swapped == (k == 0) { dot(normal, across).abs() } else { dot(normal, around.axis).abs() };
+            let along = around.swapped != (k == 0);
+            let lean = dot(normal, if along { around.axis } else { across }).abs();
             // The directions of a cell turn by no more than its skewness.
             let lean = lean + around.turn;
+            // |s . v|/r at most.
+            let sideways = [0, 1].map(|i| {
+                let [u, v] = [0, 1].map(|k| local[i][k].abs() + around.half[k]);
+                let off = if along { v } else { u };
+                ((off + around.turn * (u + v)) / r[i]).min(1.0)
+            });
             let logarithmic = if beside {
                 0.0
             } else if line > 0.0 {
@@ -160,21 +181,35 @@ impl Source {
                 source.slope[k][m] = plain.min(structured);
             }
             for m in 2..ORDERS {
-                source.value[k][m] = lean.min(1.0) / m as f64 * source.slope[k][m - 1];
+                let ends = (0..2).map(|i| sideways[i] * r[i].powi(1 - m as i32)).sum::<f64>();
+                source.value[k][m] = (lean.min(1.0) * source.slope[k][m - 1] + ends) / m as f64;
             }
         }
         source
     }
 
-    /// What interpolation at the most nodes leaves out, at most: of slope and value.
-    pub fn block(&self, half: [f64; 2]) -> [f64; 2] {
-        let m = BLOCK_NODES[1];
-        let power = half.map(|h| h.powi(m as i32));
-        let sup = |terms: &[[f64; ORDERS]; 2]| {
-            chebyshev_size(m) * (power[0] * terms[0][m] + CHEBYSHEV_LEBESGUE * power[1] * terms[1][m])
-        };
-        [sup(&self.slope), sup(&self.value)]
+    pub const ZERO: Self = Self { slope: [[0.0; ORDERS]; 2], value: [[0.0; ORDERS]; 2] };
+
+    /// Adds `strength` times another one.
+    pub fn add(&mut self, strength: f64, other: &Self) {
+        for k in 0..2 {
+            for m in 0..ORDERS {
+                self.slope[k][m] += strength * other.slope[k][m];
+                self.value[k][m] += strength * other.value[k][m];
+            }
+        }
     }
+}
+
+/// What interpolation of a source at the most nodes leaves out over a rectangle of half lengths `half`, at most: of slope and
+/// value.
+pub(crate) fn left_out(source: &Source, half: [f64; 2]) -> [f64; 2] {
+    let m = BLOCK_NODES[1];
+    let power = half.map(|h| h.powi(m as i32));
+    let sup = |terms: &[[f64; ORDERS]; 2]| {
+        chebyshev_size(m) * (power[0] * terms[0][m] + CHEBYSHEV_LEBESGUE * power[1] * terms[1][m])
+    };
+    [sup(&source.slope), sup(&source.value)]
 }
 
 /// The least distance of points from a line, given their signed distances; zero where it passes between them.

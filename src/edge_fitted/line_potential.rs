@@ -91,7 +91,7 @@ impl Lines {
         Self { nodes: mesh.nodes.clone(), lines }
     }
 
-    /// Some of the edges, with their own nodes only.
+    /// Some of the edges in another order, with their own nodes only, as the edges need them.
     pub fn subset(&self, edges: impl Iterator<Item = usize>) -> Self {
         let mut subset = Self { nodes: Vec::new(), lines: Vec::new() };
         let mut index = std::collections::HashMap::new();
@@ -120,11 +120,11 @@ impl Lines {
         [-y, x]
     }
 
-    /// Distances of the points from all nodes.
+    /// Distances of the points from some nodes.
     #[inline(always)]
-    fn radii(&self, points: &Points, radii: &mut Vec<[f64; BATCH]>) {
-        radii.resize(self.nodes.len(), [0.0; BATCH]);
-        for (node, r) in self.nodes.iter().zip(radii.iter_mut()) {
+    fn radii(nodes: &[Point], points: &Points, radii: &mut Vec<[f64; BATCH]>) {
+        radii.resize(nodes.len(), [0.0; BATCH]);
+        for (node, r) in nodes.iter().zip(radii.iter_mut()) {
             for c in 0..points.lanes() {
                 for i in LANES * c..LANES * (c + 1) {
                     let (dx, dy) = (points.x[i] - node[0], points.y[i] - node[1]);
@@ -171,7 +171,7 @@ impl Lines {
         scratch: &mut Scratch,
         fields: &mut [Field; K],
     ) {
-        self.radii(points, &mut scratch.radii);
+        Self::radii(&self.nodes, points, &mut scratch.radii);
         let (mut l, mut d) = ([0.0; BATCH], [0.0; BATCH]);
         for (e, line) in self.lines.iter().enumerate() {
             if strengths.iter().all(|c| c[e] == 0.0) {
@@ -191,17 +191,20 @@ impl Lines {
         }
     }
 
-    /// d L of every edge at every point of the batch, edge by edge.
-    pub fn moments(&self, points: &Points, scratch: &mut Scratch) {
-        vectorised(Store { lines: self, points, scratch });
+    /// d L of the first `count` edges at every point of the batch, edge by edge.
+    pub fn moments(&self, points: &Points, count: usize, scratch: &mut Scratch) {
+        vectorised(Store { lines: self, points, count, scratch });
     }
 
     #[inline(always)]
-    fn store(&self, points: &Points, scratch: &mut Scratch) {
-        self.radii(points, &mut scratch.radii);
-        scratch.products.resize(self.lines.len(), [0.0; BATCH]);
+    fn store(&self, points: &Points, count: usize, scratch: &mut Scratch) {
+        let lines = &self.lines[..count];
+        // A subset numbers its nodes as its edges need them.
+        let nodes = lines.iter().flat_map(|line| line.nodes).max().map_or(0, |last| last + 1);
+        Self::radii(&self.nodes[..nodes], points, &mut scratch.radii);
+        scratch.products.resize(count, [0.0; BATCH]);
         let (mut l, mut d) = ([0.0; BATCH], [0.0; BATCH]);
-        for (line, out) in self.lines.iter().zip(scratch.products.iter_mut()) {
+        for (line, out) in lines.iter().zip(scratch.products.iter_mut()) {
             Self::potential(line, points, &scratch.radii, &mut l, &mut d);
             for lane in 0..points.lanes() {
                 for i in LANES * lane..LANES * (lane + 1) {
@@ -247,6 +250,7 @@ impl<const K: usize> Kernel for Accumulate<'_, K> {
 struct Store<'a> {
     lines: &'a Lines,
     points: &'a Points,
+    count: usize,
     scratch: &'a mut Scratch,
 }
 
@@ -255,7 +259,7 @@ impl Kernel for Store<'_> {
 
     #[inline(always)]
     fn run(self) {
-        self.lines.store(self.points, self.scratch);
+        self.lines.store(self.points, self.count, self.scratch);
     }
 }
 

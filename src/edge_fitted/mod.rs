@@ -34,6 +34,7 @@ mod fade;
 mod flanked;
 mod flat;
 mod gauss;
+mod group;
 mod integrand;
 mod interpolation;
 mod kites;

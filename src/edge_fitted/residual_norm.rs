@@ -11,9 +11,9 @@
 //! (2) is the square of a norm of the pair (w, grad w).
 
 use super::bilinear::{bilinear, restrict};
-use super::compliance::Around;
 use super::fade::{Fade, Panel};
 use super::gauss::{NODES, Touch, legendre, rule};
+use super::group::{Group, Sources, groups};
 use super::integrand::{Integrand, Sums};
 use super::interpolation::{CHOICES, Errors, NodeLogarithms, errors};
 use super::line_potential::{BATCH, Field, Lines, Points, Scratch};
@@ -60,36 +60,43 @@ pub(crate) fn norms<const K: usize>(
     let strengths: Vec<Vec<f64>> = pressures.iter().map(|p| Lines::strengths(mesh, p)).collect();
     let strengths: [&[f64]; K] = std::array::from_fn(|k| strengths[k].as_slice());
     let fade = Fade::new(mesh, contact);
-    let arounds: Vec<Around> = (0..mesh.loaded).map(|i| Around::new(&Bilinear::new(mesh.corners(i)))).collect();
+    let sources = Sources::new(mesh, lines, pressures, strengths);
     let mut work = Work { scratch: Scratch::default(), points: Points::EMPTY, pending: Vec::new() };
-    for (index, &cell) in orbits.representatives.iter().enumerate() {
-        let panels = fade.panels(mesh, cell, strengths);
-        if panels.is_empty() {
-            continue;
-        }
-        if deadline.has_passed() {
-            return None;
-        }
-        let context =
-            Context { lines, decay: mesh.cells[cell].map(|n| decay[n]), extent: mesh.extent(), strengths, targets };
-        let surroundings = Surroundings::new(mesh, lines, &arounds, cell, (pressures, strengths), &mut work.scratch);
-        let mut own: [Sums; K] = std::array::from_fn(|_| Sums::default());
-        for panel in panels {
-            subdivide(&context, &surroundings, &panel, &mut own, &mut work);
-        }
-        context.flush(&surroundings, &mut own, &mut work);
-        let size = orbits.size[index] as f64;
-        for (norm, own) in norms.iter_mut().zip(own) {
-            norm.add(size, &own);
+    let mut panels: Vec<Vec<Panel>> = (0..mesh.cells.len()).map(|_| Vec::new()).collect();
+    for &cell in &orbits.representatives {
+        panels[cell] = fade.panels(mesh, cell, strengths);
+    }
+    let cells: Vec<usize> = orbits.representatives.iter().copied().filter(|&c| !panels[c].is_empty()).collect();
+    for cells in groups(mesh, cells).iter().filter(|cells| !cells.is_empty()) {
+        let group = Group::new(&sources, cells, &mut work.scratch);
+        for &cell in cells {
+            if deadline.has_passed() {
+                return None;
+            }
+            let context =
+                Context { lines, decay: mesh.cells[cell].map(|n| decay[n]), extent: mesh.extent(), strengths, targets };
+            let surroundings = Surroundings::new(&sources, &group, cell, &mut work.scratch);
+            let mut own: [Sums; K] = std::array::from_fn(|_| Sums::default());
+            for panel in &panels[cell] {
+                subdivide(&context, &surroundings, panel, &mut own, &mut work);
+            }
+            context.flush(&surroundings, &mut own, &mut work);
+            let size = orbits.size[orbits.orbit[cell]] as f64;
+            for (norm, own) in norms.iter_mut().zip(own) {
+                norm.add(size, &own);
+            }
         }
     }
     Some(norms)
 }
 
-/// A subcell in nine parts, none of which has two opposite sides or two corners of it.
-fn thirds(whole: &Subcell) -> Vec<Subcell> {
-    let cuts = [[-1.0, -0.5], [-0.5, 0.5], [0.5, 1.0]];
-    cuts.iter().flat_map(|s| cuts.iter().map(move |t| whole.part(0, s[0], s[1]).part(1, t[0], t[1]))).collect()
+/// A subcell in four parts, none of which has two opposite sides or two corners of it.
+fn quarters(whole: &Subcell) -> [Subcell; 4] {
+    let halves = [[-1.0, 0.0], [0.0, 1.0]];
+    [(0, 0), (0, 1), (1, 0), (1, 1)].map(|(i, j)| {
+        let ([a, b], [c, d]): ([f64; 2], [f64; 2]) = (halves[i], halves[j]);
+        whole.part(0, a, b).part(1, c, d)
+    })
 }
 
 /// One cell and what is asked for it.
@@ -130,7 +137,7 @@ fn subdivide<const K: usize>(
     let whole = panel.subcell;
     let area = whole.map.area();
     // No subcell may touch an edge, or have a node, at both ends.
-    let mut stack: Vec<(Subcell, u32)> = thirds(&whole).into_iter().map(|part| (part, 0)).collect();
+    let mut stack: Vec<(Subcell, u32)> = quarters(&whole).into_iter().map(|part| (part, 0)).collect();
     while let Some((subcell, depth)) = stack.pop() {
         let (errors, logarithms) = errors(&subcell, &surroundings.near, &surroundings.far, context.extent);
         let decay = context.decay_at(&subcell);

@@ -82,6 +82,15 @@ impl<const K: usize> NearEdge<K> {
     pub fn normal(&self) -> Point {
         [-self.direction[1], self.direction[0]]
     }
+
+    /// Takes its strength off a sum that has it.
+    pub fn take_off(&self, k: usize, sum: &mut f64) {
+        *sum -= self.strength[k];
+        // Exactly zero where nothing else is in it.
+        if sum.abs() <= 4.0 * f64::EPSILON * self.strength[k].abs() {
+            *sum = 0.0;
+        }
+    }
 }
 
 /// The logarithm at a node that an edge of it leaves when the edge's other singular parts are taken off, on a subcell with
@@ -235,15 +244,17 @@ pub(crate) fn corner_coordinates<const K: usize>(corners: &[Point; 4], e: &NearE
     (corners.map(|c| cross(e.direction, minus(c, e.ends[0]))), corners.map(|c| abscissa(c, e.ends[0], e.direction)))
 }
 
-/// The edges of a mesh as near edges, with strengths of pressures that count on cells with `near` only.
+/// Some edges of a mesh as near edges, with strengths of pressures that count on cells with `near` only.
 pub(crate) fn near_edges<const K: usize>(
     mesh: &Mesh,
     lines: &Lines,
+    edges: impl Iterator<Item = usize>,
     pressures: [&[f64]; K],
     near: &dyn Fn(usize) -> bool,
 ) -> Vec<NearEdge<K>> {
     let mut list = Vec::new();
-    for (i, edge) in mesh.edges.iter().enumerate() {
+    for i in edges {
+        let edge = &mesh.edges[i];
         let sides = edge.sides.map(|s| s.filter(|&c| near(c)));
         if sides == [None, None] {
             continue;

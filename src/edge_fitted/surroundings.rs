@@ -2,9 +2,10 @@
 
 use super::compliance::Around;
 use super::gauss::{lagrange, legendre};
-use super::interpolation::{BLOCK_NODES, Far, Source};
+use super::group::{Group, Sources};
+use super::interpolation::{BLOCK_NODES, Far, Source, left_out};
 use super::line_potential::{Field, Lines, Points, Scratch};
-use super::mesh::{Bilinear, Mesh, minus, norm};
+use super::mesh::{Bilinear, Point};
 use super::subcell::{NearEdge, Subcell, near_edges};
 
 /// What a cell sees of the others: near edges one by one, the field of all else by interpolation over the cell.
@@ -22,57 +23,37 @@ pub(crate) struct Surroundings<const K: usize> {
 }
 
 /// A cell is far when its distance is more than this many times its thickness, and its field is smooth on the cell.
-const FAR: f64 = 4.0;
-/// What one source may leave out of the block's interpolation, over the size of the slope.
-const BLOCK_SHARE: f64 = 1e-3;
+pub(crate) const FAR: f64 = 4.0;
+/// What one source may leave out of the interpolation over a cell, or over a group of cells, over the size of the slope.
+pub(crate) const BLOCK_SHARE: f64 = 3e-3;
 /// What all together may leave out along one direction, where fewer nodes reach it.
 const BLOCK_TOTAL: f64 = 0.01;
 
 impl<const K: usize> Surroundings<K> {
-    pub fn new(
-        mesh: &Mesh,
-        lines: &Lines,
-        arounds: &[Around],
-        cell: usize,
-        (pressures, strengths): ([&[f64]; K], [&[f64]; K]),
-        scratch: &mut Scratch,
-    ) -> Self {
+    /// Of a cell in a group.
+    pub fn new(sources: &Sources<K>, group: &Group<K>, cell: usize, scratch: &mut Scratch) -> Self {
+        let Sources { mesh, lines, pressures, .. } = sources;
         let corners = mesh.corners(cell);
         let map = Bilinear::new(corners);
         let own = Around::new(&map);
         let half = Subcell { map, range: [[-1.0, 1.0]; 2], sides: [None; 4], nodes: [None; 4] }.half();
-        let nodes = mesh.cells[cell];
-        let mut scale = [0.0; K];
-        for (i, e) in mesh.edges.iter().enumerate() {
-            if e.ends.iter().any(|n| nodes.contains(n)) {
-                for k in 0..K {
-                    scale[k] = f64::max(scale[k], strengths[k][i].abs());
-                }
-            }
-        }
-        // No jump at the cell: the size of the slope from afar.
-        for k in 0..K {
-            if scale[k] > 0.0 {
-                continue;
-            }
-            for (j, other) in arounds.iter().enumerate().filter(|(j, _)| pressures[k][*j] != 0.0) {
-                let distance = norm(minus(other.centre, own.centre));
-                let area = 4.0 * other.half[0] * other.half[1];
-                scale[k] += pressures[k][j].abs() * area / (std::f64::consts::PI * distance * distance);
-            }
-        }
+        let decay = 0.3 * half[0].min(half[1]);
+        let scale = sources.scale(cell);
         let smooth = |strength: [f64; K], source: &Source| {
-            let [slope, value] = source.block(half);
-            let error = slope + value / (0.3 * half[0].min(half[1]));
+            let [slope, value] = left_out(source, half);
+            let error = slope + value / decay;
             (0..K).all(|k| strength[k].abs() * error <= BLOCK_SHARE * scale[k])
         };
+        let mut far = group.far.map(|(sum, strength)| {
+            let mut far = Far::ZERO;
+            far.add_derivatives(1.0, &sum, half);
+            far.strength += strength;
+            far
+        });
         let mut is_near = vec![false; mesh.loaded];
-        let mut far = [Far::ZERO; K];
-        for (j, other) in arounds.iter().enumerate() {
-            let strength = pressures.map(|p| p[j].abs() * std::f64::consts::FRAC_1_PI);
-            if strength.iter().all(|s| *s == 0.0) {
-                continue;
-            }
+        for &j in &group.close {
+            let other = &sources.arounds[j];
+            let strength = sources.strength(j);
             let delta = own.distance_to_hull(&mesh.corners(j)).max(other.distance_to_hull(&corners));
             let source = Source::cell(other.half.map(|h| 2.0 * h), delta);
             if delta > FAR * 2.0 * other.half[1] && smooth(strength, &source) {
@@ -83,7 +64,8 @@ impl<const K: usize> Surroundings<K> {
                 is_near[j] = true;
             }
         }
-        let mut near = near_edges(mesh, lines, pressures, &|j| is_near[j]);
+        let edges = group.edges.iter().map(|e| e.edge);
+        let mut near = near_edges(mesh, lines, edges, *pressures, &|j| is_near[j]);
         near.retain(|e| {
             let delta = own.distance_to_hull(&e.ends);
             let source = Source::edge(e, &own, &corners, delta);
@@ -98,33 +80,55 @@ impl<const K: usize> Surroundings<K> {
         });
         let subset = lines.subset(near.iter().map(|e| e.edge));
         let near_strengths = std::array::from_fn(|k| near.iter().map(|e| e.strength[k]).collect());
-        let mut rest: [Vec<f64>; K] = strengths.map(<[f64]>::to_vec);
-        for e in &near {
-            for k in 0..K {
-                rest[k][e.edge] -= e.strength[k];
-                // Exactly zero where both sides are near.
-                if rest[k][e.edge].abs() <= 4.0 * f64::EPSILON * e.strength[k].abs() {
-                    rest[k][e.edge] = 0.0;
-                }
+        // Both lists follow the order of the mesh.
+        let mut rest: [Vec<f64>; K] = std::array::from_fn(|k| group.edges.iter().map(|e| e.strength[k]).collect());
+        let mut left = near.iter().peekable();
+        for (i, e) in group.edges.iter().enumerate() {
+            if let Some(near) = left.next_if(|near| near.edge == e.edge) {
+                (0..K).for_each(|k| near.take_off(k, &mut rest[k][i]));
             }
         }
-        let decay = 0.3 * half[0].min(half[1]);
         let mut count = [BLOCK_NODES[0]; 2];
         for (far, scale) in far.iter().zip(scale) {
             let least = far.choose(BLOCK_TOTAL * scale, decay);
             count = [count[0].max(least[0]), count[1].max(least[1])];
         }
-        for far in &mut far {
-            far.set(count);
+        for (far, nodal) in far.iter_mut().zip(group.left_out) {
+            far.set(count, nodal);
         }
-        let mut points = Points::EMPTY;
-        for t in chebyshev(count[1]) {
-            for s in chebyshev(count[0]) {
-                points.push(map.at(*s, *t));
-            }
-        }
-        let block = lines.fields(std::array::from_fn(|k| rest[k].as_slice()), &points, scratch);
+        let points = chebyshev_points(&map, count);
+        let mut block = group.lines.fields(std::array::from_fn(|k| rest[k].as_slice()), &points, scratch);
+        group.add_far(&points, &mut block);
         Self { near, lines: subset, strengths: near_strengths, far, count, block: Box::new(block), scale }
+    }
+}
+
+/// The Chebyshev points of a cell.
+pub(crate) fn chebyshev_points(map: &Bilinear, count: [usize; 2]) -> Points {
+    let mut points = Points::EMPTY;
+    for t in chebyshev(count[1]) {
+        for s in chebyshev(count[0]) {
+            points.push(map.at(*s, *t));
+        }
+    }
+    points
+}
+
+/// Adds to the fields at point `i` what is interpolated at (s, t) between the most Chebyshev points.
+pub(crate) fn block_field<const K: usize>(block: &[Field; K], [s, t]: Point, i: usize, fields: &mut [Field; K]) {
+    let n = BLOCK_NODES[1];
+    let (bs, bt) = (lagrange(chebyshev(n), s), lagrange(chebyshev(n), t));
+    let at = |values: &[f64]| -> f64 {
+        bt.iter()
+            .zip(values.chunks_exact(n))
+            .map(|(b, row)| b * row.iter().zip(&bs).map(|(v, b)| v * b).sum::<f64>())
+            .sum()
+    };
+    for (field, block) in fields.iter_mut().zip(block) {
+        field.u[i] += at(&block.u);
+        for (slope, values) in field.slope.iter_mut().zip(&block.slope) {
+            slope[i] += at(values);
+        }
     }
 }
 
@@ -168,5 +172,58 @@ pub(crate) fn add_block<const K: usize>(
                 }
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::group::groups;
+    use super::super::line_potential::BATCH;
+    use super::super::outline::Outline;
+    use super::*;
+
+    /// What is near and the block give the whole field within what the block is said to leave out, also where a part of it has
+    /// come through the rectangle of a group.
+    #[test]
+    fn block_is_within_its_bound() {
+        let outline =
+            Outline::polygon(&[[0.0, 0.0], [2.0, 0.0], [2.1, 0.9], [1.0, 1.0], [0.9, 2.0], [0.0, 1.8]]).unwrap();
+        let mesh = outline.mesh(8).unwrap().mesh;
+        let lines = Lines::new(&mesh);
+        let pressure: Vec<f64> = (0..mesh.loaded).map(|i| 1.0 + 0.5 * (i as f64 * 1.7).sin()).collect();
+        let strengths = Lines::strengths(&mesh, &pressure);
+        let sources = Sources::new(&mesh, &lines, [&pressure], [&strengths]);
+        let mut scratch = Scratch::default();
+        let (mut through_groups, mut largest) = (0, 0.0_f64);
+        for cells in groups(&mesh, (0..mesh.cells.len()).collect()) {
+            let group = Group::new(&sources, &cells, &mut scratch);
+            through_groups += mesh.loaded - group.close.len();
+            for &cell in &cells {
+                let seen = Surroundings::new(&sources, &group, cell, &mut scratch);
+                let map = Bilinear::new(mesh.corners(cell));
+                let whole = Subcell { map, range: [[-1.0, 1.0]; 2], sides: [None; 4], nodes: [None; 4] };
+                let mut points = Points::EMPTY;
+                for t in &legendre(5).0 {
+                    for s in &legendre(5).0 {
+                        points.push(map.at(*s, *t));
+                    }
+                }
+                let mut fields = seen.lines.fields([&seen.strengths[0]], &points, &mut scratch);
+                add_block(&whole, [5, 5], 0, &seen, &mut fields);
+                let [exact] = lines.fields([&strengths], &points, &mut scratch);
+                let [field] = fields;
+                let [slope, value] = seen.far[0].block;
+                for i in 0..points.len.min(BATCH) {
+                    let off = [0, 1].map(|k| field.slope[k][i] - exact.slope[k][i]);
+                    let off = off[0].hypot(off[1]);
+                    assert!(off <= slope + 1e-12, "cell {cell}: slope off by {off:e}, said {slope:e}");
+                    let low = (field.u[i] - exact.u[i]).abs();
+                    assert!(low <= value + 1e-12, "cell {cell}: displacement off by {low:e}, said {value:e}");
+                    largest = largest.max(off / slope);
+                }
+            }
+        }
+        assert!(through_groups > mesh.loaded, "nothing is far");
+        assert!(largest > 1e-4, "the bound says nothing: {largest:e}");
     }
 }
