@@ -1,7 +1,7 @@
 //! Cells that lie together see what is far from all of them through one interpolation over a rectangle around them.
 
 use super::compliance::Around;
-use super::interpolation::{BLOCK_NODES, Source, left_out};
+use super::far::{BLOCK_NODES, Source, left_out};
 use super::line_potential::{Field, Lines, Points, Scratch};
 use super::mesh::{Bilinear, Mesh, Point};
 use super::subcell::{NearEdge, near_edges};

@@ -31,6 +31,7 @@ mod compliance;
 mod discrete;
 mod estimated;
 mod fade;
+mod far;
 mod flanked;
 mod flat;
 mod gauss;

@@ -1,9 +1,9 @@
 //! What the points of one cell see of all cells: near edges exactly, the rest by interpolation over the cell.
 
 use super::compliance::Around;
+use super::far::{BLOCK_NODES, Far, Source, left_out};
 use super::gauss::{lagrange, legendre};
 use super::group::{Group, Sources};
-use super::interpolation::{BLOCK_NODES, Far, Source, left_out};
 use super::line_potential::{Field, Lines, Points, Scratch};
 use super::mesh::{Bilinear, Point};
 use super::subcell::{NearEdge, Subcell, near_edges};
