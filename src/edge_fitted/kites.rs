@@ -10,6 +10,7 @@ use std::collections::HashMap;
 use super::bilinear::CORNERS;
 use super::mesh::{Bilinear, Mesh, Point, cross, dot, minus, norm};
 use super::rectilinear::split;
+use super::strip::strip;
 
 /// Centre and radius of the largest circle in a convex polygon, counter-clockwise: all sides move inwards alike, the side that
 /// vanishes first is left out, until three are left. `None` where the polygon has no inside.
@@ -284,62 +285,6 @@ fn band(piece: &Piece, e: usize, [low, high]: [&[f64]; 2], index: &mut NodeIndex
 /// The point at `s` in [-1, 1] between a and b.
 fn between(a: Point, b: Point, s: f64) -> Point {
     [0, 1].map(|k| 0.5 * ((1.0 - s) * a[k] + (1.0 + s) * b[k]))
-}
-
-/// The nodes of a mesh with those of a strip around it, and the cells of the strip: as thick as the cells at the edge, one
-/// more cell at each outer corner, mitred at inner ones.
-fn strip(mesh: &Mesh) -> Option<(Vec<Point>, Vec<[usize; 4]>)> {
-    let mut nodes = mesh.nodes.clone();
-    // The boundary edge that leaves each node with the material on the left, and the one that arrives.
-    let (mut leaving, mut arriving) = (HashMap::new(), HashMap::new());
-    let mut thickness = vec![f64::INFINITY; nodes.len()];
-    for (e, edge) in mesh.edges.iter().enumerate() {
-        let ([a, b], cell) = match edge.sides {
-            [Some(c), None] => (edge.ends, c),
-            [None, Some(c)] => ([edge.ends[1], edge.ends[0]], c),
-            _ => continue,
-        };
-        if leaving.insert(a, (b, e)).is_some() || arriving.insert(b, a).is_some() {
-            return None;
-        }
-        let map = Bilinear::new(mesh.corners(cell));
-        let height = map.area() / norm(minus(nodes[b], nodes[a]));
-        for n in [a, b] {
-            thickness[n] = thickness[n].min(height);
-        }
-    }
-    let mut outer: HashMap<usize, [usize; 2]> = HashMap::new();
-    let mut cells = Vec::new();
-    let mut order: Vec<usize> = leaving.keys().copied().collect();
-    order.sort_unstable();
-    for &n in &order {
-        let unit = |v: Point| v.map(|c| c / norm(v));
-        let into = unit(minus(nodes[n], nodes[*arriving.get(&n)?]));
-        let out = unit(minus(nodes[leaving[&n].0], nodes[n]));
-        // Outward normals, to the right of the boundary.
-        let (p, q) = ([into[1], -into[0]], [out[1], -out[0]]);
-        let at = |v: Point, factor: f64| [0, 1].map(|k| mesh.nodes[n][k] + factor * thickness[n] * v[k]);
-        let mut push = |p: Point| {
-            nodes.push(p);
-            nodes.len() - 1
-        };
-        let turn = cross(into, out);
-        let mitre = [0, 1].map(|k| (p[k] + q[k]) / (1.0 + dot(p, q)).max(0.5));
-        if turn > 1e-6 {
-            let (first, middle, last) = (push(at(p, 1.0)), push(at(mitre, 1.0)), push(at(q, 1.0)));
-            cells.push([n, first, middle, last]);
-            outer.insert(n, [first, last]);
-        } else {
-            let only = push(at(mitre, 1.0));
-            outer.insert(n, [only, only]);
-        }
-    }
-    for &a in &order {
-        let b = leaving[&a].0;
-        // Counter-clockwise: along the boundary on its outer side.
-        cells.push([a, outer[&a][1], outer[&b][0], b]);
-    }
-    Some((nodes, cells))
 }
 
 #[cfg(test)]

@@ -49,6 +49,7 @@ mod rectilinear;
 mod region;
 mod residual_norm;
 mod simd;
+mod strip;
 mod subcell;
 mod surroundings;
 mod symmetry;

@@ -27,6 +27,8 @@ use crate::clock::Deadline;
 const SHARE: f64 = 0.1;
 /// Halvings of a cell's side at most.
 const DEPTH: u32 = 40;
+/// Subcells of a panel at most: a hundred times what those of a star come to. Beyond them nothing is proved.
+const SUBCELLS: usize = 1 << 16;
 
 /// A pressure, and the displacement value + slope . x that it is meant to make.
 #[derive(Debug, Clone, Copy)]
@@ -45,7 +47,7 @@ impl<'a> Target<'a> {
 }
 
 /// The sums of (2) for pressures on the cells in `contact`, w = f - S p there, over one cell of each orbit; `None` once the
-/// time is used up.
+/// time is used up, and where a panel has no end of subcells.
 pub(crate) fn norms<const K: usize>(
     mesh: &Mesh,
     lines: &Lines,
@@ -78,7 +80,9 @@ pub(crate) fn norms<const K: usize>(
             let surroundings = Surroundings::new(&sources, &group, cell, &mut work.scratch);
             let mut own: [Sums; K] = std::array::from_fn(|_| Sums::default());
             for panel in &panels[cell] {
-                subdivide(&context, &surroundings, panel, &mut own, &mut work);
+                if !subdivide(&context, &surroundings, panel, &mut own, &mut work) {
+                    return None;
+                }
             }
             context.flush(&surroundings, &mut own, &mut work);
             let size = orbits.size[orbits.orbit[cell]] as f64;
@@ -126,19 +130,24 @@ struct Work<const K: usize> {
     pending: Vec<Pending<K>>,
 }
 
-/// Cuts a panel until interpolation leaves out little enough.
+/// Cuts a panel until interpolation leaves out little enough; false where that takes too many subcells.
 fn subdivide<const K: usize>(
     context: &Context<K>,
     surroundings: &Surroundings<K>,
     panel: &Panel,
     own: &mut [Sums; K],
     work: &mut Work<K>,
-) {
+) -> bool {
     let whole = panel.subcell;
     let area = whole.map.area();
     // No subcell may touch an edge, or have a node, at both ends.
     let mut stack: Vec<(Subcell, u32)> = quarters(&whole).into_iter().map(|part| (part, 0)).collect();
+    let mut count = 0;
     while let Some((subcell, depth)) = stack.pop() {
+        count += 1;
+        if count > SUBCELLS {
+            return false;
+        }
         let (errors, logarithms) = errors(&subcell, &surroundings.near, &surroundings.far, context.extent);
         let decay = context.decay_at(&subcell);
         let allowance = 0.5 * SHARE * (area / subcell.map.area()).powf(0.25);
@@ -175,6 +184,7 @@ fn subdivide<const K: usize>(
             stack.push((subcell.part(direction, 0.0, 1.0), depth + 1));
         }
     }
+    true
 }
 
 impl<const K: usize> Context<'_, K> {
