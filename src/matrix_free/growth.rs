@@ -1,7 +1,9 @@
 //! Linear systems on a fixed contact: how the pressure grows when the load does.
 
+use super::fields::{Fields, Near};
+use super::region::Region;
 use super::window::Window;
-use super::{Operator, Operators, Settings, faces, fixed, with_threads};
+use super::{Operator, Operators, Scratch, Settings, faces, with_threads};
 use crate::discrete::Discrete;
 use crate::influence::InfluenceTable;
 use crate::solution::{Unsolved, Verdict};
@@ -37,27 +39,33 @@ pub fn growth(problem: &Discrete, pressure: &[f64], rates: &[f64], settings: &Se
     if !window.symmetric(grid.shape, |a, b| (rate(a) - rate(b)).abs() <= 1e-3 * tolerance * largest) {
         window.unfold();
     }
+    if largest == 0.0 {
+        return Ok(vec![0.0; pressure.len()]);
+    }
     let table = window.table(&contact);
-    let Operators { compliance, single, preconditioner, .. } =
-        Operators::new(&table, window.shape(), window.mirrored, true);
-    let Some(compliance) = compliance.filter(|_| largest > 0.0) else { return Ok(vec![0.0; pressure.len()]) };
-    let face: Vec<f32> = window.grid(&contact).overlap.iter().map(|&f| if f > 0.0 { 1.0 } else { 0.0 }).collect();
+    let shape = window.shape();
+    let operators = Operators::new(&table, shape, Region::whole(shape), window.mirrored, true);
+    let mut fields = Fields::new(shape);
+    for (m, f) in fields.face.iter_mut().zip(window.grid(&contact).overlap) {
+        *m = if f > 0.0 { 1.0 } else { 0.0 };
+    }
     let mut target = window.cut(grid.shape, rates, 0.0);
-    target.iter_mut().zip(&face).for_each(|(t, m)| *t = if *m > 0.0 { *t / largest } else { 0.0 });
-    let rows = 0..window.shape()[1];
+    target.iter_mut().zip(&fields.face).for_each(|(t, m)| *t = if *m > 0.0 { *t / largest } else { 0.0 });
+    let rows = 0..shape[1];
     let mut residual = target.clone();
-    let mut m = vec![0.0; target.len()];
     with_threads(settings.threads, |scratch| {
         let mut products = 0;
         let mut before = f64::INFINITY;
         loop {
-            let worst =
-                residual.iter().zip(&face).filter(|(_, m)| **m > 0.0).fold(0.0, |e: f64, (r, _)| e.max(r.abs()));
+            for ((to, from), m) in fields.r.iter_mut().zip(&residual).zip(&fields.face) {
+                *to = *from as f32 * m;
+            }
+            let worst = f64::from(fields.mask(&rows, scratch));
             if worst <= tolerance {
                 // From the units of the window to those of the rates.
                 let unit = largest / table.get(0, 0);
-                m.iter_mut().for_each(|m| *m *= unit);
-                return Ok(window.paste(grid.shape, &m));
+                fields.p.iter_mut().for_each(|m| *m *= unit);
+                return Ok(window.paste(grid.shape, &fields.p));
             }
             settings.deadline.check()?;
             if products >= settings.products || worst > 0.5 * before {
@@ -65,20 +73,32 @@ pub fn growth(problem: &Discrete, pressure: &[f64], rates: &[f64], settings: &Se
                 return Err(Unsolved::new(Verdict::IterationLimit, reason));
             }
             before = worst;
-            let fixed = fixed::Fixed { single: &single, periodic: None, preconditioner: &preconditioner, face: &face };
-            let mut r: Vec<f32> = residual.iter().zip(&face).map(|(r, m)| (r / worst) as f32 * m).collect();
-            let goal = (0.7 * tolerance / worst).max(faces::FALL);
-            products += 1 + fixed.relax(&mut r, goal as f32, settings.products - products, scratch, |alpha, d| {
-                for (m, d) in m.iter_mut().zip(d) {
-                    *m += worst * alpha * f64::from(*d);
-                }
-            });
-            compliance.product(&m, rows.clone(), &mut residual, rows.clone(), scratch);
-            for (r, t) in residual.iter_mut().zip(&target) {
-                *r = t - *r;
+            let goal = (0.7 * tolerance).max(faces::FALL * worst) as f32;
+            products += 1 + relaxed(&mut fields, &operators.near, goal, settings.products - products, scratch);
+            if let Some(compliance) = &operators.compliance {
+                compliance.product(&fields.p, rows.clone(), &mut residual, rows.clone(), scratch);
             }
+            residual.iter_mut().zip(&target).for_each(|(r, t)| *r = t - *r);
         }
     })
+}
+
+/// Lowers the residual on the face, w, to `goal`, as far as `limit` products allow; how many it took.
+fn relaxed(fields: &mut Fields, near: &Near, goal: f32, limit: usize, scratch: &mut Scratch) -> usize {
+    let rows = 0..fields.shape()[1];
+    let mut dad_old = 0.0;
+    for products in 0..limit {
+        let zad = fields.solve_nearly(near, &rows, scratch);
+        let beta = if dad_old == 0.0 { 0.0 } else { -zad / dad_old };
+        fields.turn(beta as f32, &rows, scratch);
+        let [dr, dad, _] = fields.displace(near, &rows, scratch);
+        let alpha = dr / dad;
+        if !alpha.is_finite() || fields.advance([alpha, 0.0], false, &rows, scratch) <= goal {
+            return products + 1;
+        }
+        dad_old = dad;
+    }
+    limit
 }
 
 /// Displacement under a pressure on every cell of its grid, E* = 1.

@@ -6,7 +6,7 @@
 
 use super::level::Limit;
 use super::window::Window;
-use super::{Cells, Left, Operators, SYMMETRIC, Scratch, Settings, no_contact, with_threads};
+use super::{Cells, Left, Operators, SYMMETRIC, Scratch, Settings, no_contact, region_around, with_threads};
 use crate::discrete::{Discrete, DiscreteSolution};
 use crate::influence::InfluenceTable;
 use crate::solution::Unsolved;
@@ -67,7 +67,8 @@ pub(super) fn from_coarse(
             _ => (COARSE_TOLERANCE.max(settings.tolerance), 60),
         };
         let limit = Limit { products, deadline: settings.deadline };
-        let operators = Operators::new(table, grid.shape, grid.mirrored, level == 0);
+        let region = region_around(grid.shape, grid.mirrored, start.as_deref());
+        let operators = Operators::new(table, grid.shape, region, grid.mirrored, level == 0);
         grid.overlap.iter_mut().for_each(|f| *f += deeper);
         let mut left = grid.solve(table, &operators, start.take(), tolerance, limit, scratch);
         deeper += left.state.deeper;

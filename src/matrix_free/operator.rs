@@ -8,6 +8,7 @@ use std::ops::Range;
 use super::convolution::Convolution;
 use super::lanes::Workspace;
 use super::real::Real;
+use super::region::Region;
 use super::symbol::Symbol;
 use super::transforms::Transforms;
 use crate::influence::InfluenceTable;
@@ -15,41 +16,53 @@ use crate::influence::InfluenceTable;
 /// Work beside a transform, for each of its points, over that of one of its passes.
 const BESIDE: f64 = 6.0;
 
-/// A number not below `n` whose transforms are fast: of 2^a 3^b 5^c 7^d the one that costs least, as measured. Next to those of 2 and
-/// 3 those with one factor of 5 or 7 take a fifth longer, all others (odd ones, 25, 125) up to twice as long.
-pub(super) fn good_length(n: usize) -> usize {
-    let n = n.max(1);
+/// Work of a transform of so many points, infinite where their number has other factors than 2, 3, 5 and 7. As measured: next to those of
+/// 2 and 3 those with one factor of 5 or 7 take a fifth longer, all others (odd ones, 25, 125) up to twice as long.
+pub(super) fn cost(m: usize) -> f64 {
     let without = |mut m: usize, p: usize| {
         while m.is_multiple_of(p) {
             m /= p;
         }
         m
     };
-    let cost = |m: usize| {
-        let rest = without(m >> m.trailing_zeros(), 3);
-        let slow = match (rest, m.trailing_zeros()) {
-            (1, 2..) => 1.0,
-            (5 | 7, 3..) => 1.2,
-            _ if without(without(rest, 5), 7) == 1 => 1.8,
-            _ => return None,
-        };
-        Some(m as f64 * (slow * ((m + 1) as f64).log2() + BESIDE))
+    let rest = without(m >> m.trailing_zeros(), 3);
+    let slow = match (rest, m.trailing_zeros()) {
+        (1, 2..) => 1.0,
+        (5 | 7, 3..) => 1.2,
+        _ if without(without(rest, 5), 7) == 1 => 1.8,
+        _ => return f64::INFINITY,
     };
-    let costs = (n..=n + n / 2 + 1).filter_map(|m| Some((m, cost(m)?)));
+    m as f64 * (slow * ((m + 1) as f64).log2() + BESIDE)
+}
+
+/// A number not below `n` whose transforms are fast: the one that costs least.
+pub(super) fn good_length(n: usize) -> usize {
+    let n = n.max(1);
+    let costs = (n..=n + n / 2 + 1).map(|m| (m, cost(m)));
     costs.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(n, |(m, _)| m)
 }
 
 /// As [`good_length`], of rows, whose transforms are of half their length.
-fn good_width(n: usize) -> usize {
+pub(super) fn good_width(n: usize) -> usize {
     2 * good_length(n.div_ceil(2))
 }
 
-/// Symbol of the displacement by pressure over `shape` cells (the upper half of twice as many rows when `mirrored`),
+/// Symbol of the displacement of `shape` cells (the upper half of twice as many rows when `mirrored`) by pressure in a region of them,
 /// coefficients times `scale`.
-pub(super) fn compliance(table: &InfluenceTable, scale: f64, shape: [usize; 2], mirrored: bool) -> Symbol {
+pub(super) fn compliance(
+    table: &InfluenceTable,
+    scale: f64,
+    shape: [usize; 2],
+    region: &Region,
+    mirrored: bool,
+) -> Symbol {
     let halves = if mirrored { 2 } else { 1 };
     let rows = halves * shape[1];
-    let length = [good_width(2 * shape[0]), halves * good_length(2 * shape[1])];
+    // No two cells that act on each other are farther apart.
+    let farthest = |range: &Range<usize>, n: usize| range.end.max(n - range.start);
+    let columns = 2 * farthest(&region.columns, shape[0]);
+    let lines = if mirrored { shape[1] + region.rows.end } else { 2 * farthest(&region.rows, shape[1]) };
+    let length = [good_width(columns), halves * good_length(lines)];
     let symbol = Symbol::of(length, |j, row| {
         if j < rows {
             for (to, from) in row.iter_mut().zip(&table.row(j)[..shape[0]]) {
@@ -119,6 +132,21 @@ impl Scratch {
         self.double.bytes() + self.single.bytes()
     }
 
+    /// Does the work for each piece, by all threads that there are; what it gives, in the order of the pieces.
+    pub(super) fn each<P: Send, S: Send>(
+        &self,
+        pieces: impl Iterator<Item = P>,
+        work: impl Fn(P) -> S + Sync + Send,
+    ) -> Vec<S> {
+        #[cfg(feature = "parallel")]
+        if self.parallel {
+            use rayon::prelude::*;
+            let pieces: Vec<P> = pieces.collect();
+            return pieces.into_par_iter().map(work).collect();
+        }
+        pieces.map(work).collect()
+    }
+
     fn lanes(&self) -> usize {
         #[cfg(feature = "parallel")]
         if self.parallel {
@@ -161,6 +189,7 @@ impl<T: HasWorkspace> Convolution<T> {
         match self {
             Self::Sums(sums) => sums.apply(p, given, u, wanted),
             Self::Transforms(transforms) => transforms.apply(p, given, u, wanted, T::room(scratch), lanes),
+            Self::Split(split) => split.apply(p, given, u, wanted, T::room(scratch), lanes),
         }
     }
 }
@@ -176,7 +205,7 @@ impl Operator {
     /// at least `shape` offsets.
     #[must_use]
     pub fn compliance(table: &InfluenceTable, spacing: [f64; 2], shape: [usize; 2]) -> Self {
-        let symbol = compliance(table, InfluenceTable::scale(spacing), shape, false);
+        let symbol = compliance(table, InfluenceTable::scale(spacing), shape, &Region::whole(shape), false);
         Self(Transforms::new(shape, &symbol))
     }
 
