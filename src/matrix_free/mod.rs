@@ -287,13 +287,16 @@ impl Operators {
         }
         let within = region.shape();
         let split = Split::new(table, scale, within, mirrored);
-        let shared = (double || whole && split.is_none()).then(|| operator::compliance(table, scale, shape, &region, mirrored));
+        let shared =
+            (double || whole && split.is_none()).then(|| operator::compliance(table, scale, shape, &region, mirrored));
         let norm = shared.as_ref().map_or(0.0, Symbol::norm);
         let compliance = shared.as_ref().filter(|_| double).map(|symbol| Convolution::new(shape, symbol));
         let single = match (split, &shared) {
             (Some(split), _) => Convolution::Split(Box::new(split)),
             (None, Some(symbol)) if whole => Convolution::new(shape, symbol),
-            _ => Convolution::new(within, &operator::compliance(table, scale, within, &Region::whole(within), mirrored)),
+            _ => {
+                Convolution::new(within, &operator::compliance(table, scale, within, &Region::whole(within), mirrored))
+            }
         };
         drop(shared);
         let preconditioner = Convolution::new(within, &operator::preconditioner(table, scale, within, mirrored));

@@ -308,7 +308,9 @@ mod tests {
             let inverse = preconditioner(&table, 1.0, shape, mirrored);
             let kernel = inverse.kernel();
             let approximate = Sums::new(shape, mirrored, |i, j| kernel.at(i, j));
-            for (sums, symbol) in [(direct, compliance(&table, 1.0, shape, mirrored)), (approximate, inverse)] {
+            for (sums, symbol) in
+                [(direct, compliance(&table, 1.0, shape, &Region::whole(shape), mirrored)), (approximate, inverse)]
+            {
                 let [mut u, mut v] = [0, 1].map(|_| vec![7.0; nx * ny]);
                 let mut scratch = Scratch::new();
                 Convolution::Sums(sums).product(&p, given.clone(), &mut u, wanted.clone(), &mut scratch);
@@ -354,8 +356,10 @@ mod tests {
             let whole = [nx, 2 * m];
             let table = InfluenceTable::new(Kernel::Galerkin, h, whole);
             let full = Operator::compliance(&table, h, whole);
-            let half: Convolution<f64> =
-                Convolution::new(shape, &compliance(&table, InfluenceTable::scale(h), shape, true));
+            let half: Convolution<f64> = Convolution::new(
+                shape,
+                &compliance(&table, InfluenceTable::scale(h), shape, &Region::whole(shape), true),
+            );
             let p: Vec<f64> = (0..nx * m)
                 .map(|k| if given.contains(&(k / nx)) { ((k * 7919) % 13) as f64 - 3.0 } else { 0.0 })
                 .collect();
@@ -367,8 +371,10 @@ mod tests {
             for k in wanted.start * nx..wanted.end * nx {
                 assert!((v[k] - u[nx * m + k]).abs() < 1e-12, "{shape:?} {k}: {} {}", v[k], u[nx * m + k]);
             }
-            let single: Convolution<f32> =
-                Convolution::new(shape, &compliance(&table, InfluenceTable::scale(h), shape, true));
+            let single: Convolution<f32> = Convolution::new(
+                shape,
+                &compliance(&table, InfluenceTable::scale(h), shape, &Region::whole(shape), true),
+            );
             let (p, mut w): (Vec<f32>, _) = (p.iter().map(|&p| p as f32).collect(), vec![0.0; nx * m]);
             single.product(&p, given, &mut w, wanted.clone(), &mut Scratch::new());
             for k in wanted.start * nx..wanted.end * nx {

@@ -63,6 +63,10 @@ impl Region {
 
     /// The same, to be changed.
     pub(super) fn of_mut<'a, T>(&'a self, field: &'a mut [T], width: usize) -> impl Iterator<Item = &'a mut [T]> {
-        field.chunks_exact_mut(width).skip(self.rows.start).take(self.rows.len()).map(|row| &mut row[self.columns.clone()])
+        field
+            .chunks_exact_mut(width)
+            .skip(self.rows.start)
+            .take(self.rows.len())
+            .map(|row| &mut row[self.columns.clone()])
     }
 }

@@ -274,6 +274,7 @@ impl<T: Real> Spread<T> {
 mod tests {
     use super::super::convolution::Convolution;
     use super::super::operator::{Scratch, compliance};
+    use super::super::region::Region;
     use super::*;
     use crate::grid::Kernel;
 
@@ -290,7 +291,8 @@ mod tests {
             let table = InfluenceTable::new(Kernel::Galerkin, h, [shape[0], halves * shape[1]]);
             let scale = 1.0 / table.row(0)[0];
             let split = Split::<f64>::new(&table, scale, shape, mirrored).expect("worth it");
-            let whole = Convolution::<f64>::new(shape, &compliance(&table, scale, shape, mirrored));
+            let whole =
+                Convolution::<f64>::new(shape, &compliance(&table, scale, shape, &Region::whole(shape), mirrored));
             let p: Vec<f64> = (0..shape[0] * shape[1])
                 .map(|k| {
                     let (i, j) = (k % shape[0], k / shape[0]);
