@@ -3,6 +3,7 @@
 use super::any_gap::{self, Missing};
 use super::bracket::{Trial, energy_bracket};
 use super::of_gap::GapOverlap;
+use super::on_cells::OnCells;
 use crate::clock::Deadline;
 use crate::gap::{AnyGap, Degree};
 use crate::overlap::Scaled;
@@ -72,7 +73,7 @@ fn bounds(
                 .ok()?
         }
         Some(degree) => {
-            let bounds = |trial: &Trial| energy_bracket(overlap, trial).bounds();
+            let bounds = |trial: &Trial| energy_bracket(&OnCells::new(overlap, trial.grid), trial).bounds();
             let [lower, upper] =
                 trial.first_that(overlap, |trial| Some(bounds(trial)).filter(|[_, upper]| upper.is_finite()))?;
             let per_energy = (2.0 + degree.inverse()) / above_lowest;

@@ -248,17 +248,8 @@ fn clusters(lower: &dyn Fn(&Rect) -> f64, depth: f64, rect: &Rect) -> Vec<Rect> 
 
 /// Bounds of the mean of a gap over a rectangle, from its Taylor form or its range.
 pub(super) fn mean(gap: &(impl Gap + ?Sized), rect: &Rect) -> Option<[f64; 2]> {
-    use crate::numeric::Interval;
     if let Some(taylor) = gap.taylor(rect) {
-        // The mean of (x - c)^2 over an interval of length w is w^2/12, that of (x - c)(y - d) over a rectangle 0 for a constant
-        // second derivative and at most w h/16 times half its variation else.
-        let [w, h] = rect.size().map(Interval::point);
-        let [xx, xy, yy] = taylor.hessian;
-        let twist = 0.5 * xy.width() * (rect.size()[0] * rect.size()[1] / 16.0).next_up();
-        let mean = taylor.value
-            + xx * w.powi(2) * Interval::new((1.0f64 / 24.0).next_down(), (1.0f64 / 24.0).next_up())
-            + yy * h.powi(2) * Interval::new((1.0f64 / 24.0).next_down(), (1.0f64 / 24.0).next_up())
-            + Interval::new(-twist.next_up(), twist.next_up());
+        let mean = taylor.mean(rect.size());
         // Close to a tip second derivatives have no bound, and values have.
         let rise = taylor.gradient[0].magnitude() * rect.size()[0] + taylor.gradient[1].magnitude() * rect.size()[1];
         if mean.width() <= rise {

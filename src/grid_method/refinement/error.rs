@@ -6,7 +6,7 @@ use super::super::single_grid::{GridState, other_kernel};
 use super::super::unresolved;
 use super::Refinement;
 use crate::energy::{Trial, force_bounds};
-use crate::gap::{AnyGap, Degree};
+use crate::gap::Degree;
 use crate::grid::Kernel;
 use crate::overlap::Scaled;
 use crate::problem::{ErrorBar, Settings};
@@ -22,12 +22,6 @@ pub(super) const FINEST_PROVED: usize = 512;
 /// Share of their distance by which bounds of any gap are claimed wider than they were found: whoever works them out again solves the flat
 /// punches to other digits.
 const REPEATABLE: f64 = 5e-3;
-
-/// Whether bounds of a gap without a law cost about a solve: where mirrors make a quarter of their work enough. Of others they come with a
-/// bracket that is asked for.
-pub(crate) fn is_cheap(gap: &AnyGap) -> bool {
-    gap.known().mirrors == [true; 2]
-}
 
 /// Bounds of the force by the pressure of a grid, as they are stated.
 pub(crate) fn claimed(scaled: &Scaled, degree: Option<Degree>, trial: &Trial, settings: &Settings) -> Option<[f64; 2]> {
@@ -87,7 +81,7 @@ impl Refinement<'_> {
     pub(super) fn provable(&self) -> Option<Option<Degree>> {
         let degree = self.law.map(|(degree, _)| degree);
         let wanted = self.settings.evidence == ErrorBar::Proof && self.settings.kernel == Kernel::Galerkin;
-        let possible = degree.is_some() || self.scaled.certain && is_cheap(&self.scaled.gap);
+        let possible = degree.is_some() || self.scaled.certain;
         (wanted && degree != Some(Degree::Flat) && possible).then_some(degree)
     }
 

@@ -4,7 +4,7 @@ mod error;
 mod prescribed;
 
 use error::FINEST_PROVED;
-pub(crate) use error::{claimed, is_cheap};
+pub(crate) use error::claimed;
 
 use super::domain::{coarsest, locate, locate_closely, squared};
 use super::extrapolation::{self, Ends, Estimate};
