@@ -242,7 +242,7 @@ pub(super) struct Look {
 }
 
 impl Look {
-    #[inline]
+    #[inline(always)]
     fn at(&mut self, face: &mut [f32], p: &[f64], r: &[f32], f: &[f32], [deeper, worth]: [f32; 2]) {
         let (mut changed, mut inside, mut leaving) = (0_u32, 0_u32, 0_u32);
         let (mut worst, mut here) = (0.0_f32, 0.0_f32);
@@ -262,6 +262,7 @@ impl Look {
         self.add([worst, here], [changed, inside, leaving].map(|n| n as usize));
     }
 
+    #[inline(always)]
     fn add(&mut self, [worst, here]: [f32; 2], [changed, inside, leaving]: [usize; 3]) {
         self.worst = larger(self.worst, worst);
         self.here = larger(self.here, here);
@@ -272,6 +273,7 @@ impl Look {
 }
 
 /// The first where neither is larger.
+#[inline(always)]
 fn larger(a: f32, b: f32) -> f32 {
     if b > a { b } else { a }
 }
@@ -284,6 +286,7 @@ fn added<const N: usize>(sums: Vec<[f64; N]>) -> [f64; N] {
 }
 
 /// w = m r. Returns the largest |w|.
+#[inline(always)]
 fn masked(w: &mut [f32], m: &[f32], r: &[f32]) -> f32 {
     let mut most = [0.0_f32; LANES];
     let ((ws, w), (ms, m), (rs, r)) = (w.as_chunks_mut::<LANES>(), m.as_chunks::<LANES>(), r.as_chunks::<LANES>());
@@ -303,6 +306,7 @@ fn masked(w: &mut [f32], m: &[f32], r: &[f32]) -> f32 {
 }
 
 /// a . b: short sums side by side in single precision, summed in double.
+#[inline(always)]
 fn dot(a: &[f32], b: &[f32]) -> f64 {
     let piece = |a: &[f32], b: &[f32]| {
         let mut sums = [0.0_f32; LANES];
@@ -317,6 +321,7 @@ fn dot(a: &[f32], b: &[f32]) -> f64 {
 }
 
 /// Of all numbers, as [`dot`].
+#[inline(always)]
 fn sum(numbers: &[f32]) -> f64 {
     let piece = |numbers: &[f32]| {
         let mut sums = [0.0_f32; LANES];

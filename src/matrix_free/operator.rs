@@ -12,6 +12,7 @@ use super::region::Region;
 use super::symbol::Symbol;
 use super::transforms::Transforms;
 use crate::influence::InfluenceTable;
+use crate::numeric::simd::wide;
 
 /// Work beside a transform, for each of its points, over that of one of its passes.
 const BESIDE: f64 = 6.0;
@@ -142,9 +143,9 @@ impl Scratch {
         if self.parallel {
             use rayon::prelude::*;
             let pieces: Vec<P> = pieces.collect();
-            return pieces.into_par_iter().map(work).collect();
+            return pieces.into_par_iter().map(|piece| wide(|| work(piece))).collect();
         }
-        pieces.map(work).collect()
+        pieces.map(|piece| wide(|| work(piece))).collect()
     }
 
     fn lanes(&self) -> usize {

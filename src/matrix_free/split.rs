@@ -15,6 +15,7 @@ use super::real::Real;
 use super::symbol::Symbol;
 use super::transforms::Transforms;
 use crate::influence::InfluenceTable;
+use crate::numeric::simd::wide;
 
 /// The distance at which the kernel is parted, in steps of the far points: what interpolation errs by falls with its sixth power.
 const REACH: f64 = 8.0;
@@ -77,7 +78,8 @@ impl<T: Real> Split<T> {
         let h = table.spacing().map(|h| h / longer);
         let halves = if mirrored { 2 } else { 1 };
         let lengths = |step: usize| {
-            let steps = h.map(|h| (step as f64 / h).round().max(1.0) as usize);
+            // No longer than the step, whatever the sides of a cell.
+            let steps = h.map(|h| 1_usize << ((step as f64 / h).log2() + 1e-9).floor() as u32);
             let reach = REACH * step as f64;
             let margin = h.map(|h| (reach / h).ceil() as usize);
             let near = [good_width(shape[0] + margin[0]), good_length(shape[1] + margin[1].div_ceil(halves))];
@@ -139,26 +141,27 @@ impl<T: Real> Split<T> {
         }
         let [mx, my] = self.far.shape();
         let [mut kept, mut between] = [&mut room.points, &mut room.spread].map(std::mem::take);
-        let (points, spread) = (first(&mut kept, 2 * mx * my), first(&mut between, my * nx));
+        let (points, along) = (first(&mut kept, 2 * mx * my), first(&mut between, given.len() * mx));
         let (loads, moved) = points.split_at_mut(mx * my);
-        share(&mut room.lanes, loads, mx, |lane, node, loads| {
-            let row = lane.row(nx);
-            row.fill(T::of(0.0));
-            self.across.gather(node, &given, |weight, j| add(row, weight, &p[j * nx..(j + 1) * nx]));
-            for (i, load) in loads.iter_mut().enumerate() {
-                *load = self.along.sum(i, row);
-            }
+        let wide_row = self.along.room();
+        share(&mut room.lanes, along, mx, |lane, j, sums| {
+            let row = lane.row(wide_row);
+            self.along.gather(&p[(given.start + j) * nx..][..nx], row, sums);
+        });
+        let along = &*along;
+        share(&mut room.lanes, loads, mx, |_, node, loads| {
+            loads.fill(T::of(0.0));
+            self.across.cells(node, &given, |weight, j| add(loads, weight, &along[(j - given.start) * mx..][..mx]));
         });
         self.far.apply(loads, 0..my, moved, 0..my, room, lanes);
         let moved = &*moved;
-        share(&mut room.lanes, spread, nx, |_, node, row| {
-            self.along.interpolate(&moved[node * mx..(node + 1) * mx], row)
-        });
-        let spread = &*spread;
-        share(&mut room.lanes, &mut u[wanted.start * nx..wanted.end * nx], nx, |_, j, row| {
-            for (weight, node) in self.across.of(wanted.start + j) {
-                add(row, weight, &spread[node * nx..(node + 1) * nx]);
+        share(&mut room.lanes, &mut u[wanted.start * nx..wanted.end * nx], nx, |lane, j, row| {
+            let (points, cells) = lane.row(mx + wide_row).split_at_mut(mx);
+            points.fill(T::of(0.0));
+            for (weight, node) in self.across.points(wanted.start + j) {
+                add(points, weight, &moved[node * mx..][..mx]);
             }
+            self.along.spread(points, cells, row);
         });
         (room.points, room.spread) = (kept, between);
     }
@@ -166,20 +169,22 @@ impl<T: Real> Split<T> {
 
 /// to + weight from.
 fn add<T: Real>(to: &mut [T], weight: T, from: &[T]) {
-    for (to, from) in to.iter_mut().zip(from) {
-        *to = *to + weight * *from;
-    }
+    wide(|| to.iter_mut().zip(from).for_each(|(to, from)| *to = *to + weight * *from));
 }
+
+/// Sums done side by side.
+const LANES: usize = 8;
 
 /// Points in a row, `step` cells apart, and what each has to do with the cells between them.
 #[derive(Debug)]
 struct Spread<T> {
     cells: usize,
+    /// A power of 2.
     step: usize,
     nodes: usize,
     /// The first cell of the six steps of point 0, before the cells.
     start: isize,
-    /// Weights of a point in the cells of its six steps.
+    /// Weights of a point in the cells of its six steps, and zeros up to a multiple of [`LANES`].
     weights: Vec<T>,
     mirrored: bool,
 }
@@ -191,7 +196,7 @@ impl<T: Real> Spread<T> {
         // The first cell behind point B.
         let behind = |point: isize| ((2 * point + half) * step as isize).div_euclid(2);
         let within = if step.is_multiple_of(2) { 0.5 } else { 0.0 };
-        let mut weights = vec![T::of(0.0); POINTS * step];
+        let mut weights = vec![T::of(0.0); (POINTS * step).next_multiple_of(LANES)];
         for m in 0..step {
             let at = (m as f64 + within) / step as f64;
             for point in 0..POINTS {
@@ -205,29 +210,66 @@ impl<T: Real> Spread<T> {
         Self { cells, step, nodes: last as usize + 4, start: behind(-3), weights, mirrored }
     }
 
-    /// The first cell of the steps of a point.
-    fn first(&self, node: usize) -> isize {
-        self.start + (node * self.step) as isize
+    /// Cells from the first step of point 0 to the last one of the last point, and what the weights are longer by.
+    fn room(&self) -> usize {
+        (self.nodes + POINTS) * self.step + LANES
     }
 
-    /// The sum of a row under the weights of a point.
-    fn sum(&self, node: usize, row: &[T]) -> T {
-        let first = self.first(node);
-        let (skipped, from) = ((-first).max(0) as usize, first.max(0) as usize);
-        let mut sums = [T::of(0.0); 8];
-        let (row, weights) = (&row[from.min(row.len())..], &self.weights[skipped.min(self.weights.len())..]);
-        for (row, weights) in row.chunks(8).zip(weights.chunks(8)) {
-            for ((sum, p), weight) in sums.iter_mut().zip(row).zip(weights) {
-                *sum = *sum + *p * *weight;
+    /// The sums of a row of cells under the weights of the points; `padded` is room for it. No mirror.
+    fn gather(&self, row: &[T], padded: &mut [T], sums: &mut [T]) {
+        let before = -self.start as usize;
+        padded[..before].fill(T::of(0.0));
+        padded[before..][..row.len()].copy_from_slice(row);
+        padded[before + row.len()..].fill(T::of(0.0));
+        wide(|| {
+            for (to, cells) in sums.iter_mut().zip((0..).step_by(self.step)) {
+                let mut lanes = [T::of(0.0); LANES];
+                let (cells, weights) = (padded[cells..].as_chunks::<LANES>().0, self.weights.as_chunks::<LANES>().0);
+                for (cells, weights) in cells.iter().zip(weights) {
+                    for ((sum, p), weight) in lanes.iter_mut().zip(cells).zip(weights) {
+                        *sum = *sum + *p * *weight;
+                    }
+                }
+                *to = lanes.iter().fold(T::of(0.0), |a, b| a + *b);
+            }
+        });
+    }
+
+    /// Adds to a row of cells what its points make of them; `padded` is room for it. No mirror.
+    fn spread(&self, points: &[T], padded: &mut [T], row: &mut [T]) {
+        wide(|| match self.step {
+            1 => self.between::<1>(points, padded),
+            2 => self.between::<2>(points, padded),
+            4 => self.between::<4>(points, padded),
+            _ => self.between::<LANES>(points, padded),
+        });
+        // The first steps that are worked out are those behind point 2.
+        let before = (-self.start) as usize - 5 * self.step;
+        add(row, T::of(1.0), &padded[before..][..self.cells]);
+    }
+
+    /// The cells of the steps behind point 2 and those after it, `W` at a time.
+    #[inline(always)]
+    fn between<const W: usize>(&self, points: &[T], padded: &mut [T]) {
+        let weights: [&[[T; W]]; POINTS] =
+            std::array::from_fn(|k| self.weights[(POINTS - 1 - k) * self.step..][..self.step].as_chunks().0);
+        for (points, cells) in points.windows(POINTS).zip(padded.chunks_exact_mut(self.step)) {
+            for (m, cells) in cells.as_chunks_mut::<W>().0.iter_mut().enumerate() {
+                let mut sums = [T::of(0.0); W];
+                for (point, weights) in points.iter().zip(&weights) {
+                    for (sum, weight) in sums.iter_mut().zip(&weights[m]) {
+                        *sum = *sum + *point * *weight;
+                    }
+                }
+                *cells = sums;
             }
         }
-        sums.iter().fold(T::of(0.0), |a, b| a + *b)
     }
 
     /// Calls with the weight of a point in each of these cells.
-    fn gather(&self, node: usize, cells: &Range<usize>, mut with: impl FnMut(T, usize)) {
-        let first = self.first(node);
-        let end = first + self.weights.len() as isize;
+    fn cells(&self, node: usize, cells: &Range<usize>, mut with: impl FnMut(T, usize)) {
+        let first = self.start + (node * self.step) as isize;
+        let end = first + (POINTS * self.step) as isize;
         for cell in first.max(cells.start as isize)..end.min(cells.end as isize) {
             let mut weight = self.weights[(cell - first) as usize];
             let image = -1 - cell;
@@ -236,7 +278,7 @@ impl<T: Real> Spread<T> {
             }
             with(weight, cell as usize);
         }
-        // Points whose steps hold images of cells that are not in them.
+        // Cells whose images alone are in its steps.
         if self.mirrored && first < 0 {
             for cell in (end.max(0)..-first).filter(|cell| cells.contains(&(*cell as usize))) {
                 with(self.weights[(-1 - cell - first) as usize], cell as usize);
@@ -245,28 +287,15 @@ impl<T: Real> Spread<T> {
     }
 
     /// The weights of a cell and their points.
-    fn of(&self, cell: usize) -> impl Iterator<Item = (T, usize)> + '_ {
-        let behind = (cell as isize - self.start).div_euclid(self.step as isize) - 3;
-        let within = (cell as isize - self.start).rem_euclid(self.step as isize) as usize;
+    fn points(&self, cell: usize) -> impl Iterator<Item = (T, usize)> + '_ {
+        let from_start = cell as isize - self.start;
+        let behind = from_start.div_euclid(self.step as isize) - 3;
+        let within = from_start.rem_euclid(self.step as isize) as usize;
         (0..POINTS).map(move |point| {
             let node = behind + point as isize - 2;
             let node = if node < 0 { -1 - node } else { node };
             (self.weights[(POINTS - 1 - point) * self.step + within], node as usize)
         })
-    }
-
-    /// A row of cells from its points.
-    fn interpolate(&self, points: &[T], row: &mut [T]) {
-        row.fill(T::of(0.0));
-        let step = self.step as isize;
-        for behind in 2..self.nodes - 3 {
-            let first = self.start + (behind as isize + 3) * step;
-            let (skipped, from) = ((-first).max(0) as usize, first.max(0) as usize);
-            let end = ((first + step).max(0) as usize).min(self.cells);
-            for (point, weights) in self.weights.chunks_exact(self.step).rev().enumerate() {
-                add(&mut row[from..end], points[behind + point - 2], &weights[skipped..]);
-            }
-        }
     }
 }
 
@@ -284,6 +313,7 @@ mod tests {
             ([160, 150], [1.0, 1.0], false),
             ([160, 150], [1.0, 1.0], true),
             ([301, 129], [0.25, 0.5], false),
+            ([401, 139], [0.09, 0.5], true),
             ([150, 401], [1.0, 0.3], true),
             ([600, 90], [1.0, 1.0], true),
         ] {
