@@ -89,7 +89,11 @@ impl Fields {
     pub(super) fn mask(&mut self, rows: &Range<usize>, scratch: &Scratch) -> f32 {
         let cells = self.cells(rows);
         let pieces = self.w[cells.clone()].chunks_mut(PIECE).zip(self.face[cells.clone()].chunks(PIECE));
-        let largest = scratch.each(pieces.zip(self.r[cells].chunks(PIECE)), |((w, m), r)| masked(w, m, r));
+        let largest = scratch.each(
+            pieces.zip(self.r[cells].chunks(PIECE)),
+            #[inline(always)]
+            |((w, m), r)| masked(w, m, r),
+        );
         largest.into_iter().fold(0.0, f32::max)
     }
 
@@ -98,10 +102,14 @@ impl Fields {
         near.preconditioner.product(&self.w, rows.clone(), &mut self.z, rows.clone(), scratch);
         let cells = self.cells(rows);
         let pieces = self.z[cells.clone()].chunks_mut(PIECE).zip(self.face[cells.clone()].chunks(PIECE));
-        let sums = scratch.each(pieces.zip(self.ad[cells].chunks(PIECE)), |((z, m), ad)| {
-            z.iter_mut().zip(m).for_each(|(z, m)| *z *= m);
-            dot(z, ad)
-        });
+        let sums = scratch.each(
+            pieces.zip(self.ad[cells].chunks(PIECE)),
+            #[inline(always)]
+            |((z, m), ad)| {
+                z.iter_mut().zip(m).for_each(|(z, m)| *z *= m);
+                dot(z, ad)
+            },
+        );
         sums.into_iter().sum()
     }
 
@@ -115,10 +123,14 @@ impl Fields {
     pub(super) fn mask_flat(&mut self, rows: &Range<usize>, scratch: &Scratch) -> [f64; 2] {
         let cells = self.cells(rows);
         let pieces = self.flat[cells.clone()].chunks_mut(PIECE).zip(self.face[cells.clone()].chunks(PIECE));
-        let sums = scratch.each(pieces.zip(self.r[cells].chunks(PIECE)), |((flat, m), r)| {
-            flat.iter_mut().zip(m).for_each(|(flat, m)| *flat *= m);
-            [sum(flat), dot(flat, r)]
-        });
+        let sums = scratch.each(
+            pieces.zip(self.r[cells].chunks(PIECE)),
+            #[inline(always)]
+            |((flat, m), r)| {
+                flat.iter_mut().zip(m).for_each(|(flat, m)| *flat *= m);
+                [sum(flat), dot(flat, r)]
+            },
+        );
         added(sums)
     }
 
@@ -126,12 +138,16 @@ impl Fields {
     pub(super) fn turn(&mut self, beta: f32, rows: &Range<usize>, scratch: &Scratch) -> f64 {
         let cells = self.cells(rows);
         let pieces = self.d[cells.clone()].chunks_mut(PIECE).zip(self.z[cells.clone()].chunks(PIECE));
-        let sums = scratch.each(pieces.zip(self.face[cells].chunks(PIECE)), |((d, z), m)| {
-            for ((d, z), m) in d.iter_mut().zip(z).zip(m) {
-                *d = z + beta * m * *d;
-            }
-            sum(d)
-        });
+        let sums = scratch.each(
+            pieces.zip(self.face[cells].chunks(PIECE)),
+            #[inline(always)]
+            |((d, z), m)| {
+                for ((d, z), m) in d.iter_mut().zip(z).zip(m) {
+                    *d = z + beta * m * *d;
+                }
+                sum(d)
+            },
+        );
         sums.into_iter().sum()
     }
 
@@ -140,19 +156,27 @@ impl Fields {
         let cells = self.cells(rows);
         let pieces = self.d[cells.clone()].chunks_mut(PIECE).zip(self.z[cells.clone()].chunks(PIECE));
         let pieces = pieces.zip(self.face[cells.clone()].chunks(PIECE)).zip(self.p[cells].chunks(PIECE));
-        added(scratch.each(pieces, |(((d, z), m), p)| {
-            for (((d, z), m), p) in d.iter_mut().zip(z).zip(m).zip(p) {
-                *d = if *m > 0.0 { step * z } else { -*p as f32 };
-            }
-            [sum(d), p.iter().sum()]
-        }))
+        added(scratch.each(
+            pieces,
+            #[inline(always)]
+            |(((d, z), m), p)| {
+                for (((d, z), m), p) in d.iter_mut().zip(z).zip(m).zip(p) {
+                    *d = if *m > 0.0 { step * z } else { -*p as f32 };
+                }
+                [sum(d), p.iter().sum()]
+            },
+        ))
     }
 
     /// d += share flat.
     pub(super) fn share_out(&mut self, share: f32, rows: &Range<usize>, scratch: &Scratch) {
         let cells = self.cells(rows);
         let pieces = self.d[cells.clone()].chunks_mut(PIECE).zip(self.flat[cells].chunks(PIECE));
-        scratch.each(pieces, |(d, flat)| d.iter_mut().zip(flat).for_each(|(d, flat)| *d += share * flat));
+        scratch.each(
+            pieces,
+            #[inline(always)]
+            |(d, flat)| d.iter_mut().zip(flat).for_each(|(d, flat)| *d += share * flat),
+        );
     }
 
     /// ad = A d everywhere. Returns d . r and d . ad, and flat . ad under a load.
@@ -162,12 +186,27 @@ impl Fields {
         let cells = self.cells(rows);
         let pieces = self.d[cells.clone()].chunks(PIECE).zip(self.r[cells.clone()].chunks(PIECE));
         let pieces = pieces.zip(self.ad[cells.clone()].chunks(PIECE));
-        let [dr, dad] = added(scratch.each(pieces, |((d, r), ad)| [dot(d, r), dot(d, ad)]));
+        let [dr, dad] = added(scratch.each(
+            pieces,
+            #[inline(always)]
+            |((d, r), ad)| [dot(d, r), dot(d, ad)],
+        ));
         if self.flat.is_empty() {
             return [dr, dad, 0.0];
         }
         let pieces = self.flat[cells.clone()].chunks(PIECE).zip(self.ad[cells].chunks(PIECE));
-        [dr, dad, scratch.each(pieces, |(flat, ad)| dot(flat, ad)).into_iter().sum()]
+        [
+            dr,
+            dad,
+            scratch
+                .each(
+                    pieces,
+                    #[inline(always)]
+                    |(flat, ad)| dot(flat, ad),
+                )
+                .into_iter()
+                .sum(),
+        ]
     }
 
     /// p += alpha d, zero outside the face if `clear`, and r follows, larger by `deeper` everywhere. Returns the largest of it on the
@@ -189,21 +228,29 @@ impl Fields {
             follow(&mut self.r[rows.clone()], &self.ad[rows]);
         }
         let pieces = pieces.zip(self.r[cells.clone()].chunks_mut(PIECE).zip(self.ad[cells.clone()].chunks(PIECE)));
-        let largest = scratch.each(pieces.zip(self.w[cells].chunks_mut(PIECE)), |((((p, d), m), (r, ad)), w)| {
-            p.iter_mut().zip(d).for_each(|(p, d)| *p += alpha * f64::from(*d));
-            if clear {
-                // p - p, to the last bit.
-                p.iter_mut().zip(m).for_each(|(p, m)| *p *= f64::from(*m));
-            }
-            follow(r, ad);
-            masked(w, m, r)
-        });
+        let largest = scratch.each(
+            pieces.zip(self.w[cells].chunks_mut(PIECE)),
+            #[inline(always)]
+            |((((p, d), m), (r, ad)), w)| {
+                p.iter_mut().zip(d).for_each(|(p, d)| *p += alpha * f64::from(*d));
+                if clear {
+                    // p - p, to the last bit.
+                    p.iter_mut().zip(m).for_each(|(p, m)| *p *= f64::from(*m));
+                }
+                follow(r, ad);
+                masked(w, m, r)
+            },
+        );
         largest.into_iter().fold(0.0, f32::max)
     }
 
     /// r is larger by as much everywhere.
     pub(super) fn deepen(&mut self, by: f64, scratch: &Scratch) {
-        scratch.each(self.r.chunks_mut(PIECE), |r| r.iter_mut().for_each(|r| *r += by as f32));
+        scratch.each(
+            self.r.chunks_mut(PIECE),
+            #[inline(always)]
+            |r| r.iter_mut().for_each(|r| *r += by as f32),
+        );
     }
 
     /// The new face: cells under pressure stay, others that overlap enter where pressure and residual are positive together, the
@@ -212,16 +259,20 @@ impl Fields {
         let pieces = self.face.chunks_mut(PIECE).zip(self.p.chunks(PIECE));
         let pieces = pieces.zip(self.r.chunks(PIECE).zip(self.f.chunks(PIECE)));
         let deeper = deeper as f32;
-        let looks = scratch.each(pieces, |((face, p), (r, f))| {
-            let mut look = Look::default();
-            let ((faces, face), (ps, p)) = (face.as_chunks_mut::<LANES>(), p.as_chunks::<LANES>());
-            let ((rs, r), (fs, f)) = (r.as_chunks::<LANES>(), f.as_chunks::<LANES>());
-            for (((face, p), r), f) in faces.iter_mut().zip(ps).zip(rs).zip(fs) {
+        let looks = scratch.each(
+            pieces,
+            #[inline(always)]
+            |((face, p), (r, f))| {
+                let mut look = Look::default();
+                let ((faces, face), (ps, p)) = (face.as_chunks_mut::<LANES>(), p.as_chunks::<LANES>());
+                let ((rs, r), (fs, f)) = (r.as_chunks::<LANES>(), f.as_chunks::<LANES>());
+                for (((face, p), r), f) in faces.iter_mut().zip(ps).zip(rs).zip(fs) {
+                    look.at(face, p, r, f, [deeper, worth]);
+                }
                 look.at(face, p, r, f, [deeper, worth]);
-            }
-            look.at(face, p, r, f, [deeper, worth]);
-            look
-        });
+                look
+            },
+        );
         looks.into_iter().fold(Look::default(), |mut all, look| {
             all.add([look.worst, look.here], [look.changed, look.inside, look.leaving]);
             all

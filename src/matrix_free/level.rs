@@ -88,7 +88,11 @@ impl Level<'_> {
         compliance.product(&state.p, given, &mut state.r, 0..height, scratch);
         let deeper = state.deeper;
         let pieces = state.r.chunks_mut(PIECE).zip(self.f.chunks(PIECE));
-        scratch.each(pieces, |(r, f)| r.iter_mut().zip(f).for_each(|(r, f)| *r = f + deeper - *r));
+        scratch.each(
+            pieces,
+            #[inline(always)]
+            |(r, f)| r.iter_mut().zip(f).for_each(|(r, f)| *r = f + deeper - *r),
+        );
         state.products += 1;
     }
 

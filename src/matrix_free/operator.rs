@@ -143,9 +143,24 @@ impl Scratch {
         if self.parallel {
             use rayon::prelude::*;
             let pieces: Vec<P> = pieces.collect();
-            return pieces.into_par_iter().map(|piece| wide(|| work(piece))).collect();
+            return pieces
+                .into_par_iter()
+                .map(|piece| {
+                    wide(
+                        #[inline(always)]
+                        || work(piece),
+                    )
+                })
+                .collect();
         }
-        pieces.map(|piece| wide(|| work(piece))).collect()
+        pieces
+            .map(|piece| {
+                wide(
+                    #[inline(always)]
+                    || work(piece),
+                )
+            })
+            .collect()
     }
 
     fn lanes(&self) -> usize {

@@ -169,7 +169,10 @@ impl<T: Real> Split<T> {
 
 /// to + weight from.
 fn add<T: Real>(to: &mut [T], weight: T, from: &[T]) {
-    wide(|| to.iter_mut().zip(from).for_each(|(to, from)| *to = *to + weight * *from));
+    wide(
+        #[inline(always)]
+        || to.iter_mut().zip(from).for_each(|(to, from)| *to = *to + weight * *from),
+    );
 }
 
 /// Sums done side by side.
@@ -221,28 +224,35 @@ impl<T: Real> Spread<T> {
         padded[..before].fill(T::of(0.0));
         padded[before..][..row.len()].copy_from_slice(row);
         padded[before + row.len()..].fill(T::of(0.0));
-        wide(|| {
-            for (to, cells) in sums.iter_mut().zip((0..).step_by(self.step)) {
-                let mut lanes = [T::of(0.0); LANES];
-                let (cells, weights) = (padded[cells..].as_chunks::<LANES>().0, self.weights.as_chunks::<LANES>().0);
-                for (cells, weights) in cells.iter().zip(weights) {
-                    for ((sum, p), weight) in lanes.iter_mut().zip(cells).zip(weights) {
-                        *sum = *sum + *p * *weight;
+        wide(
+            #[inline(always)]
+            || {
+                for (to, cells) in sums.iter_mut().zip((0..).step_by(self.step)) {
+                    let mut lanes = [T::of(0.0); LANES];
+                    let (cells, weights) =
+                        (padded[cells..].as_chunks::<LANES>().0, self.weights.as_chunks::<LANES>().0);
+                    for (cells, weights) in cells.iter().zip(weights) {
+                        for ((sum, p), weight) in lanes.iter_mut().zip(cells).zip(weights) {
+                            *sum = *sum + *p * *weight;
+                        }
                     }
+                    *to = lanes.iter().fold(T::of(0.0), |a, b| a + *b);
                 }
-                *to = lanes.iter().fold(T::of(0.0), |a, b| a + *b);
-            }
-        });
+            },
+        );
     }
 
     /// Adds to a row of cells what its points make of them; `padded` is room for it. No mirror.
     fn spread(&self, points: &[T], padded: &mut [T], row: &mut [T]) {
-        wide(|| match self.step {
-            1 => self.between::<1>(points, padded),
-            2 => self.between::<2>(points, padded),
-            4 => self.between::<4>(points, padded),
-            _ => self.between::<LANES>(points, padded),
-        });
+        wide(
+            #[inline(always)]
+            || match self.step {
+                1 => self.between::<1>(points, padded),
+                2 => self.between::<2>(points, padded),
+                4 => self.between::<4>(points, padded),
+                _ => self.between::<LANES>(points, padded),
+            },
+        );
         // The first steps that are worked out are those behind point 2.
         let before = (-self.start) as usize - 5 * self.step;
         add(row, T::of(1.0), &padded[before..][..self.cells]);
