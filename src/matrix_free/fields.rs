@@ -263,18 +263,18 @@ impl Fields {
             pieces,
             #[inline(always)]
             |((face, p), (r, f))| {
-                let mut look = Look::default();
+                let mut lanes = Lanes::default();
                 let ((faces, face), (ps, p)) = (face.as_chunks_mut::<LANES>(), p.as_chunks::<LANES>());
                 let ((rs, r), (fs, f)) = (r.as_chunks::<LANES>(), f.as_chunks::<LANES>());
                 for (((face, p), r), f) in faces.iter_mut().zip(ps).zip(rs).zip(fs) {
-                    look.at(face, p, r, f, [deeper, worth]);
+                    lanes.look(face, p, r, f, [deeper, worth]);
                 }
-                look.at(face, p, r, f, [deeper, worth]);
-                look
+                lanes.look(face, p, r, f, [deeper, worth]);
+                lanes.together()
             },
         );
         looks.into_iter().fold(Look::default(), |mut all, look| {
-            all.add([look.worst, look.here], [look.changed, look.inside, look.leaving]);
+            all.add(&look);
             all
         })
     }
@@ -293,33 +293,49 @@ pub(super) struct Look {
 }
 
 impl Look {
+    fn add(&mut self, other: &Self) {
+        self.worst = larger(self.worst, other.worst);
+        self.here = larger(self.here, other.here);
+        self.changed += other.changed;
+        self.inside += other.inside;
+        self.leaving += other.leaving;
+    }
+}
+
+/// The same of cells side by side.
+#[derive(Default)]
+struct Lanes {
+    sizes: [[f32; LANES]; 2],
+    counts: [[u32; LANES]; 3],
+}
+
+impl Lanes {
     #[inline(always)]
-    fn at(&mut self, face: &mut [f32], p: &[f64], r: &[f32], f: &[f32], [deeper, worth]: [f32; 2]) {
-        let (mut changed, mut inside, mut leaving) = (0_u32, 0_u32, 0_u32);
-        let (mut worst, mut here) = (0.0_f32, 0.0_f32);
-        for (((m, p), r), f) in face.iter_mut().zip(p).zip(r).zip(f) {
-            let p = *p as f32;
-            let stays = (*m > 0.0) & (p > 0.0);
-            let enters = (*m <= 0.0) & (p + r > 0.0) & ((p > 0.0) | (*r > worth));
-            let is = (f + deeper > 0.0) & (stays | enters);
-            let off = if is { r.abs() } else { larger(*r, p.abs()) };
-            worst = larger(off, worst);
-            here = larger(if is { off } else { 0.0 }, here);
-            changed += u32::from(is != (*m > 0.0));
-            inside += u32::from(is);
-            leaving += u32::from(!is & (p != 0.0));
+    fn look(&mut self, face: &mut [f32], p: &[f64], r: &[f32], f: &[f32], [deeper, worth]: [f32; 2]) {
+        let Self { sizes: [worst, here], counts: [changed, inside, leaving] } = self;
+        let sizes = worst.iter_mut().zip(here);
+        let counts = changed.iter_mut().zip(inside).zip(leaving);
+        let cells = face.iter_mut().zip(p).zip(r.iter().zip(f));
+        for ((((m, p), (r, f)), (worst, here)), ((changed, inside), leaving)) in cells.zip(sizes).zip(counts) {
+            let (p, on) = (*p as f32, *m > 0.0);
+            let pressed = p > 0.0;
+            let enters = (p + r > 0.0) & (pressed | (*r > worth));
+            let is = (f + deeper > 0.0) & ((on & pressed) | (!on & enters));
+            let size = r.abs();
+            let off = if is { size } else { larger(*r, p.abs()) };
+            *worst = larger(off, *worst);
+            *here = larger(if is { size } else { 0.0 }, *here);
+            *changed += u32::from(is != on);
+            *inside += u32::from(is);
+            *leaving += u32::from(!is & (p != 0.0));
             *m = if is { 1.0 } else { 0.0 };
         }
-        self.add([worst, here], [changed, inside, leaving].map(|n| n as usize));
     }
 
-    #[inline(always)]
-    fn add(&mut self, [worst, here]: [f32; 2], [changed, inside, leaving]: [usize; 3]) {
-        self.worst = larger(self.worst, worst);
-        self.here = larger(self.here, here);
-        self.changed += changed;
-        self.inside += inside;
-        self.leaving += leaving;
+    fn together(&self) -> Look {
+        let [worst, here] = self.sizes.map(|sizes| sizes.into_iter().fold(0.0, larger));
+        let [changed, inside, leaving] = self.counts.map(|counts| counts.into_iter().sum::<u32>() as usize);
+        Look { worst, here, changed, inside, leaving }
     }
 }
 
