@@ -35,6 +35,9 @@ const AIM: f64 = 0.9;
 /// Fall of the residual that single precision can follow: measured, it has then lost a tenth of its digits at most.
 pub(super) const FALL: f64 = 4e-6;
 
+/// A tolerance that a residual in single precision is good enough for.
+pub(super) const WITHIN_SINGLE: f64 = 1e-5;
+
 /// Cells that leave are taken out one by one when they are no more: a product is dearer than their sums, and the next step is
 /// then free to have its best length.
 const FEW: usize = 8;

@@ -11,7 +11,8 @@ use crate::solution::{Unsolved, Verdict};
 /// The pressure that grows at the given rates of overlap on the cells where `pressure` is positive: A m = rate there,
 /// m = 0 elsewhere. Rate 1 is a flat punch of the plan-form of the contact: its force is the stiffness dP/dd.
 ///
-/// Conjugate gradients with the preconditioner of the contact solver, in single precision; the residual in double.
+/// Conjugate gradients with the preconditioner of the contact solver, in single precision; below a tolerance of 1e-5 the residual in
+/// double.
 ///
 /// ```
 /// use contact_patch::{Discrete, Grid, Kernel, gap::Paraboloid, geometry::Rect, matrix_free};
@@ -44,7 +45,8 @@ pub fn growth(problem: &Discrete, pressure: &[f64], rates: &[f64], settings: &Se
     }
     let table = window.table(&contact);
     let shape = window.shape();
-    let operators = Operators::new(&table, shape, Region::whole(shape), window.mirrored, true);
+    let operators =
+        Operators::new(&table, shape, Region::whole(shape), window.mirrored, tolerance < faces::WITHIN_SINGLE);
     let mut fields = Fields::new(shape);
     for (m, f) in fields.face.iter_mut().zip(window.grid(&contact).overlap) {
         *m = if f > 0.0 { 1.0 } else { 0.0 };
@@ -75,10 +77,13 @@ pub fn growth(problem: &Discrete, pressure: &[f64], rates: &[f64], settings: &Se
             before = worst;
             let goal = (0.7 * tolerance).max(faces::FALL * worst) as f32;
             products += 1 + relaxed(&mut fields, &operators.near, goal, settings.products - products, scratch);
-            if let Some(compliance) = &operators.compliance {
-                compliance.product(&fields.p, rows.clone(), &mut residual, rows.clone(), scratch);
+            match &operators.compliance {
+                Some(compliance) => {
+                    compliance.product(&fields.p, rows.clone(), &mut residual, rows.clone(), scratch);
+                    residual.iter_mut().zip(&target).for_each(|(r, t)| *r = t - *r);
+                }
+                None => residual.iter_mut().zip(&fields.r).for_each(|(to, r)| *to = f64::from(*r)),
             }
-            residual.iter_mut().zip(&target).for_each(|(r, t)| *r = t - *r);
         }
     })
 }
