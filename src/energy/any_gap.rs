@@ -9,16 +9,18 @@ use super::bracket::{Trial, lower};
 use super::functional::{Contact, Cut, RING};
 use super::of_gap::GapOverlap;
 use super::on_cells::OnCells;
+use super::overlap::OverlapBounds;
+use super::parts::{Nothing, Parts, Terms};
 use super::residual::{Halves, Residual};
 use super::virial::Virial;
 
 /// Why there are no bounds.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Missing {
     /// What lies beyond the grid, or beyond the displacement that is known.
     Beyond,
-    /// Nothing narrow enough to be worth its time, on a larger grid either.
-    TooWide,
+    /// Nothing narrow enough to be worth its time, on a larger grid either: so many times as wide as enough, where that can be told.
+    TooWide(f64),
 }
 
 /// Bounds of the force (E* = 1) of any gap at this depth, by a pressure on a grid.
@@ -41,11 +43,12 @@ fn by_trial(
     known: bool,
     enough: f64,
 ) -> Result<[f64; 2], Missing> {
-    let overlap = &OnCells::new(overlap, trial.grid);
-    let (field, halves) = trial.field(overlap, known).ok_or(Missing::TooWide)?;
+    let gap = overlap;
+    let overlap = &OnCells::new(gap, trial.grid);
+    let (field, halves) = trial.field(overlap, known).ok_or(Missing::TooWide(f64::INFINITY))?;
     let residual = Residual { field: &field, overlap, halves };
     if enough > 0.0 && is_rough(&residual) {
-        return Err(Missing::TooWide);
+        return Err(Missing::TooWide(f64::INFINITY));
     }
     let mut means = vec![[0.0; 2]; field.grid.len()];
     let [below, open] = lower(&residual, |i, j, mean| {
@@ -63,28 +66,39 @@ fn by_trial(
     let most = if enough > 0.0 { loaded } else { f64::INFINITY };
     let (touch, cells) = residual.may_touch(residual.deepest_dip(&dips), most).ok_or(Missing::Beyond)?;
     if cells > most {
-        return Err(Missing::TooWide);
+        return Err(Missing::TooWide(f64::INFINITY));
     }
     let ring = cells / loaded;
-    let virial = Virial::fitted(&residual, [1.0, 0.0, 0.0], &touch);
+    let terms = Terms::of(gap.gap());
+    let overlaps = terms.as_ref().map(|terms| terms.overlaps(gap));
+    let smooth = overlaps.as_ref().and_then(|(smooth, _)| Some(OnCells::new(smooth.as_ref()?, trial.grid)));
+    let nothing = Nothing(gap.depth());
+    let parts = match (&terms, &overlaps) {
+        (Some(terms), Some((_, laws))) => {
+            let smooth = smooth.as_ref().map_or(&nothing as &dyn OverlapBounds, |smooth| smooth);
+            Parts::of(terms, smooth, laws, trial.grid, gap.depth())
+        }
+        _ => Parts::whole(overlap),
+    };
+    let virial = Virial::fitted(&residual, &parts, [1.0, 0.0, 0.0], &touch);
     let force = 2.5 * below / above_least;
     let cut = Cut::around(&field, &touch, halves);
-    let contact = Contact { residual: &residual, means, cut, of_residual, below, open, gamma, touch: &touch, ring };
-    if enough > 0.0 && !is_hopeful(contact.disc(), virial.left, ring, gamma, enough * force) {
-        return Err(Missing::TooWide);
+    let contact = Contact { residual: &residual, parts: &parts, means, cut, below, open, gamma, touch: &touch, ring };
+    let expected = expected(contact.disc(), virial.left, ring, gamma) / (enough * force);
+    if enough > 0.0 && expected > HOPE {
+        return Err(Missing::TooWide(0.5 * expected));
     }
     let found = contact.bounds(&virial, above_least, enough * force);
     found.filter(|[low, high]| low <= high).ok_or(Missing::Beyond)
 }
 
-/// Whether (5) may leave no more than `enough`, or a few times that: by the punch of a disc of the area of the contact, and the share of it
-/// that is left.
-fn is_hopeful(punch: f64, left: f64, ring: f64, gamma: f64, enough: f64) -> bool {
-    left * (2.0 * gamma * RING * ring * punch).sqrt() <= HOPE * enough
+/// What (5) may leave: by the punch of a disc of the area of the contact, and the share of it that is left.
+fn expected(punch: f64, left: f64, ring: f64, gamma: f64) -> f64 {
+    left * (2.0 * gamma * RING[0] * ring * punch).sqrt()
 }
 
 /// How many times as wide as enough bounds may be expected to be and still be looked for.
-const HOPE: f64 = 3.0;
+const HOPE: f64 = 10.0;
 
 /// Cells that are looked at for kinks.
 const LOOKED_AT: usize = 64;

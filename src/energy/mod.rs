@@ -50,6 +50,7 @@ mod of_gap;
 mod on_cells;
 mod outside;
 mod overlap;
+mod parts;
 mod potential;
 mod quarter;
 mod residual;
@@ -61,7 +62,7 @@ mod virial;
 mod whole;
 
 pub use bracket::{EnergyBracket, Padded, Trial, energy_bracket};
-pub(crate) use force::force_bounds;
 pub use force::force_bracket;
+pub(crate) use force::{NoBounds, force_bounds};
 pub use of_gap::GapOverlap;
 pub use overlap::{Interval, Jet, OverlapBounds};

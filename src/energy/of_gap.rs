@@ -81,7 +81,16 @@ impl<'a> GapOverlap<'a> {
         [low.max(a - rounding), high.min(b + rounding)]
     }
 
-    /// The gap itself, and the depth it is below.
+    /// The overlap of a part of the gap at the same depth.
+    pub(super) fn of_part<'b>(&self, gap: &'b AnyGap) -> GapOverlap<'b> {
+        GapOverlap { gap, depth: self.depth, reach: None, open: self.open, deadline: self.deadline }
+    }
+
+    pub(super) fn depth(&self) -> f64 {
+        self.depth
+    }
+
+    /// The gap itself.
     pub(super) fn gap(&self) -> &'a AnyGap {
         self.gap
     }

@@ -5,7 +5,7 @@ use std::cell::RefCell;
 use super::field::RING;
 use super::of_gap::GapOverlap;
 use super::overlap::{Interval, Jet, OverlapBounds};
-use crate::gap::{Gap, Taylor};
+use crate::gap::{AnyGap, Gap, Taylor};
 use crate::grid::Grid;
 use crate::numeric::geometry::Rect;
 
@@ -55,6 +55,10 @@ impl<'a> OnCells<'a> {
         let constant = gap.planes().is_some() || gap.known().quadratic.is_some();
         let blocks = constant.then(|| looked(wide[0].div_ceil(BLOCK) * wide[1].div_ceil(BLOCK)));
         Self { overlap, grid: *grid, wide, cells: looked(wide[0] * wide[1]), blocks }
+    }
+
+    pub fn gap(&self) -> &'a AnyGap {
+        self.overlap.gap()
     }
 
     /// From one line of cells to another, counted from the first around the grid.

@@ -14,6 +14,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::overlap::{Interval, Jet, OverlapBounds};
+use super::parts::{Law, Parts};
 use super::residual::{Quarter, Residual, loaded};
 use crate::gap::Taylor;
 use crate::numeric;
@@ -23,7 +24,7 @@ use crate::numeric::geometry::Rect;
 const SAMPLES: usize = 256;
 
 /// Of a mean pressure, what is added to that of a cell before its weight is the inverse of it.
-const AT_END: f64 = 0.05;
+const AT_END: f64 = 0.3;
 
 /// Singular values that are left out, over the largest.
 const DEPENDENT: f64 = 1e-7;
@@ -59,6 +60,17 @@ fn point(value: f64) -> numeric::Interval {
     numeric::Interval::point(value)
 }
 
+/// Whether what has no law is smooth on the contact, which ends before the material does.
+fn may_move(residual: &Residual, parts: &Parts, touch: &[Quarter]) -> bool {
+    let smooth = |i: isize, j: isize| {
+        let rect = residual.rect(i, j);
+        parts.smooth.jet(&rect).is_some() && parts.laws.iter().all(|law| law.overlap.material(&rect))
+    };
+    let around = if residual.overlap.ends() { 1 } else { 0 };
+    let all = |i: isize, j: isize| (-around..=around).all(|b| (-around..=around).all(|a| smooth(i + a, j + b)));
+    loaded(residual).all(|(i, j, _)| all(i, j)) && touch.iter().all(|(i, j, _)| all(*i, *j))
+}
+
 impl Virial {
     /// T = eta.
     pub fn plain(residual: &Residual, eta: [f64; 3]) -> Self {
@@ -75,37 +87,42 @@ impl Virial {
         2.0 * self.mu - self.beta
     }
 
-    /// By least squares over the cells under pressure, or plain where f is not smooth on all that is or may be under pressure (`touch`).
-    /// Where f is its own image so is what is moved.
-    pub fn fitted(residual: &Residual, eta: [f64; 3], touch: &[Quarter]) -> Self {
+    /// By least squares over the cells under pressure, or plain where what has no law is not smooth on all that is or may be under pressure
+    /// (`touch`). Where f is its own image so is what is moved.
+    pub fn fitted(residual: &Residual, parts: &Parts, eta: [f64; 3], touch: &[Quarter]) -> Self {
         let plain = Self::plain(residual, eta);
-        let found = if plain.may_move(residual, touch) { plain.least_squares(residual) } else { None };
-        found.filter(|found| found.left < SMALL).unwrap_or(plain)
+        let about = Self { centre: parts.centre.unwrap_or(plain.centre), ..plain };
+        let off_centre = (0..2).any(|m| residual.halves[m] && !residual.field.grid.is_centred_on(m, about.centre[m]));
+        if off_centre || !may_move(residual, parts, touch) {
+            return plain;
+        }
+        about.least_squares(residual, parts, touch).filter(|found| found.left < SMALL).unwrap_or(plain)
     }
 
-    /// Whether f is smooth on the contact, which ends before the material does.
-    fn may_move(&self, residual: &Residual, touch: &[Quarter]) -> bool {
-        let smooth = |i: isize, j: isize| residual.overlap.jet(&residual.rect(i, j)).is_some();
-        let around = if residual.overlap.ends() { 1 } else { 0 };
-        let all = |i: isize, j: isize| (-around..=around).all(|b| (-around..=around).all(|a| smooth(i + a, j + b)));
-        loaded(residual).all(|(i, j, _)| all(i, j)) && touch.iter().all(|(i, j, _)| all(*i, *j))
-    }
-
-    fn least_squares(self, residual: &Residual) -> Option<Self> {
+    fn least_squares(self, residual: &Residual, parts: &Parts, touch: &[Quarter]) -> Option<Self> {
         let count = loaded(residual).count();
         let mean = loaded(residual).map(|(_, _, p)| p).sum::<f64>() / count as f64;
-        let free: Vec<usize> = (0..2).filter(|m| !residual.halves[*m]).collect();
+        // A law is one about its centre alone.
+        let free: Vec<usize> = (0..2).filter(|m| !residual.halves[*m] && parts.laws.is_empty()).collect();
         let turns = free.len() == 2;
         let columns = 2 + free.len() + usize::from(turns);
         let (mut rows, mut right, mut size, mut samples) = (Vec::new(), Vec::new(), 0.0, 0);
-        for (i, j, p) in loaded(residual).step_by(count.div_ceil(SAMPLES).max(1)) {
+        let beyond = touch.iter().map(|(i, j, _)| (*i, *j, 0.0));
+        let (inside, around) = (count.div_ceil(SAMPLES).max(1), touch.len().div_ceil(SAMPLES).max(1));
+        for (i, j, p) in loaded(residual).step_by(inside).chain(beyond.step_by(around)) {
             let rect = residual.rect(i, j);
-            let jet = residual.overlap.jet(&rect)?;
+            let jet = parts.smooth.jet(&rect)?;
             let [x, y] = self.from_centre(&rect);
             let [fx, fy] = jet.gradient.map(middle);
+            let (mut f, mut dilated) = (middle(jet.value), x * fx + y * fy);
+            for law in &parts.laws {
+                let own = law.nearly(&rect);
+                f += own - law.depth;
+                dilated -= law.degree * (law.above - own);
+            }
             let weight = (1.0 / (p / mean + AT_END)).sqrt();
             let own = weight * (self.eta[0] + self.eta[1] * x + self.eta[2] * y);
-            rows.extend([middle(jet.value), x * fx + y * fy].map(|v| weight * v));
+            rows.extend([f, dilated].map(|v| weight * v));
             rows.extend(free.iter().map(|m| weight * [fx, fy][*m]));
             if turns {
                 rows.push(weight * (x * fy - y * fx));
@@ -129,6 +146,11 @@ impl Virial {
         let omega = if turns { c[4] } else { 0.0 };
         let all = c.iter().all(|c| c.is_finite()) && left.is_finite();
         all.then_some(Self { mu: c[0], beta: c[1], b, omega, left, ..self })
+    }
+
+    fn mean_of_law(&self, law: &Law, rect: &Rect) -> numeric::Interval {
+        let [constant, per] = self.of_law(law);
+        constant - per * set(law.overlap.mean(rect))
     }
 
     fn from_centre(&self, rect: &Rect) -> [f64; 2] {
@@ -173,33 +195,31 @@ impl Virial {
     }
 
     /// T in the middle of a rectangle, nearly.
-    pub fn nearly(&self, rect: &Rect, overlap: &dyn OverlapBounds) -> f64 {
+    pub fn nearly(&self, rect: &Rect, parts: &Parts) -> f64 {
         let [x, y] = self.from_centre(rect);
         let eta = self.eta[0] + self.eta[1] * x + self.eta[2] * y;
-        let moved = |jet: Jet| {
-            let [fx, fy] = jet.gradient.map(middle);
-            let [wx, wy] = [self.b[0] + self.beta * x - self.omega * y, self.b[1] + self.beta * y + self.omega * x];
-            self.mu * middle(jet.value) + wx * fx + wy * fy
-        };
-        eta - overlap.jet(rect).filter(|_| !self.is_plain()).map_or(0.0, moved)
+        let Some(jet) = parts.smooth.jet(rect).filter(|_| !self.is_plain()) else { return eta };
+        let [fx, fy] = jet.gradient.map(middle);
+        let [wx, wy] = [self.b[0] + self.beta * x - self.omega * y, self.b[1] + self.beta * y + self.omega * x];
+        let of_law =
+            |law: &Law| self.mu * law.depth + self.beta * law.degree * law.above - self.per_law(law) * law.nearly(rect);
+        eta - self.mu * middle(jet.value) - wx * fx - wy * fy + parts.laws.iter().map(of_law).sum::<f64>()
     }
 
-    /// Root of the mean square of eta over the cells under pressure.
-    pub fn eta_on(&self, residual: &Residual) -> f64 {
-        if self.eta[1] == 0.0 && self.eta[2] == 0.0 {
-            return self.eta[0].abs();
-        }
-        let (mut sum, mut count) = (0.0, 0.0);
-        for (i, j, _) in loaded(residual) {
-            let [x, y] = self.from_centre(&residual.rect(i, j));
-            sum += (self.eta[0] + self.eta[1] * x + self.eta[2] * y).powi(2);
-            count += 1.0;
-        }
-        (sum / count).sqrt()
+    /// mu + beta k, the factor of a part of the gap that follows a law of degree k, in T.
+    fn per_law(&self, law: &Law) -> f64 {
+        self.mu + self.beta * law.degree
+    }
+
+    /// T = what the smooth part leaves + sum of mu (d - f_j) + beta k_j (d - g0_j - f_j) over parts f_j = d - g_j with laws: what does not
+    /// depend on the place, and the factor of -f_j.
+    fn of_law(&self, law: &Law) -> [numeric::Interval; 2] {
+        let (mu, steep) = (point(self.mu), point(self.beta) * point(law.degree));
+        [mu * point(law.depth) + steep * set(law.above_ends()), mu + steep]
     }
 
     /// <T, p_h>, from below and from above.
-    pub fn work(&self, residual: &Residual) -> Option<[f64; 2]> {
+    pub fn work(&self, residual: &Residual, parts: &Parts) -> Option<[f64; 2]> {
         let grid = &residual.field.grid;
         let [a, b] = grid.spacing.map(|h| point(0.5 * h));
         let third = numeric::Interval::new((1.0f64 / 3.0).next_down(), (1.0f64 / 3.0).next_up());
@@ -214,7 +234,7 @@ impl Virial {
             let mean = if self.is_plain() {
                 self.eta_at(at)
             } else {
-                let f = residual.overlap.jet(&rect).filter(|jet| jet.third == [[0.0; 2]; 4])?;
+                let f = parts.smooth.jet(&rect).filter(|jet| jet.third == [[0.0; 2]; 4])?;
                 let [wx, wy] = self.motion(at);
                 let ([gx, gy], [xx, xy, yy]) = (f.gradient.map(set), f.hessian.map(set));
                 let (mu, beta, omega) = (point(self.mu), point(self.beta), point(self.omega));
@@ -225,7 +245,8 @@ impl Virial {
                 let dilated = quadratic + point(2.0) * dxy * twist;
                 let turned = xy * x2 - xy * y2 + (dxx + dyy) * twist;
                 let moved = wx * gx + wy * gy + odd + beta * dilated + omega * turned;
-                self.eta_at(at) - mu * of_f - moved
+                let smooth = self.eta_at(at) - mu * of_f - moved;
+                parts.laws.iter().fold(smooth, |sum, law| sum + self.mean_of_law(law, &rect))
             };
             let p = p * residual.images(i, j);
             (sum[0], sum[1]) = (sum[0] + p * mean.lo, sum[1] + p * mean.hi);
@@ -243,17 +264,34 @@ impl Virial {
 /// T, as a function that a displacement is held against; nothing has to lie above it.
 pub(super) struct Target<'a> {
     pub virial: &'a Virial,
-    pub overlap: &'a dyn OverlapBounds,
+    pub parts: &'a Parts<'a>,
 }
 
 impl Target<'_> {
-    fn taylor(&self, rect: &Rect) -> Option<Taylor> {
+    /// What the smooth part leaves.
+    fn of_smooth(&self, rect: &Rect) -> Option<Taylor> {
         let f = if self.virial.is_plain() {
             Jet::default()
         } else {
-            self.overlap.jet(rect).filter(|jet| jet.third == [[0.0; 2]; 4])?
+            self.parts.smooth.jet(rect).filter(|jet| jet.third == [[0.0; 2]; 4])?
         };
         self.virial.target(rect, &f).finite()
+    }
+
+    fn laws(&self) -> &[Law<'_>] {
+        if self.virial.is_plain() { &[] } else { &self.parts.laws }
+    }
+
+    /// Where laws are smooth, too.
+    fn taylor(&self, rect: &Rect) -> Option<Taylor> {
+        let mut taylor = self.of_smooth(rect)?;
+        for law in self.laws() {
+            let (own, [constant, per]) = (law.overlap.jet(rect)?, self.virial.of_law(law));
+            taylor.value = taylor.value + constant - per * set(own.value);
+            (0..2).for_each(|m| taylor.gradient[m] = taylor.gradient[m] - per * set(own.gradient[m]));
+            (0..3).for_each(|n| taylor.hessian[n] = taylor.hessian[n] - per * set(own.hessian[n]));
+        }
+        taylor.finite()
     }
 }
 
@@ -266,11 +304,36 @@ const UNKNOWN: Interval = [f64::NEG_INFINITY, f64::INFINITY];
 
 impl OverlapBounds for Target<'_> {
     fn bounds(&self, rect: &Rect, slope: [f64; 2]) -> Interval {
-        self.taylor(rect).map_or(UNKNOWN, |taylor| taylor.bounds(rect.size(), slope))
+        if let Some(taylor) = self.taylor(rect) {
+            return taylor.bounds(rect.size(), slope);
+        }
+        let Some(smooth) = self.of_smooth(rect) else { return UNKNOWN };
+        // Every law is compared with its own mean slope.
+        let (mut left, mut sum) = (slope, numeric::Interval::ZERO);
+        for law in self.laws() {
+            let [constant, per] = self.virial.of_law(law);
+            let own = law.overlap.slopes(rect).map(middle);
+            if !own.iter().all(|s| s.is_finite()) {
+                return UNKNOWN;
+            }
+            sum = sum + constant - per * set(law.overlap.bounds(rect, own));
+            // What the middle of a factor leaves open is rounding, and counts over the rectangle.
+            let [w, h] = rect.size();
+            let rounding = per.width() * (own[0].abs() * w + own[1].abs() * h);
+            sum = sum + numeric::Interval::new(-rounding, rounding);
+            (0..2).for_each(|m| left[m] += per.middle() * own[m]);
+        }
+        ends(set(smooth.bounds(rect.size(), left)) + sum)
     }
 
     fn slopes(&self, rect: &Rect) -> [Interval; 2] {
-        self.taylor(rect).map_or([UNKNOWN; 2], |taylor| taylor.slopes(rect.size()).map(ends))
+        let Some(smooth) = self.of_smooth(rect) else { return [UNKNOWN; 2] };
+        let mut slopes = smooth.slopes(rect.size());
+        for law in self.laws() {
+            let ([_, per], own) = (self.virial.of_law(law), law.overlap.slopes(rect));
+            (0..2).for_each(|m| slopes[m] = slopes[m] - per * set(own[m]));
+        }
+        slopes.map(ends)
     }
 
     fn jet(&self, rect: &Rect) -> Option<Jet> {
@@ -279,11 +342,12 @@ impl OverlapBounds for Target<'_> {
     }
 
     fn mean(&self, rect: &Rect) -> Interval {
-        self.taylor(rect).map_or(UNKNOWN, |taylor| ends(taylor.mean(rect.size())))
+        let Some(smooth) = self.of_smooth(rect) else { return UNKNOWN };
+        ends(self.laws().iter().fold(smooth.mean(rect.size()), |sum, law| sum + self.virial.mean_of_law(law, rect)))
     }
 
     fn ends(&self) -> bool {
-        self.overlap.ends()
+        self.parts.smooth.ends()
     }
 
     fn binds(&self) -> bool {
@@ -300,6 +364,6 @@ impl OverlapBounds for Target<'_> {
     }
 
     fn has_time(&self) -> bool {
-        self.overlap.has_time()
+        self.parts.smooth.has_time()
     }
 }
