@@ -266,7 +266,7 @@ fn growth(
                     .map(|i| scaled.units.outward(grid.centre_of(i)))
                     .map(|p| (rate(p) - raised.displacement(p)) / scaled.units.height)
                     .collect();
-                let growing = single_grid::growth(&refined.state, &wanted, single_grid::OF_ENTRIES)?;
+                let growing = single_grid::growth(&refined.state, &wanted)?;
                 current[k] = loads(scaled, refined, |i| growing[i]);
                 size += current[k].iter().map(|load| load.1.abs()).sum::<f64>();
             }

@@ -33,6 +33,7 @@ use crate::discrete::{Discrete, DiscreteSolution};
 use crate::influence::InfluenceTable;
 use crate::solution::{Unsolved, Verdict};
 
+pub(crate) use growth::growth_in_sum;
 pub use growth::{displacement, growth};
 pub use nested::{halved, solve_nested};
 pub use operator::{Operator, Scratch};

@@ -348,7 +348,6 @@ mod tests {
             Convolution::Split(Box::new(split)).product(&p, given, &mut b, 2..shape[1], &mut scratch);
             let largest = a.iter().copied().fold(0.0, f64::max);
             let off = a.iter().zip(&b).skip(2 * shape[0]).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
-            println!("{shape:?} {h:?} {mirrored}: {:.1e}", off / largest);
             assert!(off < 2e-5 * largest, "{shape:?} {h:?} {mirrored}: {:e}", off / largest);
         }
     }
