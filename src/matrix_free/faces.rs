@@ -21,7 +21,7 @@
 //! No proof of convergence covers every A. When the residual stops falling, [`super::monotone`] takes over, which has one.
 
 use super::Operators;
-use super::fields::{Fields, Look, Near};
+use super::fields::{Fields, Look, Near, PIECE};
 use super::level::{Level, State, occupied};
 use super::operator::Scratch;
 use super::region::Region;
@@ -61,11 +61,11 @@ const NOTHING: f64 = 1e-30;
 /// p >= 0 and its residual, recomputed. Without a compliance in double precision the residual is not looked at again.
 pub(super) fn relax(level: &Level, operators: &Operators, state: &mut State, scratch: &mut Scratch) -> bool {
     level.scale_to_load(state);
-    let mut fields = Fields::of(level, &operators.region, state);
+    let mut fields = Fields::of(level, &operators.region, state, scratch);
     begin(level, operators, &mut fields, state, scratch);
     // The first residual need not be better than the last.
     let reached = descend(level, &operators.near, &mut fields, state, level.tolerance.max(FALL), scratch);
-    project(level, &operators.region, &fields, state);
+    project(level, &operators.region, &fields, state, scratch);
     if operators.compliance.is_none() {
         return reached;
     }
@@ -74,7 +74,7 @@ pub(super) fn relax(level: &Level, operators: &Operators, state: &mut State, scr
     loop {
         level.scale_to_load(state);
         level.refresh(grown.as_ref().unwrap_or(operators), state, scratch);
-        let error = level.error(state);
+        let error = level.error(state, scratch);
         if error <= level.tolerance {
             return true;
         }
@@ -84,16 +84,16 @@ pub(super) fn relax(level: &Level, operators: &Operators, state: &mut State, scr
             return false;
         }
         if let Some(larger) = level.outgrown(&grown.as_ref().unwrap_or(operators).region, state) {
-            fields = Fields::of(level, &larger, state);
+            fields = Fields::of(level, &larger, state, scratch);
             grown = Some(Operators::new(level.table, level.shape, larger, level.mirrored, true));
             (before, stalls) = (f64::INFINITY, 0);
         }
         let Operators { region, near, .. } = grown.as_ref().unwrap_or(operators);
-        fields.restart(level, region, state);
+        fields.restart(level, region, state, scratch);
         // From the second stall on something was rounded up to zero that mattered: aim lower.
         let goal = level.tolerance.max(FALL * error) * 0.3_f64.powi(stalls as i32);
         descend(level, near, &mut fields, state, goal, scratch);
-        project(level, region, &fields, state);
+        project(level, region, &fields, state, scratch);
     }
 }
 
@@ -101,21 +101,28 @@ pub(super) fn relax(level: &Level, operators: &Operators, state: &mut State, scr
 fn begin(level: &Level, operators: &Operators, fields: &mut Fields, state: &mut State, scratch: &mut Scratch) {
     let [width, height] = fields.shape();
     let given = occupied(&fields.p, width);
-    for (d, p) in fields.d.iter_mut().zip(&fields.p) {
-        *d = *p as f32;
-    }
+    scratch.each(
+        fields.d.chunks_mut(PIECE).zip(fields.p.chunks(PIECE)),
+        #[inline(always)]
+        |(d, p)| d.iter_mut().zip(p).for_each(|(d, p)| *d = *p as f32),
+    );
     if given.is_empty() {
         fields.ad.fill(0.0);
     } else {
         operators.near.single.product(&fields.d, given, &mut fields.ad, 0..height, scratch);
         state.single_products += 1;
     }
-    let overlaps = operators.region.of(level.f, level.shape[0]);
-    for ((r, ad), f) in fields.r.chunks_exact_mut(width).zip(fields.ad.chunks_exact(width)).zip(overlaps) {
-        for ((r, ad), f) in r.iter_mut().zip(ad).zip(f) {
-            *r = (f + state.deeper - f64::from(*ad)) as f32;
-        }
-    }
+    let rows = fields.r.chunks_exact_mut(width).zip(fields.ad.chunks_exact(width));
+    let deeper = state.deeper;
+    scratch.each(
+        rows.zip(operators.region.of(level.f, level.shape[0])),
+        #[inline(always)]
+        |((r, ad), f)| {
+            for ((r, ad), f) in r.iter_mut().zip(ad).zip(f) {
+                *r = (f + deeper - f64::from(*ad)) as f32;
+            }
+        },
+    );
 }
 
 /// Relaxes in single precision until the error is within the tolerance, or as far as it goes.
@@ -146,7 +153,7 @@ fn descend(
     }
     loop {
         // The new face, and how far the present state is from a solution.
-        let Look { worst, here, changed, inside, leaving } =
+        let Look { worst, here, changed, inside, leaving: left } =
             fields.look(state.deeper, (0.5 * tolerance) as f32, scratch);
         best = if worst <= 0.5 * best.0 { (worst, 0) } else { (best.0, best.1 + 1) };
         if here <= aim && f64::from(worst) <= tolerance {
@@ -157,7 +164,7 @@ fn descend(
         }
         // Rows in which anything happens: the face and what leaves it.
         let mut rows = occupied(&fields.face, width);
-        if leaving > 0 {
+        if !left.is_empty() {
             let loaded = occupied(&fields.p, width);
             rows = if rows.is_empty() { loaded } else { rows.start.min(loaded.start)..rows.end.max(loaded.end) };
         }
@@ -177,15 +184,10 @@ fn descend(
         }
 
         // Relax on the face. The first step also empties the cells that left.
-        let mut leaving = leaving > 0 && changed > 0;
-        if leaving {
-            let cells = rows.start * width..rows.end * width;
-            let left = cells.filter(|k| fields.face[*k] == 0.0 && fields.p[*k] != 0.0);
-            let left: Vec<usize> = left.take(FEW + 1).collect();
-            if left.len() <= FEW && !loaded {
-                left.into_iter().for_each(|k| level.take_out(width, &mut fields.p, k, &mut fields.r));
-                leaving = false;
-            }
+        let mut leaving = !left.is_empty() && changed > 0;
+        if leaving && left.len() <= FEW && !loaded {
+            left.iter().for_each(|&k| level.take_out(width, &mut fields.p, k, &mut fields.r));
+            leaving = false;
         }
         // Cells that leave and come back were judged too early: the longer nothing is gained, the better a face is solved.
         let fall = INNER.powi(1 + (best.1 / 2).min(5));
@@ -193,7 +195,7 @@ fn descend(
         fields.mask(&rows, scratch);
         while !level.is_exhausted(state) {
             if leaving {
-                level.foresee(fields, &rows);
+                level.foresee(fields, &left, &rows);
             }
             let zad = fields.solve_nearly(near, &rows, scratch);
             let (sum, pressed) = if leaving {
@@ -237,11 +239,15 @@ fn descend(
 }
 
 /// What a descent has found, tension left out.
-fn project(level: &Level, region: &Region, fields: &Fields, state: &mut State) {
-    let width = level.shape[0];
-    for (to, from) in region.of_mut(&mut state.p, width).zip(fields.p.chunks_exact(region.columns.len())) {
-        for (to, from) in to.iter_mut().zip(from) {
-            *to = if *from > NOTHING { *from } else { 0.0 };
-        }
-    }
+fn project(level: &Level, region: &Region, fields: &Fields, state: &mut State, scratch: &Scratch) {
+    let rows = region.of_mut(&mut state.p, level.shape[0]).zip(fields.p.chunks_exact(region.columns.len()));
+    scratch.each(
+        rows,
+        #[inline(always)]
+        |(to, from)| {
+            for (to, from) in to.iter_mut().zip(from) {
+                *to = if *from > NOTHING { *from } else { 0.0 };
+            }
+        },
+    );
 }

@@ -54,27 +54,35 @@ impl Fields {
     }
 
     /// For the region of a grid, its overlap and pressure taken from there.
-    pub(super) fn of(level: &Level, region: &Region, state: &State) -> Self {
+    pub(super) fn of(level: &Level, region: &Region, state: &State, scratch: &Scratch) -> Self {
         let mut fields = Self::new(region.shape());
-        let width = level.shape[0];
-        for (to, from) in fields.f.chunks_exact_mut(fields.width).zip(region.of(level.f, width)) {
-            to.iter_mut().zip(from).for_each(|(to, from)| *to = *from as f32);
-        }
-        for (to, from) in fields.p.chunks_exact_mut(fields.width).zip(region.of(&state.p, width)) {
-            to.copy_from_slice(from);
-        }
+        let (width, columns) = (level.shape[0], fields.width);
+        let rows = fields.f.chunks_exact_mut(columns).zip(region.of(level.f, width));
+        let rows = rows.zip(fields.p.chunks_exact_mut(columns).zip(region.of(&state.p, width)));
+        scratch.each(
+            rows,
+            #[inline(always)]
+            |((f, overlap), (p, pressure))| {
+                f.iter_mut().zip(overlap).for_each(|(to, from)| *to = *from as f32);
+                p.copy_from_slice(pressure);
+            },
+        );
         fields
     }
 
     /// Takes pressure and residual from the grid again.
-    pub(super) fn restart(&mut self, level: &Level, region: &Region, state: &State) {
+    pub(super) fn restart(&mut self, level: &Level, region: &Region, state: &State, scratch: &Scratch) {
         let width = level.shape[0];
-        for (to, from) in self.p.chunks_exact_mut(self.width).zip(region.of(&state.p, width)) {
-            to.copy_from_slice(from);
-        }
-        for (to, from) in self.r.chunks_exact_mut(self.width).zip(region.of(&state.r, width)) {
-            to.iter_mut().zip(from).for_each(|(to, from)| *to = *from as f32);
-        }
+        let rows = self.p.chunks_exact_mut(self.width).zip(region.of(&state.p, width));
+        let rows = rows.zip(self.r.chunks_exact_mut(self.width).zip(region.of(&state.r, width)));
+        scratch.each(
+            rows,
+            #[inline(always)]
+            |((p, pressure), (r, residual))| {
+                p.copy_from_slice(pressure);
+                r.iter_mut().zip(residual).for_each(|(to, from)| *to = *from as f32);
+            },
+        );
     }
 
     pub(super) fn shape(&self) -> [usize; 2] {
@@ -260,21 +268,26 @@ impl Fields {
         let pieces = pieces.zip(self.r.chunks(PIECE).zip(self.f.chunks(PIECE)));
         let deeper = deeper as f32;
         let looks = scratch.each(
-            pieces,
+            pieces.enumerate(),
             #[inline(always)]
-            |((face, p), (r, f))| {
+            |(piece, ((face, p), (r, f)))| {
                 let mut lanes = Lanes::default();
-                let ((faces, face), (ps, p)) = (face.as_chunks_mut::<LANES>(), p.as_chunks::<LANES>());
-                let ((rs, r), (fs, f)) = (r.as_chunks::<LANES>(), f.as_chunks::<LANES>());
+                let ((faces, rest), (ps, rest_p)) = (face.as_chunks_mut::<LANES>(), p.as_chunks::<LANES>());
+                let ((rs, rest_r), (fs, rest_f)) = (r.as_chunks::<LANES>(), f.as_chunks::<LANES>());
                 for (((face, p), r), f) in faces.iter_mut().zip(ps).zip(rs).zip(fs) {
                     lanes.look(face, p, r, f, [deeper, worth]);
                 }
-                lanes.look(face, p, r, f, [deeper, worth]);
-                lanes.together()
+                lanes.look(rest, rest_p, rest_r, rest_f, [deeper, worth]);
+                let (mut look, leaving) = lanes.together();
+                if leaving {
+                    let cells = face.iter().zip(p).enumerate().filter(|(_, (m, p))| **m == 0.0 && **p != 0.0);
+                    look.leaving.extend(cells.map(|(k, _)| piece * PIECE + k));
+                }
+                look
             },
         );
         looks.into_iter().fold(Look::default(), |mut all, look| {
-            all.add(&look);
+            all.add(look);
             all
         })
     }
@@ -286,19 +299,20 @@ pub(super) struct Look {
     /// How far the state is from a solution; on the face alone.
     pub(super) worst: f32,
     pub(super) here: f32,
-    /// Cells that joined or left the face, those on it, and those off it that carry pressure still.
+    /// How many cells joined or left the face, and are on it.
     pub(super) changed: usize,
     pub(super) inside: usize,
-    pub(super) leaving: usize,
+    /// Cells off it that carry pressure still.
+    pub(super) leaving: Vec<usize>,
 }
 
 impl Look {
-    fn add(&mut self, other: &Self) {
+    fn add(&mut self, mut other: Self) {
         self.worst = larger(self.worst, other.worst);
         self.here = larger(self.here, other.here);
         self.changed += other.changed;
         self.inside += other.inside;
-        self.leaving += other.leaving;
+        self.leaving.append(&mut other.leaving);
     }
 }
 
@@ -332,10 +346,11 @@ impl Lanes {
         }
     }
 
-    fn together(&self) -> Look {
+    /// And whether cells leave, which are not listed yet.
+    fn together(&self) -> (Look, bool) {
         let [worst, here] = self.sizes.map(|sizes| sizes.into_iter().fold(0.0, larger));
         let [changed, inside, leaving] = self.counts.map(|counts| counts.into_iter().sum::<u32>() as usize);
-        Look { worst, here, changed, inside, leaving }
+        (Look { worst, here, changed, inside, leaving: Vec::new() }, leaving > 0)
     }
 }
 

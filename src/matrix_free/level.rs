@@ -138,21 +138,18 @@ impl Level<'_> {
     }
 
     /// Adds to the residual on the face what it will be more by near the cells that leave.
-    pub(super) fn foresee(&self, fields: &mut Fields, rows: &Range<usize>) {
+    pub(super) fn foresee(&self, fields: &mut Fields, leaving: &[usize], rows: &Range<usize>) {
         let [width, height] = fields.shape();
-        let cells = rows.start * width..rows.end * width;
         let Fields { p, face, w: residual, .. } = fields;
-        let face = &face[cells.clone()];
         let reach = |at: usize, end: usize| at.saturating_sub(NEAR - 1)..(at + NEAR).min(end);
-        for (k, _) in p[cells.clone()].iter().zip(face).enumerate().filter(|(_, (p, m))| **m == 0.0 && **p != 0.0) {
-            let k = cells.start + k;
+        for &k in leaving {
             let (i, j, p) = (k % width, k / width, p[k] as f32);
             let mut add = |row: usize, offset: usize| {
                 if !rows.contains(&row) {
                     return;
                 }
                 let along = reach(i, width);
-                let face = &face[(row - rows.start) * width..][along.clone()];
+                let face = &face[row * width..][along.clone()];
                 let residual = &mut residual[row * width..][along.clone()];
                 for ((x, r), m) in along.zip(residual).zip(face) {
                     *r += m * p * self.near[offset][x.abs_diff(i)];
@@ -167,8 +164,9 @@ impl Level<'_> {
     }
 
     /// Largest |f - A p| where there is pressure and largest f - A p elsewhere. Only for p >= 0.
-    pub(super) fn error(&self, state: &State) -> f64 {
-        super::error(&state.p, &state.r)
+    pub(super) fn error(&self, state: &State, scratch: &Scratch) -> f64 {
+        let errors = scratch.each(state.p.chunks(PIECE).zip(state.r.chunks(PIECE)), |(p, r)| super::error(p, r));
+        errors.into_iter().fold(0.0, f64::max)
     }
 }
 

@@ -23,7 +23,7 @@ pub(super) fn minimise(level: &Level, operators: &Operators, state: &mut State, 
     let mut rz_old = 0.0;
     let mut since = 0;
     while !level.is_exhausted(state) {
-        if level.error(state) <= level.tolerance {
+        if level.error(state, scratch) <= level.tolerance {
             // The residual was carried along: looked at once more from scratch.
             if since == 0 {
                 return true;
@@ -104,7 +104,7 @@ pub(super) fn minimise(level: &Level, operators: &Operators, state: &mut State, 
         }
     }
     level.refresh(operators, state, scratch);
-    level.error(state) <= level.tolerance
+    level.error(state, scratch) <= level.tolerance
 }
 
 /// a . b, in eight sums side by side.
