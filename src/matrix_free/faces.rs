@@ -85,7 +85,7 @@ pub(super) fn relax(level: &Level, operators: &Operators, state: &mut State, scr
         }
         if let Some(larger) = level.outgrown(&grown.as_ref().unwrap_or(operators).region, state) {
             fields = Fields::of(level, &larger, state, scratch);
-            grown = Some(Operators::new(level.table, level.shape, larger, level.mirrored, true));
+            grown = Some(Operators::new(level.table, level.shape, larger, level.mirrored, true, scratch));
             (before, stalls) = (f64::INFINITY, 0);
         }
         let Operators { region, near, .. } = grown.as_ref().unwrap_or(operators);

@@ -68,7 +68,7 @@ fn grown(
     }
     let table = window.table(&contact);
     let shape = window.shape();
-    let operators = Operators::new(&table, shape, Region::whole(shape), window.mirrored, double);
+    let operators = Operators::new(&table, shape, Region::whole(shape), window.mirrored, double, &Scratch::new());
     let mut fields = Fields::new(shape);
     for (m, f) in fields.face.iter_mut().zip(window.grid(&contact).overlap) {
         *m = if f > 0.0 { 1.0 } else { 0.0 };

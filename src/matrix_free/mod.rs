@@ -41,7 +41,7 @@ pub use solver::Solver;
 pub use under_force::solve_under_force;
 
 use convolution::{Convolution, FEW, Sums};
-use fields::Near;
+use fields::{Near, PIECE};
 use level::{Level, Limit, NEAR, State};
 use region::Region;
 use split::Split;
@@ -95,7 +95,8 @@ pub fn solve(problem: &Discrete, start: Option<&[f64]>, settings: &Settings) -> 
         let Some(window) = Window::of(problem, SYMMETRIC * settings.tolerance) else { return Ok(no_contact(problem)) };
         let table = window.table(problem);
         let start = window.start(problem, &table, start);
-        let operators = Operators::new(&table, window.shape(), window.region(start.as_deref()), window.mirrored, true);
+        let operators =
+            Operators::new(&table, window.shape(), window.region(start.as_deref()), window.mirrored, true, scratch);
         window.solve(problem, &table, &operators, start, settings, scratch)
     })
 }
@@ -168,7 +169,7 @@ impl Window {
     ) -> Result<DiscreteSolution, Unsolved> {
         let limit = Limit { products: settings.products, deadline: settings.deadline };
         let left = self.grid(problem).solve(table, operators, start, settings.tolerance, limit, scratch);
-        self.finish(problem, table, left, settings)
+        self.finish(problem, table, left, settings, scratch)
     }
 
     /// The solution on the grid of the problem, its residuals from scratch.
@@ -178,6 +179,7 @@ impl Window {
         table: &InfluenceTable,
         left: Left,
         settings: &Settings,
+        scratch: &Scratch,
     ) -> Result<DiscreteSolution, Unsolved> {
         let Left { mut state, solved } = left;
         if !solved {
@@ -202,10 +204,16 @@ impl Window {
         let shape = problem.grid.shape;
         // u = f - r.
         let mut u = self.cut(shape, &problem.overlap, f64::NEG_INFINITY);
-        for (u, r) in u.iter_mut().zip(&state.r) {
-            *u = u.max(-self.deepest) - self.deepest * r;
-        }
-        state.p.iter_mut().for_each(|p| *p *= unit);
+        let deepest = self.deepest;
+        let pieces = u.chunks_mut(PIECE).zip(state.r.chunks(PIECE)).zip(state.p.chunks_mut(PIECE));
+        scratch.each(
+            pieces,
+            #[inline(always)]
+            |((u, r), p)| {
+                u.iter_mut().zip(r).for_each(|(u, r)| *u = u.max(-deepest) - deepest * r);
+                p.iter_mut().for_each(|p| *p *= unit);
+            },
+        );
         let pressure = self.paste(shape, &state.p);
         let displacement = self.paste(shape, &u);
         let residuals = problem.residuals(&pressure, &displacement);
@@ -259,7 +267,8 @@ impl Cells {
         let mut solved = faces::relax(&level, operators, &mut state, scratch);
         if !solved && operators.compliance.is_some() && load.is_none() && !level.is_exhausted(&state) {
             let whole = Region::whole(shape);
-            let everywhere = (operators.region != whole).then(|| Operators::new(table, shape, whole, mirrored, true));
+            let everywhere =
+                (operators.region != whole).then(|| Operators::new(table, shape, whole, mirrored, true, scratch));
             solved = monotone::minimise(&level, everywhere.as_ref().unwrap_or(operators), &mut state, scratch);
         }
         Left { state, solved }
@@ -280,38 +289,54 @@ struct Operators {
 }
 
 impl Operators {
-    fn new(table: &InfluenceTable, shape: [usize; 2], region: Region, mirrored: bool, double: bool) -> Self {
+    fn new(
+        table: &InfluenceTable,
+        shape: [usize; 2],
+        region: Region,
+        mirrored: bool,
+        double: bool,
+        scratch: &Scratch,
+    ) -> Self {
         let scale = InfluenceTable::scale(table.spacing()) / table.get(0, 0);
         let whole = region.shape() == shape;
         if whole && shape[0] * shape[1] <= FEW {
-            return Self::few(table, scale, shape, mirrored, double);
+            return Self::few(table, scale, shape, mirrored, double, scratch);
         }
         let within = region.shape();
-        let split = Split::new(table, scale, within, mirrored);
-        let shared =
-            (double || whole && split.is_none()).then(|| operator::compliance(table, scale, shape, &region, mirrored));
+        let split = Split::new(table, scale, within, mirrored, scratch);
+        let shared = (double || whole && split.is_none())
+            .then(|| operator::compliance(table, scale, shape, &region, mirrored, scratch));
         let norm = shared.as_ref().map_or(0.0, Symbol::norm);
         let compliance = shared.as_ref().filter(|_| double).map(|symbol| Convolution::new(shape, symbol));
         let single = match (split, &shared) {
             (Some(split), _) => Convolution::Split(Box::new(split)),
             (None, Some(symbol)) if whole => Convolution::new(shape, symbol),
-            _ => {
-                Convolution::new(within, &operator::compliance(table, scale, within, &Region::whole(within), mirrored))
-            }
+            _ => Convolution::new(
+                within,
+                &operator::compliance(table, scale, within, &Region::whole(within), mirrored, scratch),
+            ),
         };
         drop(shared);
-        let preconditioner = Convolution::new(within, &operator::preconditioner(table, scale, within, mirrored));
+        let preconditioner =
+            Convolution::new(within, &operator::preconditioner(table, scale, within, mirrored, scratch));
         Self { region, compliance, near: Near { single, preconditioner }, norm }
     }
 
     /// By sums.
-    fn few(table: &InfluenceTable, scale: f64, shape: [usize; 2], mirrored: bool, double: bool) -> Self {
+    fn few(
+        table: &InfluenceTable,
+        scale: f64,
+        shape: [usize; 2],
+        mirrored: bool,
+        double: bool,
+        scratch: &Scratch,
+    ) -> Self {
         let kernel = |i: usize, j: usize| scale * table.row(j)[i];
         let rows = 0..if mirrored { 2 * shape[1] } else { shape[1] };
         let norm = 4.0 * rows.map(|j| (0..shape[0]).map(|i| kernel(i, j)).sum::<f64>()).sum::<f64>();
         let compliance = double.then(|| Convolution::Sums(Sums::new(shape, mirrored, kernel)));
         let single = Convolution::Sums(Sums::new(shape, mirrored, kernel));
-        let inverse = operator::preconditioner(table, scale, shape, mirrored).kernel();
+        let inverse = operator::preconditioner(table, scale, shape, mirrored, scratch).kernel();
         let preconditioner = Convolution::Sums(Sums::new(shape, mirrored, |i, j| inverse.at(i, j)));
         Self { region: Region::whole(shape), compliance, near: Near { single, preconditioner }, norm }
     }

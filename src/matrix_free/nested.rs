@@ -41,7 +41,7 @@ pub fn solve_nested(problem: &Discrete, settings: &Settings) -> Result<DiscreteS
         let Some(window) = Window::of(problem, SYMMETRIC * settings.tolerance) else { return Ok(no_contact(problem)) };
         let table = window.table(problem);
         let left = from_coarse(window.grid(problem), &table, settings, scratch, |_| true);
-        window.finish(problem, &table, left, settings)
+        window.finish(problem, &table, left, settings, scratch)
     })
 }
 
@@ -68,7 +68,7 @@ pub(super) fn from_coarse(
         };
         let limit = Limit { products, deadline: settings.deadline };
         let region = region_around(grid.shape, grid.mirrored, start.as_deref());
-        let operators = Operators::new(table, grid.shape, region, grid.mirrored, level == 0);
+        let operators = Operators::new(table, grid.shape, region, grid.mirrored, level == 0, scratch);
         grid.overlap.iter_mut().for_each(|f| *f += deeper);
         let mut left = grid.solve(table, &operators, start.take(), tolerance, limit, scratch);
         deeper += left.state.deeper;

@@ -56,6 +56,7 @@ pub(super) fn compliance(
     shape: [usize; 2],
     region: &Region,
     mirrored: bool,
+    scratch: &Scratch,
 ) -> Symbol {
     let halves = if mirrored { 2 } else { 1 };
     let rows = halves * shape[1];
@@ -64,7 +65,7 @@ pub(super) fn compliance(
     let columns = 2 * farthest(&region.columns, shape[0]);
     let lines = if mirrored { shape[1] + region.rows.end } else { 2 * farthest(&region.rows, shape[1]) };
     let length = [good_width(columns), halves * good_length(lines)];
-    let symbol = Symbol::of(length, |j, row| {
+    let symbol = Symbol::of(length, scratch, |j, row| {
         if j < rows {
             for (to, from) in row.iter_mut().zip(&table.row(j)[..shape[0]]) {
                 *to = scale * from;
@@ -75,11 +76,17 @@ pub(super) fn compliance(
 }
 
 /// Symbol of the approximate inverse of [`compliance`].
-pub(super) fn preconditioner(table: &InfluenceTable, scale: f64, shape: [usize; 2], mirrored: bool) -> Symbol {
+pub(super) fn preconditioner(
+    table: &InfluenceTable,
+    scale: f64,
+    shape: [usize; 2],
+    mirrored: bool,
+    scratch: &Scratch,
+) -> Symbol {
     let halves = if mirrored { 2 } else { 1 };
     let length = [good_width(shape[0]), halves * good_length(shape[1])];
     let last = table.shape()[1] - 1;
-    let mut symbol = Symbol::of(length, |j, row| {
+    let mut symbol = Symbol::of(length, scratch, |j, row| {
         if j <= last {
             for (to, from) in row.iter_mut().zip(table.row(j)) {
                 *to = scale * from;
@@ -221,7 +228,8 @@ impl Operator {
     /// at least `shape` offsets.
     #[must_use]
     pub fn compliance(table: &InfluenceTable, spacing: [f64; 2], shape: [usize; 2]) -> Self {
-        let symbol = compliance(table, InfluenceTable::scale(spacing), shape, &Region::whole(shape), false);
+        let symbol =
+            compliance(table, InfluenceTable::scale(spacing), shape, &Region::whole(shape), false, &Scratch::new());
         Self(Transforms::new(shape, &symbol))
     }
 
@@ -229,7 +237,7 @@ impl Operator {
     /// padded (Strang's circulant; close to the symbol |q|/2 of the half-space). Positive definite.
     #[must_use]
     pub fn preconditioner(table: &InfluenceTable, spacing: [f64; 2], shape: [usize; 2]) -> Self {
-        let symbol = preconditioner(table, InfluenceTable::scale(spacing), shape, false);
+        let symbol = preconditioner(table, InfluenceTable::scale(spacing), shape, false, &Scratch::new());
         Self(Transforms::new(shape, &symbol))
     }
 
@@ -321,12 +329,13 @@ mod tests {
                 .map(|k| if given.contains(&(k / nx)) { ((k * 7919) % 13) as f64 - 3.0 } else { 0.0 })
                 .collect();
             let direct = Sums::new(shape, mirrored, |i, j| table.row(j)[i]);
-            let inverse = preconditioner(&table, 1.0, shape, mirrored);
+            let inverse = preconditioner(&table, 1.0, shape, mirrored, &Scratch::new());
             let kernel = inverse.kernel();
             let approximate = Sums::new(shape, mirrored, |i, j| kernel.at(i, j));
-            for (sums, symbol) in
-                [(direct, compliance(&table, 1.0, shape, &Region::whole(shape), mirrored)), (approximate, inverse)]
-            {
+            for (sums, symbol) in [
+                (direct, compliance(&table, 1.0, shape, &Region::whole(shape), mirrored, &Scratch::new())),
+                (approximate, inverse),
+            ] {
                 let [mut u, mut v] = [0, 1].map(|_| vec![7.0; nx * ny]);
                 let mut scratch = Scratch::new();
                 Convolution::Sums(sums).product(&p, given.clone(), &mut u, wanted.clone(), &mut scratch);
@@ -374,7 +383,7 @@ mod tests {
             let full = Operator::compliance(&table, h, whole);
             let half: Convolution<f64> = Convolution::new(
                 shape,
-                &compliance(&table, InfluenceTable::scale(h), shape, &Region::whole(shape), true),
+                &compliance(&table, InfluenceTable::scale(h), shape, &Region::whole(shape), true, &Scratch::new()),
             );
             let p: Vec<f64> = (0..nx * m)
                 .map(|k| if given.contains(&(k / nx)) { ((k * 7919) % 13) as f64 - 3.0 } else { 0.0 })
@@ -389,7 +398,7 @@ mod tests {
             }
             let single: Convolution<f32> = Convolution::new(
                 shape,
-                &compliance(&table, InfluenceTable::scale(h), shape, &Region::whole(shape), true),
+                &compliance(&table, InfluenceTable::scale(h), shape, &Region::whole(shape), true, &Scratch::new()),
             );
             let (p, mut w): (Vec<f32>, _) = (p.iter().map(|&p| p as f32).collect(), vec![0.0; nx * m]);
             single.product(&p, given, &mut w, wanted.clone(), &mut Scratch::new());

@@ -88,7 +88,14 @@ impl Kept {
         });
         let window = window.widened(wide);
         let table = window.table(problem);
-        let operators = Operators::new(&table, window.shape(), Region::whole(window.shape()), window.mirrored, true);
+        let operators = Operators::new(
+            &table,
+            window.shape(),
+            Region::whole(window.shape()),
+            window.mirrored,
+            true,
+            &Scratch::new(),
+        );
         Self { kernel: problem.kernel, spacing: problem.grid.spacing, window, table, operators }
     }
 

@@ -10,7 +10,7 @@ use std::f64::consts::FRAC_1_PI;
 use std::ops::Range;
 
 use super::lanes::{Workspace, first, share};
-use super::operator::{cost, good_length, good_width};
+use super::operator::{Scratch, cost, good_length, good_width};
 use super::real::Real;
 use super::symbol::Symbol;
 use super::transforms::Transforms;
@@ -73,7 +73,13 @@ impl Far<'_> {
 impl<T: Real> Split<T> {
     /// Over `shape` cells (the upper half of twice as many rows when `mirrored`), coefficients times `scale`; `None` where padded
     /// transforms are no more work.
-    pub(super) fn new(table: &InfluenceTable, scale: f64, shape: [usize; 2], mirrored: bool) -> Option<Self> {
+    pub(super) fn new(
+        table: &InfluenceTable,
+        scale: f64,
+        shape: [usize; 2],
+        mirrored: bool,
+        scratch: &Scratch,
+    ) -> Option<Self> {
         let longer = InfluenceTable::scale(table.spacing());
         let h = table.spacing().map(|h| h / longer);
         let halves = if mirrored { 2 } else { 1 };
@@ -97,7 +103,7 @@ impl<T: Real> Split<T> {
         }
         let coefficients = Far { table, h, reach };
         let rows = halves * shape[1];
-        let symbol = Symbol::of([near[0], halves * near[1]], |j, row| {
+        let symbol = Symbol::of([near[0], halves * near[1]], scratch, |j, row| {
             let y = j as f64 * h[1];
             if j < rows && y < reach {
                 let within = ((reach * reach - y * y).sqrt() / h[0]).ceil() as usize;
@@ -108,7 +114,7 @@ impl<T: Real> Split<T> {
         });
         let near = Transforms::new(shape, &Symbol { mirrored, ..symbol });
         let nodes = [along.nodes, across.nodes];
-        let symbol = Symbol::of([far[0], halves * far[1]], |j, row| {
+        let symbol = Symbol::of([far[0], halves * far[1]], scratch, |j, row| {
             if j < halves * nodes[1] {
                 for (i, to) in row.iter_mut().enumerate().take(nodes[0]) {
                     *to = scale * coefficients.at(i * along.step, j * across.step);
@@ -312,7 +318,7 @@ impl<T: Real> Spread<T> {
 #[cfg(test)]
 mod tests {
     use super::super::convolution::Convolution;
-    use super::super::operator::{Scratch, compliance};
+    use super::super::operator::compliance;
     use super::super::region::Region;
     use super::*;
     use crate::grid::Kernel;
@@ -330,9 +336,11 @@ mod tests {
             let halves = if mirrored { 2 } else { 1 };
             let table = InfluenceTable::new(Kernel::Galerkin, h, [shape[0], halves * shape[1]]);
             let scale = 1.0 / table.row(0)[0];
-            let split = Split::<f64>::new(&table, scale, shape, mirrored).expect("worth it");
-            let whole =
-                Convolution::<f64>::new(shape, &compliance(&table, scale, shape, &Region::whole(shape), mirrored));
+            let split = Split::<f64>::new(&table, scale, shape, mirrored, &Scratch::new()).expect("worth it");
+            let whole = Convolution::<f64>::new(
+                shape,
+                &compliance(&table, scale, shape, &Region::whole(shape), mirrored, &Scratch::new()),
+            );
             let p: Vec<f64> = (0..shape[0] * shape[1])
                 .map(|k| {
                     let (i, j) = (k % shape[0], k / shape[0]);

@@ -74,7 +74,7 @@ pub fn solve_under_force(
                 Some(start) => {
                     let start = window.start(problem, &table, Some(&start));
                     let region = window.region(start.as_deref());
-                    let operators = Operators::new(&table, window.shape(), region, window.mirrored, true);
+                    let operators = Operators::new(&table, window.shape(), region, window.mirrored, true, scratch);
                     cells.solve(&table, &operators, start, held.tolerance, limit, scratch)
                 }
                 None => from_coarse(cells, &table, &held, scratch, |by| by.abs() <= ROOM_ON_COARSE),
@@ -88,7 +88,7 @@ pub fn solve_under_force(
                 for ((r, now), before) in left.state.r.iter_mut().zip(now).zip(overlap) {
                     *r += now - (before + by);
                 }
-                return Ok((deeper, window.finish(&found, &table, left, settings)?));
+                return Ok((deeper, window.finish(&found, &table, left, settings, scratch)?));
             }
             if !by.is_finite() {
                 break;
