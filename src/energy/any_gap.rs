@@ -6,7 +6,8 @@
 //! P <= (d - g0) K(A'), K the force of a flat punch on all that may touch, A', at unit depth.
 
 use super::bracket::{Trial, lower};
-use super::functional::{Contact, Cut, RING};
+use super::expected::{beyond_hope, is_rough, left_by, seen_beyond_hope};
+use super::functional::{Contact, Cut};
 use super::of_gap::GapOverlap;
 use super::on_cells::OnCells;
 use super::parts::in_parts;
@@ -46,8 +47,13 @@ fn by_trial(
     let overlap = &OnCells::new(gap, trial.grid);
     let (field, halves) = trial.field(overlap, known).ok_or(Missing::TooWide(f64::INFINITY))?;
     let residual = Residual { field: &field, overlap, halves };
-    if enough > 0.0 && is_rough(&residual) {
-        return Err(Missing::TooWide(f64::INFINITY));
+    let pressed = residual.pressed();
+    if enough > 0.0 {
+        let seen = || in_parts(gap, overlap, trial.grid, |parts| seen_beyond_hope(&residual, &pressed, parts, enough));
+        let times = if is_rough(&residual, &pressed) { Some(f64::INFINITY) } else { seen() };
+        if let Some(times) = times {
+            return Err(Missing::TooWide(times));
+        }
     }
     let mut means = vec![[0.0; 2]; field.grid.len()];
     let [below, open] = lower(&residual, |i, j, mean| {
@@ -68,49 +74,19 @@ fn by_trial(
         return Err(Missing::TooWide(f64::INFINITY));
     }
     let ring = cells / loaded;
-    let pressed = residual.pressed();
     let force = 2.5 * below / above_least;
     let cut = Cut::around(&field, &touch, halves);
     in_parts(gap, overlap, trial.grid, |parts| {
         let virial = Virial::fitted(&pressed, parts, [1.0, 0.0, 0.0], &touch);
         let (residual, pressed, touch) = (&residual, &pressed, &touch[..]);
         let contact = Contact { residual, parts, pressed, means, cut, below, open, gamma, touch, ring };
-        let expected = expected(contact.disc(), virial.left, ring, gamma) / (enough * force);
-        if enough > 0.0 && expected > HOPE {
-            return Err(Missing::TooWide(0.5 * expected));
+        let expected = left_by(contact.pressed.disc(), virial.left, ring, gamma) / (enough * force);
+        if let Some(times) = beyond_hope(expected).filter(|_| enough > 0.0) {
+            return Err(Missing::TooWide(times));
         }
         let found = contact.bounds(&virial, above_least, enough * force);
         found.filter(|[low, high]| low <= high).ok_or(Missing::Beyond)
     })
-}
-
-/// What (5) may leave: by the punch of a disc of the area of the contact, and the share of it that is left.
-fn expected(punch: f64, left: f64, ring: f64, gamma: f64) -> f64 {
-    left * (2.0 * gamma * RING[0] * ring * punch).sqrt()
-}
-
-/// How many times as wide as enough bounds may be expected to be and still be looked for.
-const HOPE: f64 = 10.0;
-
-/// Cells that are looked at for kinks.
-const LOOKED_AT: usize = 64;
-
-/// Share of cells with kinks from which on bounds are too wide to be worth their time.
-const KINKED: f64 = 0.4;
-
-/// Whether f has kinks in so many cells under pressure that little can be shown.
-fn is_rough(residual: &Residual) -> bool {
-    let field = residual.field;
-    let [nx, ny] = field.grid.shape;
-    let loaded: Vec<usize> =
-        (0..nx * ny).filter(|k| field.pressure((k % nx) as isize, (k / nx) as isize) > 0.0).collect();
-    let step = loaded.len().div_ceil(LOOKED_AT).max(1);
-    let looked_at = || loaded.iter().step_by(step);
-    let kinked = looked_at().filter(|k| {
-        let rect = residual.rect((*k % nx) as isize, (*k / nx) as isize);
-        residual.overlap.jet(&rect).is_none()
-    });
-    kinked.count() as f64 > KINKED * looked_at().count() as f64
 }
 
 /// Places of a cell and its images.

@@ -294,12 +294,6 @@ impl Contact<'_> {
         self.by_energy(target.virial, [0.0; 2], faded(self.residual, target, self.touch)?, [0.0; 2])
     }
 
-    /// Force of a flat punch of the area under pressure, nearly.
-    pub fn disc(&self) -> f64 {
-        let cells = self.pressed.cells.iter().map(|(i, j, _)| self.pressed.images(*i, *j)).sum::<f64>();
-        2.0 * (cells * self.field().grid.cell_area() / std::f64::consts::PI).sqrt()
-    }
-
     /// (5), from both sides; `work`: bounds of <r, m>.
     fn by_energy(&self, virial: &Virial, work: [f64; 2], a_m: f64, tau: [f64; 2]) -> Option<[f64; 2]> {
         let gamma = self.gamma;

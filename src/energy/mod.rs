@@ -40,6 +40,7 @@ mod basis;
 mod bracket;
 mod cut;
 mod expansion;
+mod expected;
 mod extension;
 mod faded;
 mod field;

@@ -42,6 +42,12 @@ impl Pressed {
         images(&self.grid, self.halves, i, j)
     }
 
+    /// Force of a flat punch that is a disc of their area, at unit depth.
+    pub fn disc(&self) -> f64 {
+        let cells = self.cells.iter().map(|(i, j, _)| self.images(*i, *j)).sum::<f64>();
+        2.0 * (cells * self.grid.cell_area() / std::f64::consts::PI).sqrt()
+    }
+
     /// Cells under pressure, and every one of `touch` once: there the pressure is 0.
     pub fn with<'a>(&'a self, touch: &'a [Quarter]) -> impl Iterator<Item = (isize, isize, f64)> + 'a {
         let new = |n: usize| n == 0 || touch[n - 1].0 != touch[n].0 || touch[n - 1].1 != touch[n].1;

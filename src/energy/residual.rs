@@ -37,8 +37,19 @@ impl Norms {
     }
 }
 
+/// What some of the cells tell of all.
+pub(super) struct Seen {
+    /// About what a(w, w) is bounded by.
+    pub energy: f64,
+    /// Share of cells that are worked out in parts.
+    pub in_parts: f64,
+}
+
 /// Share of |grad r| and |r| in a cell that f may leave open before it is looked at more closely.
 const CLOSE: f64 = 0.05;
+
+/// As many times as many rows of cells are worth a look at some of them first.
+const SEVERAL: usize = 4;
 
 /// What sums in floating point may add to integrals, and the quadrature of [`super::tables`], relative.
 const ROUNDING: f64 = 1e-6;
@@ -204,7 +215,7 @@ impl Residual<'_> {
                 }
                 let lanes = LANES.min((end[0] - i) as usize);
                 let mut deepest = dips.is_some().then_some([f64::INFINITY; LANES]);
-                let found = self.lanes(set, i, j, lanes, &mut room, deepest.as_mut());
+                let (found, _) = self.lanes(set, i, j, lanes, &mut room, deepest.as_mut());
                 if let (Some(dips), Some(deepest)) = (&mut dips, deepest) {
                     for (k, dip) in
                         deepest.into_iter().enumerate().take(lanes).filter(|(k, _)| set.whole(i + *k as isize, j))
@@ -232,7 +243,33 @@ impl Residual<'_> {
         Norms { gradient: gradient * two, value: value * four, cells }
     }
 
-    /// The integrals of |grad w|^2 and w^2 over cells side by side.
+    /// What `count` rows of cells side by side tell, spread over all; `None` where there are not several times as many.
+    pub fn seen(&self, count: usize) -> Option<Seen> {
+        let (field, shape) = (self.field, self.field.grid.shape.map(|n| n as isize));
+        let set = Extension::of_cells(field.grid.shape, |i, j| field.pressure(i as isize, j as isize) > 0.0);
+        let first = self.first().map(|n| n.max(0));
+        let rows = (first[1]..shape[1]).flat_map(|j| (first[0]..shape[0]).step_by(LANES).map(move |i| (i, j)));
+        let lanes = |i: isize| LANES.min((shape[0] - i) as usize);
+        let all: Vec<_> = rows.filter(|(i, j)| (0..lanes(*i)).any(|k| set.touches(i + k as isize, *j))).collect();
+        let step = all.len() / count;
+        if step < SEVERAL {
+            return None;
+        }
+        let (mut total, mut room, mut cells, mut divided) = ([0.0; 2], Workspace::new(), 0, 0);
+        for &(i, j) in all.iter().step_by(step) {
+            let (found, in_parts) = self.lanes(&set, i, j, lanes(i), &mut room, None);
+            cells += (0..lanes(i)).filter(|k| set.whole(i + *k as isize, j)).count();
+            divided += in_parts;
+            for (k, found) in found.iter().enumerate().take(lanes(i)) {
+                let images = self.images(i + k as isize, j);
+                (0..2).for_each(|m| total[m] += step as f64 * images * found[m]);
+            }
+        }
+        let energy = 0.5 * (total[0] * total[1]).sqrt() * field.scale.powi(3);
+        Some(Seen { energy, in_parts: divided as f64 / cells.max(1) as f64 })
+    }
+
+    /// The integrals of |grad w|^2 and w^2 over cells side by side, and how many of those in the set were worked out in parts.
     fn lanes(
         &self,
         set: &Extension,
@@ -241,7 +278,7 @@ impl Residual<'_> {
         lanes: usize,
         room: &mut Workspace,
         deepest: Option<&mut Lane>,
-    ) -> [[f64; 2]; LANES] {
+    ) -> ([[f64; 2]; LANES], usize) {
         let field = self.field;
         let expansions = Expansions::new(field, i, j, room);
         let mut found = [[0.0; 2]; LANES];
@@ -274,6 +311,7 @@ impl Residual<'_> {
         } else {
             [[0.0; LANES]; 2]
         };
+        let mut in_parts = 0;
         for k in 0..lanes {
             let i = i + k as isize;
             if let Some([value, gradient]) = rests[k] {
@@ -287,6 +325,7 @@ impl Residual<'_> {
             if !set.touches(i, j) {
                 continue;
             }
+            in_parts += usize::from(set.whole(i, j));
             let cell = Cell::new(field, self.overlap, self.rect(i, j), expansions.cell(field, i - k as isize, j, k))
                 .with_overlap();
             for quarter in 0..4 {
@@ -296,7 +335,7 @@ impl Residual<'_> {
                 }
             }
         }
-        found
+        (found, in_parts)
     }
 
     /// The most by which u lies above f under pressure, from bounds in each cell: the largest of them are looked at closely.
