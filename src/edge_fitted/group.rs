@@ -17,7 +17,12 @@ pub(crate) struct Sources<'a, const K: usize> {
     pub arounds: Vec<Around>,
     /// The largest strength of the edges at every node.
     at_node: [Vec<f64>; K],
+    /// Cells on which signs have to be shown.
+    pub signs: Vec<bool>,
 }
+
+/// What may be left out where signs are shown, over what may be elsewhere.
+const OF_SIGNS: f64 = 0.02;
 
 impl<'a, const K: usize> Sources<'a, K> {
     pub fn new(mesh: &'a Mesh, lines: &'a Lines, pressures: [&'a [f64]; K], strengths: [&'a [f64]; K]) -> Self {
@@ -31,7 +36,7 @@ impl<'a, const K: usize> Sources<'a, K> {
             }
             largest
         });
-        Self { mesh, lines, pressures, strengths, arounds, at_node }
+        Self { mesh, lines, pressures, strengths, arounds, at_node, signs: vec![false; mesh.cells.len()] }
     }
 
     /// |p|/pi of a loaded cell.
@@ -39,12 +44,18 @@ impl<'a, const K: usize> Sources<'a, K> {
         self.pressures.map(|p| p[cell].abs() * std::f64::consts::FRAC_1_PI)
     }
 
+    /// What counts as small on a cell, over what counts as small elsewhere.
+    pub fn share(&self, cell: usize) -> f64 {
+        if self.signs[cell] { OF_SIGNS } else { 1.0 }
+    }
+
     /// The size of the slope in a cell: the largest strength at its corners.
     pub fn scale(&self, cell: usize) -> [f64; K] {
         let nodes = self.mesh.cells[cell];
+        let share = self.share(cell);
         std::array::from_fn(|k| {
-            let scale = nodes.iter().map(|&n| self.at_node[k][n]).fold(0.0, f64::max);
-            if scale > 0.0 { scale } else { self.scale_from_afar(k, cell) }
+            let scale = share * nodes.iter().map(|&n| self.at_node[k][n]).fold(0.0, f64::max);
+            if scale > 0.0 { scale } else { share * self.scale_from_afar(k, cell) }
         })
     }
 

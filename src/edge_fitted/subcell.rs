@@ -193,9 +193,9 @@ impl Fan {
 /// A convex quadrilateral with the outward normals of its sides: lower bounds of distances from it, by separating lines.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Hull {
-    around: Around,
+    pub around: Around,
     /// Outward unit normals and offsets; a side without length has a zero normal.
-    sides: [(Point, f64); 4],
+    pub sides: [(Point, f64); 4],
 }
 
 impl Hull {
