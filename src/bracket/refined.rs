@@ -96,7 +96,7 @@ fn on_grids(
         };
         // Far cheaper, and narrower but where the pressure has no bound. Who wants no proof for the error wants that of the bracket alone.
         let wanted = settings.evidence == ErrorBar::Proof && law != Some(Degree::Flat);
-        let energy = if wanted { claimed(&scaled, law, &state.trial(), settings) } else { None };
+        let energy = if wanted { claimed(&scaled, law, &state.trial(), settings).ok() } else { None };
         let by_energy =
             energy.map(|bounds| ForceBracket::of_pressure(bounds.map(|force| force * unit_force), &pressure));
         if !by_energy.is_some_and(&mut better) {

@@ -259,7 +259,8 @@ fn energy_bounds(gap: &AnyGap, scene: &Scene, depth: f64, field: &Pressure) -> O
         &Trial { grid: &grid, pressure: &pressure, displacement: None },
         CLOSER,
         Deadline::NEVER,
-    )?;
+    )
+    .ok()?;
     Some(bounds.map(|force| force * e_star * units.height * units.length))
 }
 

@@ -1,6 +1,6 @@
 //! Dense Cholesky factor of a symmetric positive definite matrix, by blocks of columns, and the solves with it.
 
-use super::simd::{Kernel, vectorised};
+use crate::numeric::simd::{Kernel, vectorised};
 
 /// Columns of a block: three rows of 64 doubles and an 8 x 8 tile stay in the first cache.
 const BLOCK: usize = 64;

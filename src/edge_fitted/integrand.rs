@@ -3,7 +3,7 @@
 use super::bilinear::{CORNERS, bilinear, gradient_range, weighted_gradient};
 use super::gauss::{LANES, LOGARITHMIC_SLACK, NODES, Rule};
 use super::mesh::{Bilinear, Point, norm};
-use super::simd::{Kernel, vectorised};
+use crate::numeric::simd::{Kernel, vectorised};
 
 /// The two sums of (2), and the same sums of what interpolation leaves out.
 #[derive(Debug, Clone, Copy, Default)]

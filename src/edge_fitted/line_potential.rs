@@ -12,7 +12,7 @@
 //! r + |a| at both ends, without cancellation.
 
 use super::mesh::{Mesh, Point, dot, minus, norm};
-use super::simd::{Kernel, ln, vectorised};
+use crate::numeric::simd::{Kernel, ln, vectorised};
 
 /// Points that are evaluated together.
 pub(crate) const BATCH: usize = 64;

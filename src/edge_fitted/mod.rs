@@ -54,7 +54,6 @@ mod polygon;
 mod rectilinear;
 mod region;
 mod residual_norm;
-mod simd;
 mod strip;
 mod subcell;
 mod subdivision;

@@ -39,7 +39,7 @@ pub(super) fn left_out(field: &Field) -> f64 {
 }
 
 /// Share of the largest jump of the pressure that the gradient of f may be in doubt by before f is looked at more closely.
-const CLOSE: f64 = 0.02;
+const CLOSE: f64 = 0.05;
 
 /// The same of the largest pressure, however small the jumps.
 const NEGLIGIBLE: f64 = 1e-4;
@@ -72,7 +72,8 @@ impl<'a> Cell<'a> {
     }
 
     fn close(&self, piece: &Piece) -> bool {
-        piece.taylor.rest[1] <= (CLOSE * self.largest).max(NEGLIGIBLE * self.u.field.strongest)
+        !self.overlap.is_worth_parts()
+            || piece.taylor.rest[1] <= (CLOSE * self.largest).max(NEGLIGIBLE * self.u.field.strongest)
     }
 
     /// f where it is smooth.
@@ -105,7 +106,9 @@ impl<'a> Cell<'a> {
     /// The part of the cell from `low` to `high` of half a side in the quarter.
     fn part(&self, quarter: usize, low: [f64; 2], high: [f64; 2]) -> Rect {
         let (c, size, sign) = (self.rect.centre(), self.rect.size(), signs(quarter));
-        let ends = [0, 1].map(|m| [low[m], high[m]].map(|s| c[m] + sign[m] * s * size[m]));
+        let ends = [0, 1].map(|m| {
+            [low[m], high[m]].map(|s| (c[m] + sign[m] * s * size[m]).clamp(self.rect.min[m], self.rect.max[m]))
+        });
         Rect { min: ends.map(|[a, b]| a.min(b)), max: ends.map(|[a, b]| a.max(b)) }
     }
 
@@ -210,11 +213,56 @@ impl<'a> Cell<'a> {
 #[cfg(test)]
 mod tests {
     use super::super::expansion::{Expansions, Workspace};
-    use super::super::overlap::Plane;
+    use super::super::overlap::{Interval, Jet};
     use super::super::potential::Corners;
     use super::super::quarter::INNER;
     use super::*;
     use crate::grid::Grid;
+
+    /// The plane c + a x + b y, without end; nothing has to lie above it.
+    struct Plane {
+        /// c, its value at the origin.
+        level: f64,
+        /// (a, b).
+        slope: [f64; 2],
+    }
+
+    impl Plane {
+        fn around(&self, [x, y]: [f64; 2]) -> Interval {
+            let terms = [self.level, self.slope[0] * x, self.slope[1] * y];
+            let (sum, size) = (terms.iter().sum::<f64>(), terms.iter().map(|t| t.abs()).sum::<f64>());
+            [sum - 2.0 * f64::EPSILON * size, sum + 2.0 * f64::EPSILON * size]
+        }
+    }
+
+    impl OverlapBounds for Plane {
+        fn bounds(&self, rect: &Rect, slope: [f64; 2]) -> Interval {
+            let ([low, high], [w, h]) = (self.around(rect.centre()), rect.size());
+            let swing = 0.5 * ((self.slope[0] - slope[0]).abs() * w + (self.slope[1] - slope[1]).abs() * h);
+            let swing = swing * (1.0 + 8.0 * f64::EPSILON);
+            [low - swing, high + swing]
+        }
+
+        fn slopes(&self, _rect: &Rect) -> [Interval; 2] {
+            self.slope.map(|s| [s; 2])
+        }
+
+        fn jet(&self, rect: &Rect) -> Option<Jet> {
+            Some(Jet { value: self.around(rect.centre()), gradient: self.slope.map(|s| [s; 2]), ..Jet::default() })
+        }
+
+        fn mean(&self, rect: &Rect) -> Interval {
+            self.around(rect.centre())
+        }
+
+        fn binds(&self) -> bool {
+            false
+        }
+
+        fn reach(&self) -> Option<Rect> {
+            None
+        }
+    }
 
     #[test]
     fn displacement_in_every_quarter_is_that_of_sums() {

@@ -1,8 +1,10 @@
 //! The displacement in several cells of a row at a time: its polynomial and the weights of its singular functions.
 
+use pulp::{Arch, Simd, WithSimd};
+
 use super::basis::{CLASSES, EVEN, NODES, ODD, POLYNOMIALS};
 use super::field::Field;
-use super::lane::{LANES, Lane, add};
+use super::lane::{LANES, Lane, add, combination, difference, sum};
 use super::tables::WIDEST;
 use super::touching::{FIRSTS, TOUCHING};
 
@@ -27,16 +29,6 @@ fn lane(row: &[f64], k: usize) -> &Lane {
     row.get(k..).and_then(|row| row.first_chunk()).unwrap_or(&[f64::NAN; LANES])
 }
 
-#[inline(always)]
-fn sum(a: &Lane, b: &Lane) -> Lane {
-    std::array::from_fn(|k| a[k] + b[k])
-}
-
-#[inline(always)]
-fn difference(a: &Lane, b: &Lane) -> Lane {
-    std::array::from_fn(|k| a[k] - b[k])
-}
-
 /// Sums of the images of an input, with the signs of a class, and how many there are.
 struct Inputs {
     lanes: [Lane; INPUTS],
@@ -57,29 +49,33 @@ impl Inputs {
         self.count += 1;
     }
 
-    /// Adds to each coefficient what its row of weights makes of the inputs: two coefficients at a time.
+    /// Adds to each coefficient what its row of weights makes of the inputs: three coefficients at a time, as many as registers hold.
     #[inline(always)]
-    fn onto(&self, coefficients: &mut [Lane], weights: &[f64]) {
+    fn onto<S: Simd>(&self, simd: S, coefficients: &mut [Lane], weights: &[f64]) {
         let n = self.count;
         let inputs = &self.lanes[..n];
         let mut rows = weights.chunks_exact(n);
-        let mut pairs = coefficients.chunks_exact_mut(2);
-        for pair in &mut pairs {
-            let (Some(v), Some(w)) = (rows.next(), rows.next()) else { return };
-            let (mut a, mut b) = (pair[0], pair[1]);
-            for ((x, v), w) in inputs.iter().zip(v).zip(w) {
-                add(&mut a, *v, x);
-                add(&mut b, *w, x);
+        let mut threes = coefficients.chunks_exact_mut(3);
+        for three in &mut threes {
+            let (Some(u), Some(v), Some(w)) = (rows.next(), rows.next(), rows.next()) else { return };
+            let (mut a, mut b, mut c) = (three[0], three[1], three[2]);
+            for (((x, u), v), w) in inputs.iter().zip(u).zip(v).zip(w) {
+                add(simd, &mut a, *u, x);
+                add(simd, &mut b, *v, x);
+                add(simd, &mut c, *w, x);
             }
-            (pair[0], pair[1]) = (a, b);
+            (three[0], three[1], three[2]) = (a, b, c);
         }
-        if let ([last], Some(v)) = (pairs.into_remainder(), rows.next()) {
+        for (last, v) in threes.into_remainder().iter_mut().zip(rows) {
             for (x, v) in inputs.iter().zip(v) {
-                add(last, *v, x);
+                add(simd, last, *v, x);
             }
         }
     }
 }
+
+/// Lanes of a row with what the near block needs on either side.
+const WIDEST_ROW: usize = (2 * WIDEST).div_ceil(LANES) + 1;
 
 /// Workspace for the inputs of the four classes.
 pub(super) struct Workspace([Inputs; 4]);
@@ -90,88 +86,98 @@ impl Workspace {
     }
 }
 
+/// Where expansions are wanted.
+struct At<'a> {
+    field: &'a Field,
+    i: isize,
+    j: isize,
+    room: &'a mut Workspace,
+}
+
+impl WithSimd for At<'_> {
+    type Output = Expansions;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Expansions {
+        let Self { field, i, j, room } = self;
+        let mut all = Expansions { polynomial: [[0.0; LANES]; POLYNOMIALS], singular: [[0.0; LANES]; 8] };
+        all.nodes(simd, field, i, j);
+        room.0.iter_mut().for_each(|inputs| inputs.count = 0);
+        all.pressures(simd, field, i, j, room);
+        for (class, inputs) in room.0.iter().enumerate() {
+            inputs.onto(simd, &mut all.polynomial[CLASSES[class]..CLASSES[class + 1]], &field.tables.weights[class]);
+        }
+        all
+    }
+}
+
+/// Cells of a row whose means make the polynomials of [`LANES`] of them, and a few more: a multiple of those.
+const WIDTH: usize = 2 * LANES;
+
 impl Expansions {
     /// In the cells (i, j), (i + 1, j), ...
     pub fn new(field: &Field, i: isize, j: isize, room: &mut Workspace) -> Self {
-        let mut all = Self { polynomial: [[0.0; LANES]; POLYNOMIALS], singular: [[0.0; LANES]; 8] };
-        all.nodes(field, i, j);
-        room.0.iter_mut().for_each(|inputs| inputs.count = 0);
-        all.pressures(field, i, j, room);
-        for (class, inputs) in room.0.iter().enumerate() {
-            inputs.onto(&mut all.polynomial[CLASSES[class]..CLASSES[class + 1]], &field.tables.weights[class]);
-        }
-        all
+        Arch::new().dispatch(At { field, i, j, room })
     }
 
     /// I u, from the means over 7 x 7 cells.
     #[inline(always)]
-    fn nodes(&mut self, field: &Field, i: isize, j: isize) {
-        const WIDTH: usize = LANES + 2 * NODES;
+    fn nodes<S: Simd>(&mut self, simd: S, field: &Field, i: isize, j: isize) {
+        const { assert!(WIDTH >= LANES + 2 * NODES) };
         let row = |b: isize| -> &[f64; WIDTH] {
             field.displacements(i - NODES as isize, j + b).first_chunk().unwrap_or(&[f64::NAN; WIDTH])
         };
         // Along y first: coefficients c_0, c_2, c_4, c_1, c_3.
-        let middle = row(0);
-        let mut sums = [*middle; NODES + 1];
-        let mut differences = [[0.0; WIDTH]; NODES];
-        for b in 0..NODES {
-            let (up, down) = (row(b as isize + 1), row(-(b as isize) - 1));
-            for k in 0..WIDTH {
-                sums[b + 1][k] = up[k] + down[k];
-                differences[b][k] = up[k] - down[k];
-            }
-        }
+        let (rows, middle) = ([1, 2, 3].map(|b| [row(b), row(-b)]), row(0));
+        let [a, b, c] = rows.map(|[up, down]| sum(simd, up, down));
+        let sums = [*middle, a, b, c];
+        let differences = rows.map(|[up, down]| difference(simd, up, down));
         for n in 0..5 {
-            let mut column = [0.0; WIDTH];
-            if n < 3 {
-                for (sum, weight) in sums.iter().zip(EVEN[n]) {
-                    (0..WIDTH).for_each(|k| column[k] += weight * sum[k]);
-                }
-            } else {
-                for (difference, weight) in differences.iter().zip(ODD[n - 3]) {
-                    (0..WIDTH).for_each(|k| column[k] += weight * difference[k]);
-                }
-            }
+            let column =
+                if n < 3 { combination(simd, &EVEN[n], &sums) } else { combination(simd, &ODD[n - 3], &differences) };
             // Place of the first coefficient that is even in s, and of the first odd one.
             let [even, odd] = if n < 3 { [3 * n, 9 + 2 * n] } else { [15 + 3 * (n - 3), 21 + 2 * (n - 3)] };
             let at = |k: usize| lane(&column, k);
-            let [a, b, c] = [1, 2, 3].map(|a| sum(at(NODES + a), at(NODES - a)));
-            for (m, [v, w, x, y]) in EVEN.into_iter().enumerate() {
-                let middle = at(NODES);
-                self.polynomial[even + m] = std::array::from_fn(|k| (v * middle[k] + w * a[k]) + (x * b[k] + y * c[k]));
+            let images = [1, 2, 3].map(|a| [at(NODES + a), at(NODES - a)]);
+            let [a, b, c] = images.map(|[right, left]| sum(simd, right, left));
+            let along = [*at(NODES), a, b, c];
+            for (m, row) in EVEN.iter().enumerate() {
+                self.polynomial[even + m] = combination(simd, row, &along);
             }
-            let [a, b, c] = [1, 2, 3].map(|a| difference(at(NODES + a), at(NODES - a)));
-            for (m, [w, x, y]) in ODD.into_iter().enumerate() {
-                self.polynomial[odd + m] = std::array::from_fn(|k| w * a[k] + x * b[k] + y * c[k]);
+            let along = images.map(|[right, left]| difference(simd, right, left));
+            for (m, row) in ODD.iter().enumerate() {
+                self.polynomial[odd + m] = combination(simd, row, &along);
             }
         }
     }
 
     /// The near block: inputs by class, in the order of [`super::tables::Tables::weights`].
     #[inline(always)]
-    fn pressures(&mut self, field: &Field, i: isize, j: isize, Workspace(classes): &mut Workspace) {
+    fn pressures<S: Simd>(&mut self, simd: S, field: &Field, i: isize, j: isize, Workspace(classes): &mut Workspace) {
         let [nx, ny] = field.tables.near;
-        let width = LANES + 2 * nx;
-        let mut rows = [[0.0; LANES + 2 * WIDEST]; 2];
+        let width = (2 * nx).div_ceil(LANES) + 1;
+        let mut rows = [[[0.0; LANES]; WIDEST_ROW]; 2];
         let [even, along, across, both] = classes;
         for b in 0..=ny {
             let from = i - nx as isize;
             let (up, down) = (field.pressures(from, j + b as isize), field.pressures(from, j - b as isize));
             let [sums, differences] = &mut rows;
-            for ((s, d), (u, l)) in sums.iter_mut().zip(differences.iter_mut()).zip(up.iter().zip(down)).take(width) {
-                (*s, *d) = (u + l, u - l);
+            for k in 0..width {
+                let (up, down) = (lane(up, k * LANES), lane(down, k * LANES));
+                (sums[k], differences[k]) = (sum(simd, up, down), difference(simd, up, down));
             }
+            let (sums, differences) = (sums.as_flattened(), differences.as_flattened());
             for a in if b <= 1 { 2 } else { 0 }..=nx {
                 let (right, left) = (lane(sums, nx + a), lane(sums, nx - a));
-                even.push(sum(right, left));
+                even.push(sum(simd, right, left));
                 if a > 0 {
-                    along.push(difference(right, left));
+                    along.push(difference(simd, right, left));
                 }
                 if b > 0 {
                     let (right, left) = (lane(differences, nx + a), lane(differences, nx - a));
-                    across.push(sum(right, left));
+                    across.push(sum(simd, right, left));
                     if a > 0 {
-                        both.push(difference(right, left));
+                        both.push(difference(simd, right, left));
                     }
                 }
             }
@@ -179,22 +185,23 @@ impl Expansions {
         // The cells that touch.
         let [down, middle, up] = [-1, 0, 1].map(|b| field.pressures(i - 1, j + b));
         let p = *lane(middle, 1);
-        let at = |row, k| lane(row, k);
-        let (e, w) = (at(middle, 2), at(middle, 0));
-        let (n, s) = (at(up, 1), at(down, 1));
-        let (ne, nw, se, sw) = (at(up, 2), at(up, 0), at(down, 2), at(down, 0));
-        for k in 0..LANES {
-            let p = p[k];
-            let (right, left) = (ne[k] + se[k], nw[k] + sw[k]);
-            self.singular[0][k] = e[k] + w[k] - 2.0 * p;
-            self.singular[1][k] = n[k] + s[k] - 2.0 * p;
-            self.singular[2][k] = right + left - 4.0 * p;
-            self.singular[3][k] = e[k] - w[k];
-            self.singular[4][k] = right - left;
-            self.singular[5][k] = n[k] - s[k];
-            self.singular[6][k] = (ne[k] + nw[k]) - (se[k] + sw[k]);
-            self.singular[7][k] = (ne[k] - nw[k]) - (se[k] - sw[k]);
-        }
+        let rise = [0, 1, 2].map(|k| sum(simd, lane(up, k), lane(down, k)));
+        let fall = [0, 1, 2].map(|k| difference(simd, lane(up, k), lane(down, k)));
+        let minus = |times: f64, mut of: Lane| {
+            add(simd, &mut of, -times, &p);
+            of
+        };
+        let [w, e] = [lane(middle, 0), lane(middle, 2)];
+        self.singular = [
+            minus(2.0, sum(simd, e, w)),
+            minus(2.0, rise[1]),
+            minus(4.0, sum(simd, &rise[2], &rise[0])),
+            difference(simd, e, w),
+            difference(simd, &rise[2], &rise[0]),
+            fall[1],
+            sum(simd, &fall[2], &fall[0]),
+            difference(simd, &fall[2], &fall[0]),
+        ];
         for (class, inputs) in [even, along, across, both].into_iter().enumerate() {
             self.singular[FIRSTS[class]..FIRSTS[class + 1]].iter().for_each(|z| inputs.push(*z));
             if class == 0 {

@@ -60,26 +60,6 @@ impl Extension {
         self.cells[place] |= 1 << quarter;
     }
 
-    /// Adds a quarter with chi = 1 at its corners, and its images.
-    pub fn cover(&mut self, i: isize, j: isize, quarter: usize, halves: [bool; 2]) {
-        let width = self.width();
-        let size = [width, self.lit.len() / width];
-        let centre = self.first(i, j) + width + 1;
-        let [x, y] = [centre % width, centre / width];
-        let step = |n: usize, up: bool| if up { [n, n + 1] } else { [n - 1, n] };
-        for b in step(y, quarter & 2 == 2) {
-            for a in step(x, quarter & 1 == 1) {
-                for image in 0..4 {
-                    if (0..2).any(|m| image >> m & 1 == 1 && !halves[m]) {
-                        continue;
-                    }
-                    let at = |m: usize, n: usize| if image >> m & 1 == 1 { size[m] - 1 - n } else { n };
-                    self.lit[at(1, b) * width + at(0, a)] = true;
-                }
-            }
-        }
-    }
-
     /// Whether chi is 1 somewhere on the border of what is looked at: then it fades beyond.
     pub fn reaches_border(&self) -> bool {
         let width = self.width();
@@ -129,13 +109,7 @@ mod tests {
         assert_eq!(set.fade(2, 1, 0), [0.0, 1.0, 1.0, 1.0]);
         // Beyond a corner.
         assert_eq!(set.fade(0, 0, 3), [0.0, 0.0, 0.0, 1.0]);
-        // A quarter is covered with its image.
-        let mut covered = set.clone();
-        covered.cover(0, 1, 0, [true, false]);
-        assert_eq!([covered.fade(0, 1, 0), covered.fade(2, 1, 1)], [[1.0; 4]; 2]);
-        assert!(!covered.reaches_border());
-        covered.cover(-1, 1, 0, [false; 2]);
-        assert!(covered.reaches_border());
+        assert!(!set.reaches_border());
         // Outside the grid.
         assert_eq!(set.fade(3, 0, 2), [0.0, 1.0, 0.0, 1.0]);
         assert!(set.touches(3, -1) && !set.touches(-1, 3));

@@ -12,6 +12,9 @@ use crate::matrix_free::{Operator, Scratch};
 /// Cells around the grid that are looked at like those of the grid.
 pub(super) const RING: usize = 1;
 
+/// What lanes read beyond the frame of the last cell of a row.
+const BEYOND: usize = 2 * LANES;
+
 /// Relative error of influence coefficients that every bound allows for: ten times what is stated for them.
 pub(super) const COEFFICIENTS: f64 = 1e-11;
 
@@ -45,7 +48,7 @@ fn framed(
     grid: [usize; 2],
     fill: f64,
 ) -> Vec<f64> {
-    let (width, height) = (grid[0] + 2 * frame[0] + LANES, grid[1] + 2 * frame[1]);
+    let (width, height) = (grid[0] + 2 * frame[0] + BEYOND, grid[1] + 2 * frame[1]);
     let mut to = vec![fill; width * height];
     for (y, row) in field.chunks_exact(shape[0]).enumerate() {
         let first = (y as isize + from[1] + frame[1] as isize) as usize * width;
@@ -125,15 +128,17 @@ impl Field {
     }
 
     /// The pressures of a row of cells from cell `i` on, `i` and `j` counted from the first cell of the grid.
+    #[inline(always)]
     pub fn pressures(&self, i: isize, j: isize) -> &[f64] {
-        let width = self.grid.shape[0] + 2 * self.p_frame[0] + LANES;
+        let width = self.grid.shape[0] + 2 * self.p_frame[0] + BEYOND;
         let row = (j + self.p_frame[1] as isize) as usize * width;
         &self.p[row + (i + self.p_frame[0] as isize) as usize..row + width]
     }
 
     /// The same of the displacements.
+    #[inline(always)]
     pub fn displacements(&self, i: isize, j: isize) -> &[f64] {
-        let width = self.grid.shape[0] + 2 * self.u_frame[0] + LANES;
+        let width = self.grid.shape[0] + 2 * self.u_frame[0] + BEYOND;
         let row = (j + self.u_frame[1] as isize) as usize * width;
         &self.u[row + (i + self.u_frame[0] as isize) as usize..row + width]
     }

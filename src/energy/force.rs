@@ -3,6 +3,7 @@
 use super::any_gap::{self, Missing};
 use super::bracket::{Trial, energy_bracket};
 use super::of_gap::GapOverlap;
+use super::on_cells::OnCells;
 use crate::clock::Deadline;
 use crate::gap::{AnyGap, Degree};
 use crate::overlap::Scaled;
@@ -34,10 +35,22 @@ const ROUNDING: f64 = 1e-13;
 pub fn force_bracket(gap: &AnyGap, depth: f64, trial: &Trial) -> Option<[f64; 2]> {
     let law = gap.known().law.filter(|law| law.degree != Degree::Flat);
     let above_lowest = law.map_or(f64::NAN, |law| depth - law.lowest);
-    bounds(&GapOverlap::new(gap, depth), law.map(|law| law.degree), above_lowest, depth - gap.known().floor, trial, 0.0)
+    let above_least = depth - gap.known().floor;
+    bounds(&GapOverlap::new(gap, depth), law.map(|law| law.degree), above_lowest, above_least, trial, 0.0).ok()
 }
 
-/// Bounds of the force (E* = 1) by a pressure on a grid; `None` where none can be had. For a gap of this degree, or for any gap; wide
+/// That no bounds were had.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct NoBounds {
+    /// How many times as wide as the tolerance those of this grid are expected to be; infinite where that cannot be told.
+    pub times: f64,
+}
+
+impl NoBounds {
+    const NONE: Self = Self { times: f64::INFINITY };
+}
+
+/// Bounds of the force (E* = 1) by a pressure on a grid. For a gap of this degree, or for any gap; wide
 /// by a share of `tolerance` at least.
 pub(crate) fn force_bounds(
     scaled: &Scaled,
@@ -45,7 +58,7 @@ pub(crate) fn force_bounds(
     trial: &Trial,
     tolerance: f64,
     deadline: Deadline,
-) -> Option<[f64; 2]> {
+) -> Result<[f64; 2], NoBounds> {
     let overlap = GapOverlap::of(scaled, OPEN * tolerance, deadline);
     bounds(&overlap, degree, scaled.above_lowest(), scaled.depth - scaled.gap.known().floor, trial, tolerance)
 }
@@ -57,29 +70,34 @@ fn bounds(
     above_least: f64,
     trial: &Trial,
     enough: f64,
-) -> Option<[f64; 2]> {
+) -> Result<[f64; 2], NoBounds> {
     if !is_positive(trial) {
-        return None;
+        return Err(NoBounds::NONE);
     }
     let [lower, upper] = match degree {
         // Where it is not known that the overlap ends, samples would have to prove it.
-        None if !overlap.is_certain() => return None,
+        None if !overlap.is_certain() => return Err(NoBounds::NONE),
         None => {
             let bounds = |trial: &Trial| any_gap::bounds(overlap, above_least * (1.0 + ROUNDING), trial, enough);
             // Only contact beyond the grid is a reason to enlarge it.
-            trial
-                .first_that(overlap, |trial| Some(bounds(trial)).filter(|found| *found != Err(Missing::Beyond)))?
-                .ok()?
+            let found =
+                trial.first_that(overlap, |trial| Some(bounds(trial)).filter(|found| *found != Err(Missing::Beyond)));
+            match found.unwrap_or(Err(Missing::Beyond)) {
+                Ok(bounds) => bounds,
+                Err(Missing::TooWide(times)) => return Err(NoBounds { times }),
+                Err(Missing::Beyond) => return Err(NoBounds::NONE),
+            }
         }
         Some(degree) => {
-            let bounds = |trial: &Trial| energy_bracket(overlap, trial).bounds();
-            let [lower, upper] =
-                trial.first_that(overlap, |trial| Some(bounds(trial)).filter(|[_, upper]| upper.is_finite()))?;
+            let bounds = |trial: &Trial| energy_bracket(&OnCells::new(overlap, trial.grid), trial).bounds();
+            let [lower, upper] = trial
+                .first_that(overlap, |trial| Some(bounds(trial)).filter(|[_, upper]| upper.is_finite()))
+                .ok_or(NoBounds::NONE)?;
             let per_energy = (2.0 + degree.inverse()) / above_lowest;
             [lower * per_energy * (1.0 - ROUNDING), upper * per_energy * (1.0 + ROUNDING)]
         }
     };
-    (lower > 0.0 && upper < f64::INFINITY).then_some([lower, upper])
+    if lower > 0.0 && upper < f64::INFINITY { Ok([lower, upper]) } else { Err(NoBounds::NONE) }
 }
 
 /// Whether a trial is one: no pressure negative, some positive, all numbers.

@@ -2,7 +2,7 @@
 
 use super::overlap::{Interval, Jet, OverlapBounds};
 use crate::clock::Deadline;
-use crate::gap::{AnyGap, Gap, Material, Reach};
+use crate::gap::{AnyGap, Gap, Material, Reach, Taylor};
 use crate::numeric;
 use crate::numeric::geometry::Rect;
 use crate::overlap::Scaled;
@@ -81,7 +81,37 @@ impl<'a> GapOverlap<'a> {
         [low.max(a - rounding), high.min(b + rounding)]
     }
 
-    fn below_depth(&self, [low, high]: [f64; 2]) -> Interval {
+    /// The overlap of a part of the gap at the same depth.
+    pub(super) fn of_part<'b>(&self, gap: &'b AnyGap) -> GapOverlap<'b> {
+        GapOverlap { gap, depth: self.depth, reach: None, open: self.open, deadline: self.deadline }
+    }
+
+    pub(super) fn depth(&self) -> f64 {
+        self.depth
+    }
+
+    /// The gap itself.
+    pub(super) fn gap(&self) -> &'a AnyGap {
+        self.gap
+    }
+
+    /// Whether a mean between these ends is known as closely as is asked for.
+    pub(super) fn is_close(&self, [low, high]: Interval) -> bool {
+        high - low <= self.open * self.depth.abs()
+    }
+
+    /// The overlap over a rectangle from the gap there.
+    pub(super) fn jet_of(&self, taylor: &Taylor) -> Jet {
+        Jet {
+            value: self.below_depth([taylor.value.lo, taylor.value.hi]),
+            gradient: taylor.gradient.map(negative),
+            hessian: taylor.hessian.map(negative),
+            third: [[0.0; 2]; 4],
+        }
+    }
+
+    /// f from bounds of the gap.
+    pub(super) fn below_depth(&self, [low, high]: [f64; 2]) -> Interval {
         let f = |g: f64, outward: fn(f64) -> f64| if g.is_finite() { outward(self.depth - g) } else { -g };
         [f(high, f64::next_down), f(low, f64::next_up)]
     }
@@ -101,13 +131,7 @@ impl OverlapBounds for GapOverlap<'_> {
     }
 
     fn jet(&self, rect: &Rect) -> Option<Jet> {
-        let taylor = self.gap.taylor(rect)?;
-        Some(Jet {
-            value: self.below_depth([taylor.value.lo, taylor.value.hi]),
-            gradient: taylor.gradient.map(negative),
-            hessian: taylor.hessian.map(negative),
-            third: [[0.0; 2]; 4],
-        })
+        self.gap.taylor(rect).map(|taylor| self.jet_of(&taylor))
     }
 
     fn mean(&self, rect: &Rect) -> Interval {

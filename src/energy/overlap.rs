@@ -37,6 +37,11 @@ pub trait OverlapBounds {
         true
     }
 
+    /// Whether f is worth a closer look in parts of a rectangle that it is smooth in.
+    fn is_worth_parts(&self) -> bool {
+        true
+    }
+
     /// A rectangle outside which f <= 0 or no material is, for certain; `None` where no end is known.
     fn reach(&self) -> Option<Rect>;
 
@@ -149,6 +154,7 @@ impl Taylor {
     }
 
     /// Value and gradient at (x, y) from the centre.
+    #[inline(always)]
     pub fn at(&self, [x, y]: [f64; 2]) -> [f64; 3] {
         let t = &self.terms;
         let value = t[0]
@@ -157,51 +163,6 @@ impl Taylor {
         let along = t[1] + x * (2.0 * t[3] + 3.0 * x * t[6] + 2.0 * y * t[7]) + y * (t[4] + y * t[8]);
         let across = t[2] + y * (2.0 * t[5] + 3.0 * y * t[9] + 2.0 * x * t[8]) + x * (t[4] + x * t[7]);
         [value, along, across]
-    }
-}
-
-/// The plane c + a x + b y, without end; nothing has to lie above it.
-pub(super) struct Plane {
-    /// c, its value at the origin.
-    pub level: f64,
-    /// (a, b).
-    pub slope: [f64; 2],
-}
-
-impl Plane {
-    fn around(&self, [x, y]: [f64; 2]) -> Interval {
-        let terms = [self.level, self.slope[0] * x, self.slope[1] * y];
-        let (sum, size) = (terms.iter().sum::<f64>(), terms.iter().map(|t| t.abs()).sum::<f64>());
-        [sum - 2.0 * f64::EPSILON * size, sum + 2.0 * f64::EPSILON * size]
-    }
-}
-
-impl OverlapBounds for Plane {
-    fn bounds(&self, rect: &Rect, slope: [f64; 2]) -> Interval {
-        let ([low, high], [w, h]) = (self.around(rect.centre()), rect.size());
-        let swing = 0.5 * ((self.slope[0] - slope[0]).abs() * w + (self.slope[1] - slope[1]).abs() * h);
-        let swing = swing * (1.0 + 8.0 * f64::EPSILON);
-        [low - swing, high + swing]
-    }
-
-    fn slopes(&self, _rect: &Rect) -> [Interval; 2] {
-        self.slope.map(|s| [s; 2])
-    }
-
-    fn jet(&self, rect: &Rect) -> Option<Jet> {
-        Some(Jet { value: self.around(rect.centre()), gradient: self.slope.map(|s| [s; 2]), ..Jet::default() })
-    }
-
-    fn mean(&self, rect: &Rect) -> Interval {
-        self.around(rect.centre())
-    }
-
-    fn binds(&self) -> bool {
-        false
-    }
-
-    fn reach(&self) -> Option<Rect> {
-        None
     }
 }
 

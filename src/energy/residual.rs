@@ -277,7 +277,7 @@ impl Residual<'_> {
             if let Some([value, gradient]) = rests[k] {
                 let (a, b) = (slopes[k].max(0.0).sqrt(), values[k].max(0.0).sqrt());
                 let (da, db) = (area.sqrt() * gradient, area.sqrt() * value);
-                if da <= CLOSE * a && db <= CLOSE * b {
+                if da <= CLOSE * a && db <= CLOSE * b || !self.overlap.is_worth_parts() {
                     found[k] = [(a + da).powi(2), (b + db).powi(2)];
                     continue;
                 }
@@ -349,6 +349,16 @@ impl Residual<'_> {
             }
         }
     }
+}
+
+/// Cells under pressure that are worked out.
+pub(super) fn loaded<'a>(residual: &'a Residual) -> impl Iterator<Item = (isize, isize, f64)> + 'a {
+    let field = residual.field;
+    let [nx, ny] = field.grid.shape.map(|n| n as isize);
+    let first = residual.first().map(|n| n.max(0));
+    (first[1]..ny)
+        .flat_map(move |j| (first[0]..nx).map(move |i| (i, j, field.pressure(i, j))))
+        .filter(|(_, _, p)| *p > 0.0)
 }
 
 /// Of cells side by side, a bound of u - f in each, in longer sides: |P_k| <= 1. What f leaves open is not in it.

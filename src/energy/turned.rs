@@ -1,9 +1,11 @@
 //! The residual in a quarter of a cell, turned so that the middle of the cell is at its lower left.
 
+use pulp::{Arch, Simd, WithSimd};
+
 use super::basis::{DEGREES, of_taylor};
 use super::expansion::Expansion;
 use super::field::Field;
-use super::lane::{LANES, Lane, add};
+use super::lane::{LANES, Lane, add, add_product, add_square, combination};
 use super::overlap::Taylor;
 use super::quarter::{CORNERS, INNER, LATTICE, POINTS, Rule};
 
@@ -105,23 +107,19 @@ impl<'a> Turned<'a> {
         (a % 2 == 1 && self.sign[0] < 0.0) != (b % 2 == 1 && self.sign[1] < 0.0)
     }
 
+    #[inline(always)]
     fn rule(&self) -> &'a Rule {
         &self.u.field.tables.rule
     }
 
+    #[inline(always)]
     fn loaded(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
         self.jumps.iter().copied().enumerate().filter(|(_, v)| *v != 0.0)
     }
 
     /// r on the lattice of corners, as if f were that of the first sub-square everywhere.
     pub fn corners(&self) -> [Lane; CORNERS] {
-        let (along, across) = &self.rule().corners;
-        let rows = self.polynomial.map(|c| combination(&c, along));
-        let mut r = across.map(|p| combination(&p, &rows));
-        for (j, v) in self.loaded() {
-            r.iter_mut().zip(&self.rule().at_corners[j]).for_each(|(r, l)| add(r, -v, l));
-        }
-        r
+        Arch::new().dispatch(AtCorners(self))
     }
 
     pub fn sign(&self, square: usize, piece: &Piece, corners: &[Lane; CORNERS]) -> Sign {
@@ -164,6 +162,7 @@ impl<'a> Turned<'a> {
     }
 
     /// f of a sub-square less that of the first, turned; `None` where they are the same.
+    #[inline(always)]
     fn beyond_first(&self, piece: &Piece) -> Option<Taylor> {
         let first = self.first?;
         let mut terms = piece.taylor.terms;
@@ -178,30 +177,44 @@ impl<'a> Turned<'a> {
 
     /// Integrals over the four sub-squares.
     pub fn sums(&self, pieces: &Pieces, fade: [f64; 4]) -> [Sums; 4] {
-        let rule = self.rule();
+        Arch::new().dispatch(OverQuarter { turned: self, pieces, fade })
+    }
+}
+
+/// What is integrated over a quarter.
+struct OverQuarter<'a> {
+    turned: &'a Turned<'a>,
+    pieces: &'a Pieces,
+    fade: [f64; 4],
+}
+
+impl WithSimd for OverQuarter<'_> {
+    type Output = [Sums; 4];
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> [Sums; 4] {
+        let Self { turned, pieces, fade } = self;
+        let rule = turned.rule();
         let [hx, hy] = rule.h;
         let [values, slopes] = &rule.along;
-        let along = self.polynomial.map(|c| combination(&c, values));
-        let steep = self.polynomial.map(|c| combination(&c, slopes));
         let mut lanes = [[[0.0; LANES]; 5]; 2];
+        let along = turned.polynomial.map(|c| combination(simd, &c, values));
+        let steep = turned.polynomial.map(|c| combination(simd, &c, slopes).map(|s| s / hx));
+        let across = along.map(|row| row.map(|v| v / hy));
         let s: Lane = std::array::from_fn(|k| 2.0 * rule.places.get(k).copied().unwrap_or(0.0));
         let more: [Option<Taylor>; 4] = match pieces {
             Pieces::One(_) => [None; 4],
-            Pieces::Four(pieces) => pieces.map(|piece| self.beyond_first(&piece)),
+            Pieces::Four(pieces) => [0, 1, 2, 3].map(|k| turned.beyond_first(&pieces[k])),
         };
         for y in 0..POINTS {
-            let mut r = combination(&rule.across[0][y], &along);
-            let mut rx = combination(&rule.across[0][y], &steep);
-            let mut ry = combination(&rule.across[1][y], &along);
-            for k in 0..LANES {
-                rx[k] /= hx;
-                ry[k] /= hy;
-            }
-            for (j, v) in self.loaded() {
+            let mut r = combination(simd, &rule.across[0][y], &along);
+            let mut rx = combination(simd, &rule.across[0][y], &steep);
+            let mut ry = combination(simd, &rule.across[1][y], &across);
+            for (j, v) in turned.loaded() {
                 let [l, lx, ly] = &rule.singular[j][y];
-                add(&mut r, -v, l);
-                add(&mut rx, -v, lx);
-                add(&mut ry, -v, ly);
+                add(simd, &mut r, -v, l);
+                add(simd, &mut rx, -v, lx);
+                add(simd, &mut ry, -v, ly);
             }
             let outer = usize::from(y >= INNER);
             for (side, more) in more[2 * outer..2 * outer + 2].iter().enumerate() {
@@ -216,17 +229,26 @@ impl<'a> Turned<'a> {
             let chi_x = 2.0 / hx * (far - near);
             let (low, high) = (2.0 / hy * (fade[2] - fade[0]), 2.0 / hy * (fade[3] - fade[1]));
             let weight = rule.weights[y] * hx * hy;
+            let (mut chi, mut chi_y) = ([near; LANES], [low; LANES]);
+            add(simd, &mut chi, far - near, &s);
+            add(simd, &mut chi_y, high - low, &s);
+            let (mut wx, mut wy, mut w) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+            add_product(simd, &mut w, &chi, &r);
+            add(simd, &mut wx, chi_x, &r);
+            add_product(simd, &mut wx, &chi, &rx);
+            add_product(simd, &mut wy, &chi_y, &r);
+            add_product(simd, &mut wy, &chi, &ry);
             let [rr, ww, rw, v, vw] = &mut lanes[outer];
-            for k in 0..LANES {
-                let chi = near + s[k] * (far - near);
-                let chi_y = low + s[k] * (high - low);
-                let (wx, wy, w) = (chi * rx[k] + chi_x * r[k], chi * ry[k] + chi_y * r[k], chi * r[k]);
-                rr[k] += weight * (rx[k] * rx[k] + ry[k] * ry[k]);
-                ww[k] += weight * (wx * wx + wy * wy);
-                rw[k] += weight * (rx[k] * wx + ry[k] * wy);
-                v[k] += weight * r[k] * r[k];
-                vw[k] += weight * w * w;
-            }
+            add_square(simd, rr, weight, &rx);
+            add_square(simd, rr, weight, &ry);
+            add_square(simd, ww, weight, &wx);
+            add_square(simd, ww, weight, &wy);
+            add_square(simd, v, weight, &r);
+            add_square(simd, vw, weight, &w);
+            let mut product = [0.0; LANES];
+            add_product(simd, &mut product, &rx, &wx);
+            add_product(simd, &mut product, &ry, &wy);
+            add(simd, rw, weight, &product);
         }
         std::array::from_fn(|square| {
             let along = if square % 2 == 0 { 0..INNER } else { INNER..POINTS };
@@ -236,12 +258,23 @@ impl<'a> Turned<'a> {
     }
 }
 
-/// Sum of c_a times the a-th row.
-#[inline(always)]
-fn combination(c: &[f64; 5], rows: &[Lane; 5]) -> Lane {
-    std::array::from_fn(|k| {
-        (c[0] * rows[0][k] + c[1] * rows[1][k]) + (c[2] * rows[2][k] + c[3] * rows[3][k]) + c[4] * rows[4][k]
-    })
+/// r on the lattice of corners.
+struct AtCorners<'a>(&'a Turned<'a>);
+
+impl WithSimd for AtCorners<'_> {
+    type Output = [Lane; CORNERS];
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> [Lane; CORNERS] {
+        let Self(turned) = self;
+        let (along, across) = &turned.rule().corners;
+        let rows = turned.polynomial.map(|c| combination(simd, &c, along));
+        let mut r = across.map(|p| combination(simd, &p, &rows));
+        for (j, v) in turned.loaded() {
+            r.iter_mut().zip(&turned.rule().at_corners[j]).for_each(|(r, l)| add(simd, r, -v, l));
+        }
+        r
+    }
 }
 
 /// Of r in a sub-square; zero counts as either.

@@ -3,9 +3,11 @@
 //! With r = sum of c_k P_k - sum of z_f Z_f both are quadratic forms in (c, z): the integral of r^2 has no mixed terms, and that of
 //! |grad r|^2 has them within each class of parity.
 
+use pulp::{Arch, Simd, WithSimd};
+
 use super::basis::{CLASSES, DEGREES, POLYNOMIALS};
 use super::expansion::Expansions;
-use super::lane::{LANES, Lane, add};
+use super::lane::{LANES, Lane, add, add_product, add_square, difference, sum};
 use super::tables::Tables;
 use super::touching::FIRSTS;
 
@@ -14,71 +16,73 @@ pub(super) type Overlaps = [Lane; POLYNOMIALS];
 
 /// (integral of |grad r|^2, integral of r^2) in each cell, lengths in longer sides; r = overlap - u.
 pub(super) fn integrals(tables: &Tables, u: &Expansions, overlap: &Overlaps) -> [Lane; 2] {
-    let mut c = *overlap;
-    for (c, u) in c.iter_mut().zip(&u.polynomial) {
-        (0..LANES).for_each(|k| c[k] -= u[k]);
-    }
-    let z = &u.singular;
-    let (mut values, mut slopes, mut along, mut across) = ([0.0; LANES], [0.0; LANES], [0.0; LANES], [0.0; LANES]);
-    let square = |to: &mut Lane, weight: f64, x: &Lane| {
-        for (to, x) in to.iter_mut().zip(x) {
-            *to += weight * x * x;
+    Arch::new().dispatch(Forms { tables, u, overlap })
+}
+
+/// The quadratic forms of cells side by side.
+struct Forms<'a> {
+    tables: &'a Tables,
+    u: &'a Expansions,
+    overlap: &'a Overlaps,
+}
+
+impl WithSimd for Forms<'_> {
+    type Output = [Lane; 2];
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> [Lane; 2] {
+        let Self { tables, u, overlap } = self;
+        let mut c = *overlap;
+        for (c, u) in c.iter_mut().zip(&u.polynomial) {
+            *c = difference(simd, c, u);
         }
-    };
-    for (c, [a, b]) in c.iter().zip(DEGREES) {
-        square(&mut values, 1.0 / ((2 * a + 1) * (2 * b + 1)) as f64, c);
-    }
-    // The slope of c_1 P_1 + c_3 P_3 is 2 (c_1 + c_3) P_0 + 10 c_3 P_2, that of c_2 P_2 + c_4 P_4 is 6 (c_2 + c_4) P_1 + 14 c_4 P_3.
-    let sum = |a: &Lane, b: &Lane| -> Lane { std::array::from_fn(|k| a[k] + b[k]) };
-    for class in 0..4 {
-        let (x, y) = (if class & 1 == 0 { 3 } else { 2 }, if class & 2 == 0 { 3 } else { 2 });
-        let at = |m: usize, n: usize| &c[CLASSES[class] + n * x + m];
-        let degree = |odd: bool, m: usize| 2 * m + usize::from(odd);
-        for n in 0..y {
-            let weight = 4.0 / (2 * degree(class & 2 != 0, n) + 1) as f64;
-            line(&mut along, weight, class & 1 != 0, |m| at(m, n), &square, &sum);
+        let z = &u.singular;
+        let (mut values, mut slopes, mut along, mut across) = ([0.0; LANES], [0.0; LANES], [0.0; LANES], [0.0; LANES]);
+        for (c, [a, b]) in c.iter().zip(DEGREES) {
+            add_square(simd, &mut values, 1.0 / ((2 * a + 1) * (2 * b + 1)) as f64, c);
         }
-        for m in 0..x {
-            let weight = 4.0 / (2 * degree(class & 1 != 0, m) + 1) as f64;
-            line(&mut across, weight, class & 2 != 0, |n| at(m, n), &square, &sum);
-        }
-        for f in FIRSTS[class]..FIRSTS[class + 1] {
-            let (mut value, mut slope) = ([0.0; LANES], [0.0; LANES]);
-            for (g, z) in z[FIRSTS[class]..FIRSTS[class + 1]].iter().enumerate() {
-                add(&mut value, tables.values[f][g], z);
-                add(&mut slope, tables.gradients[f][g], z);
+        let [hx, hy] = tables.h;
+        // The slope of c_1 P_1 + c_3 P_3 is 2 (c_1 + c_3) P_0 + 10 c_3 P_2, that of c_2 P_2 + c_4 P_4 is 6 (c_2 + c_4) P_1 + 14 c_4 P_3.
+        for class in 0..4 {
+            let (x, y) = (if class & 1 == 0 { 3 } else { 2 }, if class & 2 == 0 { 3 } else { 2 });
+            let at = |m: usize, n: usize| &c[CLASSES[class] + n * x + m];
+            let degree = |odd: bool, m: usize| 2 * m + usize::from(odd);
+            for n in 0..y {
+                let weight = 4.0 / (2 * degree(class & 2 != 0, n) + 1) as f64;
+                line(simd, &mut along, weight, class & 1 != 0, |m| at(m, n));
             }
-            for (k, c) in c[CLASSES[class]..CLASSES[class + 1]].iter().enumerate() {
-                add(&mut slope, -2.0 * tables.mixed[f][k], c);
+            for m in 0..x {
+                let weight = 4.0 / (2 * degree(class & 1 != 0, m) + 1) as f64;
+                line(simd, &mut across, weight, class & 2 != 0, |n| at(m, n));
             }
-            for k in 0..LANES {
-                values[k] += z[f][k] * value[k] / (tables.h[0] * tables.h[1]);
-                slopes[k] += z[f][k] * slope[k];
+            for f in FIRSTS[class]..FIRSTS[class + 1] {
+                let (mut value, mut slope) = ([0.0; LANES], [0.0; LANES]);
+                for (g, z) in z[FIRSTS[class]..FIRSTS[class + 1]].iter().enumerate() {
+                    add(simd, &mut value, tables.values[f][g] / (hx * hy), z);
+                    add(simd, &mut slope, tables.gradients[f][g], z);
+                }
+                for (k, c) in c[CLASSES[class]..CLASSES[class + 1]].iter().enumerate() {
+                    add(simd, &mut slope, -2.0 * tables.mixed[f][k], c);
+                }
+                add_product(simd, &mut values, &z[f], &value);
+                add_product(simd, &mut slopes, &z[f], &slope);
             }
         }
+        add(simd, &mut slopes, hy / hx, &along);
+        add(simd, &mut slopes, hx / hy, &across);
+        [slopes, values.map(|v| hx * hy * v)]
     }
-    let [hx, hy] = tables.h;
-    add(&mut slopes, hy / hx, &along);
-    add(&mut slopes, hx / hy, &across);
-    [slopes, values.map(|v| hx * hy * v)]
 }
 
 /// Adds weight/4 times the integral along a line of the square of the slope of a sum of polynomials of one parity.
 #[inline(always)]
-fn line<'a>(
-    to: &mut Lane,
-    weight: f64,
-    odd: bool,
-    c: impl Fn(usize) -> &'a Lane,
-    square: &impl Fn(&mut Lane, f64, &Lane),
-    sum: &impl Fn(&Lane, &Lane) -> Lane,
-) {
+fn line<'a, S: Simd>(simd: S, to: &mut Lane, weight: f64, odd: bool, c: impl Fn(usize) -> &'a Lane) {
     if odd {
-        square(to, weight, &sum(c(0), c(1)));
-        square(to, 5.0 * weight, c(1));
+        add_square(simd, to, weight, &sum(simd, c(0), c(1)));
+        add_square(simd, to, 5.0 * weight, c(1));
     } else {
-        square(to, 3.0 * weight, &sum(c(1), c(2)));
-        square(to, 7.0 * weight, c(2));
+        add_square(simd, to, 3.0 * weight, &sum(simd, c(1), c(2)));
+        add_square(simd, to, 7.0 * weight, c(2));
     }
 }
 

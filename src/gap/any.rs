@@ -112,6 +112,12 @@ impl AnyGap {
         self.under(outer.after(&self.transform))
     }
 
+    /// Terms of a sum in this frame, which must neither tilt nor lift them.
+    fn through_level(&self, parts: Option<Vec<Self>>) -> Option<Vec<Self>> {
+        let level = !self.transform.is_tilted() && self.transform.height_outward(0.0, [0.0; 2]) == 0.0;
+        Some(parts.filter(|_| level)?.iter().map(|part| part.through(&self.transform)).collect())
+    }
+
     /// The gap's own values at outer points.
     fn own_gaps(&self, points: &[[f64; 2]], to: &mut [f64]) {
         let mut own = [[0.0; 2]; AT_ONCE];
@@ -347,11 +353,11 @@ impl Gap for AnyGap {
     }
 
     fn addends(&self) -> Option<Vec<AnyGap>> {
-        let parts = self
-            .inner
-            .addends()
-            .filter(|_| !self.transform.is_tilted() && self.transform.height_outward(0.0, [0.0; 2]) == 0.0)?;
-        Some(parts.iter().map(|part| part.through(&self.transform)).collect())
+        self.through_level(self.inner.addends())
+    }
+
+    fn terms(&self) -> Option<Vec<AnyGap>> {
+        self.through_level(self.inner.terms())
     }
 
     fn alternatives(&self) -> Option<Vec<AnyGap>> {

@@ -4,6 +4,7 @@ use std::cmp::Ordering;
 use std::collections::{BinaryHeap, VecDeque};
 
 use super::{Gap, Reach};
+use crate::numeric::Interval;
 use crate::numeric::geometry::Rect;
 
 /// A side is found to this part of the rectangle's extent.
@@ -139,6 +140,38 @@ const LEAST_BUDGET: usize = 20_000;
 /// The least value of a gap over a rectangle, by branch and bound on its lower bounds: until value and bound differ by less than
 /// `close`, a value is less than `enough`, or every bound is at least `enough`. `None` where the gap has no bounds.
 pub(crate) fn least(gap: &(impl Gap + ?Sized), outer: &Rect, close: f64, enough: f64) -> Option<Least> {
+    least_but_for(gap, outer, close, enough, None)
+}
+
+/// The same where a low point is known: about it the gap is not looked at where it is known to be convex.
+pub(crate) fn lower_than(gap: &(impl Gap + ?Sized), outer: &Rect, enough: f64, low: [f64; 2]) -> Option<Least> {
+    least_but_for(gap, outer, 0.0, enough, basin(gap, outer, low).filter(|(_, bound)| *bound >= enough))
+}
+
+/// A rectangle about a point in which the gap is convex, and what it is nowhere less than there: its tangent plane at the point.
+fn basin(gap: &(impl Gap + ?Sized), outer: &Rect, low: [f64; 2]) -> Option<(Rect, f64)> {
+    let convex = |rect: &Rect| {
+        let taylor = gap.taylor(rect)?;
+        let [xx, xy, yy] = taylor.hessian;
+        (xx.lo > 0.0 && yy.lo > 0.0 && (xx.lo * yy.lo).next_down() > xy.magnitude().powi(2).next_up()).then_some(taylor)
+    };
+    let sizes = (0..BASINS).map(|k| outer.size().map(|side| side * f64::from(1 << k).recip()));
+    let (rect, taylor) = sizes.map(|half| Rect::around(low, half)).find_map(|rect| Some((rect, convex(&rect)?)))?;
+    let [w, h] = rect.size();
+    let [gx, gy] = taylor.gradient.map(Interval::magnitude);
+    Some((rect, taylor.value.lo - 0.5 * (gx * w + gy * h) * (1.0 + 8.0 * f64::EPSILON)))
+}
+
+/// Sizes of such a rectangle that are tried, each half of the one before.
+const BASINS: i32 = 12;
+
+fn least_but_for(
+    gap: &(impl Gap + ?Sized),
+    outer: &Rect,
+    close: f64,
+    enough: f64,
+    basin: Option<(Rect, f64)>,
+) -> Option<Least> {
     let value = |[x, y]: [f64; 2]| Some(gap.gap(x, y)).filter(|g| !g.is_nan()).unwrap_or(f64::INFINITY);
     let c = outer.centre();
     let mut best = Least { at: c, value: value(c), bound: gap.bounds(outer, [0.0; 2])?[0] };
@@ -151,6 +184,10 @@ pub(crate) fn least(gap: &(impl Gap + ?Sized), outer: &Rect, close: f64, enough:
             return Some(best);
         }
         for half in halves(&rect, outer.size()) {
+            if let Some((_, bound)) = basin.filter(|(convex, _)| half.corners().iter().all(|c| convex.contains(*c))) {
+                dropped = dropped.min(bound);
+                continue;
+            }
             let [low, _] = gap.bounds(&half, [0.0; 2])?;
             let mut points = vec![half.centre()];
             points.extend(half.corners());
@@ -248,17 +285,8 @@ fn clusters(lower: &dyn Fn(&Rect) -> f64, depth: f64, rect: &Rect) -> Vec<Rect> 
 
 /// Bounds of the mean of a gap over a rectangle, from its Taylor form or its range.
 pub(super) fn mean(gap: &(impl Gap + ?Sized), rect: &Rect) -> Option<[f64; 2]> {
-    use crate::numeric::Interval;
     if let Some(taylor) = gap.taylor(rect) {
-        // The mean of (x - c)^2 over an interval of length w is w^2/12, that of (x - c)(y - d) over a rectangle 0 for a constant
-        // second derivative and at most w h/16 times half its variation else.
-        let [w, h] = rect.size().map(Interval::point);
-        let [xx, xy, yy] = taylor.hessian;
-        let twist = 0.5 * xy.width() * (rect.size()[0] * rect.size()[1] / 16.0).next_up();
-        let mean = taylor.value
-            + xx * w.powi(2) * Interval::new((1.0f64 / 24.0).next_down(), (1.0f64 / 24.0).next_up())
-            + yy * h.powi(2) * Interval::new((1.0f64 / 24.0).next_down(), (1.0f64 / 24.0).next_up())
-            + Interval::new(-twist.next_up(), twist.next_up());
+        let mean = taylor.mean(rect.size());
         // Close to a tip second derivatives have no bound, and values have.
         let rise = taylor.gradient[0].magnitude() * rect.size()[0] + taylor.gradient[1].magnitude() * rect.size()[1];
         if mean.width() <= rise {

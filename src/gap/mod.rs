@@ -215,6 +215,11 @@ pub trait Gap: Send + Sync {
         None
     }
 
+    /// The terms whose sum it is, as it is written: those of a sum, those of a formula.
+    fn terms(&self) -> Option<Vec<AnyGap>> {
+        self.addends()
+    }
+
     /// The gaps whose least it is, when it is one of several tips.
     fn alternatives(&self) -> Option<Vec<AnyGap>> {
         None

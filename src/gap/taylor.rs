@@ -41,6 +41,31 @@ impl Taylor {
         [gx + xx * x + xy * y, gy + xy * x + yy * y]
     }
 
+    /// The same about a point at (x, y) from the middle, for a part of the rectangle that has it in its own middle.
+    #[must_use]
+    pub fn moved(&self, [x, y]: [f64; 2]) -> Self {
+        let ([gx, gy], [xx, xy, yy]) = (self.gradient, self.hessian);
+        let [x, y] = [x, y].map(|v| Interval::new(v.next_down(), v.next_up()));
+        let half = Interval::point(0.5);
+        Self {
+            value: self.value + x * (gx + half * (xx * x) + xy * y) + y * (gy + half * (yy * y)),
+            gradient: [gx + xx * x + xy * y, gy + xy * x + yy * y],
+            hessian: self.hessian,
+        }
+    }
+
+    /// Bounds of the mean over the rectangle, whose sides are w and h.
+    #[must_use]
+    pub fn mean(&self, size: [f64; 2]) -> Interval {
+        // The mean of (x - c)^2 over an interval of length w is w^2/12, that of (x - c)(y - d) over a rectangle 0 for a constant
+        // second derivative and at most w h/16 times half its variation else.
+        let [w, h] = size.map(Interval::point);
+        let [xx, xy, yy] = self.hessian;
+        let twist = (0.5 * xy.width() * (size[0] * size[1] / 16.0).next_up()).next_up();
+        let part = Interval::new((1.0f64 / 24.0).next_down(), (1.0f64 / 24.0).next_up());
+        self.value + xx * w.powi(2) * part + yy * h.powi(2) * part + Interval::new(-twist, twist)
+    }
+
     /// Bounds of g - slope . (x - c) over the rectangle, whose sides are w and h.
     #[must_use]
     pub fn bounds(&self, [w, h]: [f64; 2], slope: [f64; 2]) -> [f64; 2] {

@@ -32,6 +32,9 @@ pub(crate) struct Refined {
     pub sums: Vec<f64>,
 }
 
+/// What the error of a force may be less than the tolerance.
+const ROUNDING: f64 = 1e-9;
+
 /// |error|/|value| where that is a number.
 fn relative(error: f64, value: f64) -> Option<f64> {
     Some((error / value).abs()).filter(|share| share.is_finite())
@@ -102,9 +105,12 @@ impl Refined {
         }))
     }
 
-    /// With the bounds: their distance is the error, and the force lies between them.
-    pub(super) fn within(self, [lower, upper]: [f64; 2]) -> Self {
-        let force = self.force.clamp(lower, upper);
+    /// With the bounds: their distance is the error, and the force lies between them; not so close to either that the other is further
+    /// away than the tolerance, where the middle is not.
+    pub(super) fn within(self, [lower, upper]: [f64; 2], tolerance: f64) -> Self {
+        let middle = 0.5 * (lower + upper);
+        let room = ((tolerance * (1.0 - ROUNDING) * middle - 0.5 * (upper - lower)) / (1.0 + tolerance)).max(0.0);
+        let force = self.force.clamp(middle - room, middle + room).clamp(lower, upper);
         Self { force, error: (upper - force).max(force - lower), proved: Some([lower, upper]), ..self }
     }
 

@@ -190,7 +190,7 @@ impl WarmStart {
         let trial = near.refined.state.trial();
         let unit = contact.modulus().e_star() * near.scaled.units.height * near.scaled.units.length;
         let law = near.scaled.gap.known().law.map(|law| law.degree);
-        let bounds = refinement::claimed(&near.scaled, law, &trial, settings)?;
+        let bounds = refinement::claimed(&near.scaled, law, &trial, settings).ok()?;
         Some(bounds.map(|force| force * unit))
     }
 

@@ -1,7 +1,6 @@
 //! A contact as the search for equilibrium sees it: states at depths and tilts, each from what the last one left.
 
 use super::equilibrium::Respond;
-use crate::grid_method::refinement::is_cheap;
 use crate::grid_method::warm_start::WarmStart;
 use crate::grid_method::{self, SharedGrid};
 use crate::loading::{respond, without_grid};
@@ -45,7 +44,7 @@ impl<'a> Engine<'a> {
     /// A state that this engine found without tilt, with proved bounds where they can be had.
     pub fn proved(&self, state: Solution) -> Solution {
         let on_grid = matches!(state.origin, Origin::OneGrid | Origin::ManyGrids { .. });
-        let wanted = self.settings.evidence == ErrorBar::Proof && on_grid && is_cheap(self.contact.gap());
+        let wanted = self.settings.evidence == ErrorBar::Proof && on_grid;
         let found = self.warm_start.as_ref().filter(|_| wanted);
         match found.and_then(|found| found.bounds_at(self.contact, state.depth, self.settings)) {
             Some(bounds) => state.held_by(bounds, self.settings.tolerance),

@@ -7,5 +7,6 @@ pub mod geometry;
 pub mod interval;
 pub mod quadrature;
 pub mod scalar;
+pub(crate) mod simd;
 
 pub use interval::Interval;

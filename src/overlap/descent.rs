@@ -1,6 +1,7 @@
 //! Descent to a low point of a gap. What it finds is sampled: a start, a unit of depth, the depth of first touch as far as is seen.
 
 use crate::gap::{AnyGap, Gap, Reach, enclosure};
+use crate::numeric::geometry::Rect;
 
 /// The point at this angle and distance.
 pub(super) fn along(p: [f64; 2], angle: f64, r: f64) -> [f64; 2] {
@@ -89,17 +90,23 @@ fn searched(gap: &AnyGap) -> ([f64; 2], f64) {
     for _ in 0..MOST_BASINS {
         let here = value(best);
         let height = here.abs().max(own - here);
-        let lower = here - if height.is_finite() { CLOSE * height } else { 0.0 };
+        let lower = here - if height.is_finite() { (CLOSE * height).max(rounding(gap, best)) } else { 0.0 };
         if lower <= known.floor {
             break;
         }
         let Reach::Within(rect) = gap.reach(lower) else { break };
-        match enclosure::least(gap, &rect, 0.0, lower) {
+        match enclosure::lower_than(gap, &rect, lower, best) {
             Some(found) if found.value < lower => best = lowest(gap, found.at),
             _ => break,
         }
     }
     (best, value(best))
+}
+
+/// What a value is known to no better than.
+fn rounding(gap: &AnyGap, at: [f64; 2]) -> f64 {
+    let [low, high] = gap.bounds(&Rect { min: at, max: at }, [0.0; 2]).unwrap_or([0.0; 2]);
+    if (high - low).is_finite() { 4.0 * (high - low) } else { 0.0 }
 }
 
 /// Descents, each from a place that is lower than the one before reached.

@@ -141,7 +141,7 @@ impl Gap for Formula {
         let c = rect.centre().map(Interval::point);
         let one =
             |m: usize| Dual { value: c[m], gradient: [0, 1].map(|k| Interval::point(f64::from(u8::from(k == m)))) };
-        let Dual { value, gradient } = self.tape.run(self.variables(one(0), one(1)));
+        let Dual { value, gradient } = self.enclosed(one(0), one(1));
         Taylor { value, gradient, hessian }.finite()
     }
 
@@ -155,7 +155,7 @@ impl Gap for Formula {
         let sides = radial::sides(rect);
         let one =
             |m: usize| Dual { value: sides[m], gradient: [0, 1].map(|k| Interval::point(f64::from(u8::from(k == m)))) };
-        let Dual { value, gradient } = self.tape.run(self.variables(one(0), one(1)));
+        let Dual { value, gradient } = self.enclosed(one(0), one(1));
         let finite = |i: &Interval| i.defined && i.lo.is_finite() && i.hi.is_finite();
         (finite(&value) && gradient.iter().all(finite)).then_some(gradient)
     }
@@ -165,6 +165,18 @@ impl Gap for Formula {
             Some(polyhedron) => polyhedron.mean_bounds(rect),
             None => enclosure::mean(self, rect),
         }
+    }
+
+    fn terms(&self) -> Option<Vec<AnyGap>> {
+        if self.region.is_some() || self.polyhedron.is_some() {
+            return None;
+        }
+        let terms = self
+            .tape
+            .terms()
+            .into_iter()
+            .map(|tape| Some(AnyGap::from(&Self::build(&self.expression, tape, None).ok()?)));
+        terms.collect::<Option<Vec<_>>>().filter(|terms| terms.len() > 1)
     }
 
     fn growth(&self, sector: Interval, from: f64) -> Option<Growth> {

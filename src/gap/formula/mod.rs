@@ -8,6 +8,7 @@ mod kinks;
 mod lanes;
 mod parse;
 mod planes;
+mod smooth;
 mod structure;
 mod tape;
 
@@ -22,6 +23,7 @@ use crate::numeric::derivatives::Jet;
 use crate::numeric::geometry::Rect;
 use functions::{Number, Two};
 use lanes::{LANES, Lanes};
+use smooth::{Enclosed, Smooth};
 use structure::Tree;
 use tape::Tape;
 
@@ -51,6 +53,7 @@ const THETA: usize = 3;
 pub struct Formula {
     expression: String,
     tape: Tape,
+    smooth: Smooth,
     region: Option<Outline>,
     polyhedron: Option<Polyhedron>,
     known: Known,
@@ -67,7 +70,7 @@ impl Formula {
     /// Names `expression`, with the column of what cannot be read or is not known. At most 4000 characters and 48
     /// operands that wait for one another; no value anywhere is an error too.
     pub fn new(expression: &str) -> Result<Self, InputError> {
-        Self::build(expression, None)
+        Self::build(expression, parse::parse(expression)?, None)
     }
 
     /// The same with material only inside `region`.
@@ -75,17 +78,16 @@ impl Formula {
     /// # Errors
     /// As [`Formula::new`].
     pub fn within(expression: &str, region: Outline) -> Result<Self, InputError> {
-        Self::build(expression, Some(region))
+        Self::build(expression, parse::parse(expression)?, Some(region))
     }
 
-    fn build(expression: &str, region: Option<Outline>) -> Result<Self, InputError> {
-        let tape = parse::parse(expression)?;
-        let tree = Tree::new(&tape);
+    fn build(expression: &str, tape: Tape, region: Option<Outline>) -> Result<Self, InputError> {
+        let (tree, smooth) = (Tree::new(&tape), Smooth::of(&tape));
         let polyhedron = if region.is_none() { planes::polyhedron(&tape) } else { None };
         let known = Known::nothing();
         let (unit_reach, rings) = (OnceLock::new(), OnceLock::new());
         let mut formula =
-            Self { expression: expression.to_owned(), tape, region, polyhedron, known, unit_reach, rings };
+            Self { expression: expression.to_owned(), tape, smooth, region, polyhedron, known, unit_reach, rings };
         formula.known = match &formula.polyhedron {
             Some(polyhedron) => polyhedron.describe(),
             None => formula.read(&tree),
@@ -283,7 +285,14 @@ impl Formula {
             gradient: [0, 1].map(|k| Interval::point(f64::from(u8::from(k == m)))),
             hessian: [Interval::ZERO; 3],
         };
-        Some(self.tape.run(self.variables(one(0), one(1))))
+        Some(self.enclosed(one(0), one(1)))
+    }
+
+    /// With its derivatives, from x and y over a rectangle.
+    fn enclosed<T: Enclosed>(&self, x: T, y: T) -> T {
+        let r = if self.smooth.uses(R) { x.two(y, Two::Hypot) } else { T::constant(0.0) };
+        let theta = if self.smooth.uses(THETA) { y.two(x, Two::Atan2) } else { T::constant(0.0) };
+        self.smooth.run([x, y], [x, y, r, theta])
     }
 
     /// x, y, r and theta from x and y.

@@ -64,6 +64,64 @@ impl Tape {
         &self.ops
     }
 
+    /// The terms whose sum it is, as tapes of their own: through sums, differences, and products with a constant. Rounding of products of
+    /// constants aside.
+    pub(super) fn terms(&self) -> Vec<Self> {
+        // Where the operands of each operation begin.
+        let mut starts: Vec<usize> = Vec::with_capacity(self.ops.len());
+        let mut stack: Vec<usize> = Vec::new();
+        for (k, op) in self.ops.iter().enumerate() {
+            let start = match op {
+                Op::Constant(_) | Op::Variable(_) => k,
+                Op::Whole(_) | Op::One(_) => stack.pop().unwrap_or(k),
+                Op::Two(_) => {
+                    stack.pop();
+                    stack.pop().unwrap_or(k)
+                }
+            };
+            stack.push(start);
+            starts.push(start);
+        }
+        let mut terms = Vec::new();
+        let mut open = vec![(self.ops.len(), 1.0)];
+        // From the end of an expression, and its factor.
+        while let Some((end, factor)) = open.pop() {
+            let last = end - 1;
+            match self.ops[last] {
+                Op::Two(f @ (Two::Add | Two::Subtract)) => {
+                    let right = starts[last - 1];
+                    open.push((last, if f == Two::Add { factor } else { -factor }));
+                    open.push((right, factor));
+                }
+                Op::One(One::Negate) => open.push((last, -factor)),
+                Op::Two(Two::Multiply) if matches!(self.ops[last - 1], Op::Constant(_)) => {
+                    let Op::Constant(c) = self.ops[last - 1] else { continue };
+                    open.push((last - 1, factor * c));
+                }
+                Op::Two(Two::Multiply) if matches!(self.ops[starts[last - 1] - 1], Op::Constant(_)) => {
+                    let Op::Constant(c) = self.ops[starts[last - 1] - 1] else { continue };
+                    open.push((last, factor * c));
+                }
+                Op::Two(Two::Divide) if matches!(self.ops[last - 1], Op::Constant(_)) => {
+                    let Op::Constant(c) = self.ops[last - 1] else { continue };
+                    open.push((last - 1, factor / c));
+                }
+                _ => terms.push(self.term(starts[last], end, factor)),
+            }
+        }
+        terms
+    }
+
+    fn term(&self, start: usize, end: usize, factor: f64) -> Self {
+        let mut term = Self::default();
+        self.ops[start..end].iter().for_each(|op| term.push(*op));
+        if factor != 1.0 {
+            term.push(Op::Constant(factor));
+            term.push(Op::Two(Two::Multiply));
+        }
+        term
+    }
+
     /// Whether it needs no more room than there is.
     pub(super) fn fits(&self) -> bool {
         self.highest <= STACK

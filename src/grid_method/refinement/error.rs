@@ -5,8 +5,8 @@ use super::super::sharp_edges::{self, CutCells, Edge};
 use super::super::single_grid::{GridState, other_kernel};
 use super::super::unresolved;
 use super::Refinement;
-use crate::energy::{Trial, force_bounds};
-use crate::gap::{AnyGap, Degree};
+use crate::energy::{NoBounds, Trial, force_bounds};
+use crate::gap::Degree;
 use crate::grid::Kernel;
 use crate::overlap::Scaled;
 use crate::problem::{ErrorBar, Settings};
@@ -23,17 +23,19 @@ pub(super) const FINEST_PROVED: usize = 512;
 /// punches to other digits.
 const REPEATABLE: f64 = 5e-3;
 
-/// Whether bounds of a gap without a law cost about a solve: where mirrors make a quarter of their work enough. Of others they come with a
-/// bracket that is asked for.
-pub(crate) fn is_cheap(gap: &AnyGap) -> bool {
-    gap.known().mirrors == [true; 2]
-}
-
 /// Bounds of the force by the pressure of a grid, as they are stated.
-pub(crate) fn claimed(scaled: &Scaled, degree: Option<Degree>, trial: &Trial, settings: &Settings) -> Option<[f64; 2]> {
+///
+/// # Errors
+/// How far from the tolerance they are expected to be.
+pub(crate) fn claimed(
+    scaled: &Scaled,
+    degree: Option<Degree>,
+    trial: &Trial,
+    settings: &Settings,
+) -> Result<[f64; 2], NoBounds> {
     let [lower, upper] = force_bounds(scaled, degree, trial, settings.tolerance, settings.deadline)?;
     let room = if degree.is_none() { REPEATABLE * (upper - lower) } else { 0.0 };
-    Some([lower - room, upper + room])
+    Ok([lower - room, upper + room])
 }
 
 impl Refinement<'_> {
@@ -87,18 +89,18 @@ impl Refinement<'_> {
     pub(super) fn provable(&self) -> Option<Option<Degree>> {
         let degree = self.law.map(|(degree, _)| degree);
         let wanted = self.settings.evidence == ErrorBar::Proof && self.settings.kernel == Kernel::Galerkin;
-        let possible = degree.is_some() || self.scaled.certain && is_cheap(&self.scaled.gap);
+        let possible = degree.is_some() || self.scaled.certain;
         (wanted && degree != Some(Degree::Flat) && possible).then_some(degree)
     }
 
-    /// Proved bounds of the force from the energy of a grid ([`force_bounds`]); `None` where they are not asked for, or none can be had.
-    pub(super) fn proved(&self, state: &GridState) -> Option<[f64; 2]> {
+    /// Proved bounds of the force from the energy of a grid ([`force_bounds`]); `None` where they are not asked for, or there is no time.
+    pub(super) fn proved(&self, state: &GridState) -> Option<Result<[f64; 2], NoBounds>> {
         let degree = self.provable()?;
         let [nx, ny] = state.problem.grid.shape;
         if degree.is_none() && (nx.max(ny) > FINEST_PROVED || self.settings.deadline.check().is_err()) {
             return None;
         }
-        claimed(self.scaled, degree, &state.trial(), self.settings)
+        Some(claimed(self.scaled, degree, &state.trial(), self.settings))
     }
 
     /// How far off the other kernel makes the force on the same grid. Values at centres err by up to 1.6 times that

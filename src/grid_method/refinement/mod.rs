@@ -4,13 +4,14 @@ mod error;
 mod prescribed;
 
 use error::FINEST_PROVED;
-pub(crate) use error::{claimed, is_cheap};
+pub(crate) use error::claimed;
 
 use super::domain::{coarsest, locate, locate_closely, squared};
 use super::extrapolation::{self, Ends, Estimate};
 use super::refined::Refined;
 use super::sharp_edges::{self, CutCells, Edge};
 use super::single_grid::{GridOptions, GridState, laid};
+use crate::energy::NoBounds;
 use crate::gap::{Degree, Gap, Law};
 use crate::grid::{Grid, Kernel, shape};
 use crate::numeric::geometry::Rect;
@@ -124,6 +125,19 @@ struct Refinement<'a> {
     spent: (usize, usize),
 }
 
+/// Whether a grid is the last one.
+enum Step {
+    Done(Refined),
+    Finer(Refined),
+}
+
+/// Cells along the longer side from which on bounds of a force without a law may be narrow enough.
+const FEWEST_BOUNDED: usize = 32;
+
+/// How many times as many cells along a side as an estimate takes a proof is worth, and how many more than the order asks for it is given.
+const FARTHEST: usize = 4;
+const MORE: f64 = 1.05;
+
 impl Refinement<'_> {
     fn adaptive(mut self) -> Result<Option<Refined>, Unsolved> {
         let smooth = matches!(self.law, Some((Degree::Power(_), _)));
@@ -223,6 +237,13 @@ impl Refinement<'_> {
                 proved: None,
                 sums,
             };
+            if self.law.is_none() {
+                match self.bounded(found, good, cells)? {
+                    Step::Done(found) => return Ok(Some(found)),
+                    Step::Finer(found) => best = Some(found),
+                }
+                continue;
+            }
             if !good {
                 best = Some(found);
                 continue;
@@ -247,17 +268,15 @@ impl Refinement<'_> {
                     continue;
                 }
             }
-            let proved = self.proved(&found.state);
+            let proved = self.proved(&found.state).and_then(Result::ok);
             if proved.is_none() && matches!(self.provable(), Some(Some(_))) && cells < FINE_ENOUGH {
                 best = Some(found);
                 continue;
             }
-            let found = proved.map_or_else(|| found.clone(), |bounds| found.clone().within(bounds));
+            let found = proved.map_or_else(|| found.clone(), |bounds| found.clone().within(bounds, tolerance));
             // Bounds narrow as the square of the cell at least: no further than where they will be narrow enough.
             let finer = (found.error / (tolerance * found.force)).sqrt();
-            // Without a law bounds take a few solves more: a grid of their own would not be worth it.
-            let too_far =
-                !(cells as f64 * finer <= FINEST_PROVED as f64) || found.proved.is_none() || self.law.is_none();
+            let too_far = !(cells as f64 * finer <= FINEST_PROVED as f64) || found.proved.is_none();
             if found.is_within(tolerance) && found.proved.is_some() {
                 return Ok(Some(found));
             }
@@ -271,6 +290,44 @@ impl Refinement<'_> {
             best = Some(found);
         }
         Ok(best)
+    }
+
+    /// With proved bounds of a force that follows no law, as far as they can be had: of this grid, else of the one that is expected to be fine
+    /// enough, once the estimate is `good`.
+    fn bounded(&mut self, found: Refined, good: bool, cells: usize) -> Result<Step, Unsolved> {
+        let tolerance = self.settings.tolerance;
+        let next = |found: Refined| if good { Step::Done(found) } else { Step::Finer(found) };
+        if cells < FEWEST_BOUNDED {
+            return Ok(next(found));
+        }
+        let Some(bounds) = self.proved(&found.state) else { return Ok(next(found)) };
+        let (found, times) = match bounds {
+            Ok(bounds @ [lower, upper]) => {
+                let estimated = found.error;
+                let found = found.within(bounds, tolerance);
+                if found.is_within(tolerance) {
+                    return Ok(Step::Done(found));
+                }
+                let times = (upper - lower) / (tolerance * (lower + upper));
+                (Refined { error: estimated.min(found.error), ..found }, times)
+            }
+            Err(NoBounds { times }) => (found, times),
+        };
+        // Bounds narrow as the square of the cell.
+        let finer = (MORE * cells as f64 * times.sqrt() / 16.0).ceil() * 16.0;
+        if !good || finer > FINEST_PROVED.min(self.finest).min(FARTHEST * cells) as f64 {
+            return Ok(next(found));
+        }
+        let state = match self.grid(|window| shape(window, finer as usize), PRECISE[0], None) {
+            // This grid stands without them.
+            Err(e) if matches!(e.verdict, Verdict::TooLarge | Verdict::TimeLimit) => return Ok(Step::Done(found)),
+            other => other?,
+        };
+        let Some(Ok(bounds)) = self.proved(&state) else { return Ok(Step::Done(found)) };
+        let (coarser, force) = (Some(Box::new(found.state.clone())), state.force());
+        let finest = Refined { state, coarser, force, ..found }.within(bounds, tolerance);
+        let error = finest.error.min(found.error.max((force - found.force).abs()));
+        Ok(Step::Done(if finest.is_within(tolerance) { finest } else { Refined { error, ..finest } }))
     }
 
     /// The next grid, with what all took so far, from a coarser one where its cells are quarters of that.

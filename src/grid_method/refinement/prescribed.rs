@@ -55,7 +55,7 @@ impl Refinement<'_> {
         let estimated = self.error_as_given(&state, estimate)?;
         let coarser = best.map(|b| Box::new(b.state));
         // Who prescribes the grid wants the force of that grid, whether or not the bounds hold it.
-        let Some([lower, upper]) = self.proved(&state) else {
+        let Some(Ok([lower, upper])) = self.proved(&state) else {
             return Ok(Some(Refined { coarser, ..Refined::of(state, estimated) }));
         };
         let force = state.force();

@@ -1,0 +1,162 @@
+//! The overlap of a gap on the cells of one grid: each is looked at once, whatever is asked of it.
+
+use std::cell::RefCell;
+
+use super::field::RING;
+use super::of_gap::GapOverlap;
+use super::overlap::{Interval, Jet, OverlapBounds};
+use crate::gap::{AnyGap, Gap, Taylor};
+use crate::grid::Grid;
+use crate::numeric::geometry::Rect;
+
+/// Side of the blocks of cells in which a gap of planes or a quadratic one is looked at together.
+const BLOCK: usize = 4;
+
+/// What is known of rectangles of a lattice: each by its number among those that were looked at.
+#[derive(Debug, Default)]
+struct Looked {
+    /// 0: not yet; 1: not smooth; else the place in the list, less 2.
+    places: Vec<u32>,
+    list: Vec<Taylor>,
+}
+
+impl Looked {
+    fn at(&mut self, k: usize, look: impl FnOnce() -> Option<Taylor>) -> Option<Taylor> {
+        if self.places[k] == 0 {
+            self.places[k] = match look() {
+                None => 1,
+                Some(taylor) => {
+                    self.list.push(taylor);
+                    self.list.len() as u32 + 1
+                }
+            };
+        }
+        (self.places[k] > 1).then(|| self.list[self.places[k] as usize - 2])
+    }
+}
+
+/// f on the cells of a grid and around it.
+#[derive(Debug)]
+pub(super) struct OnCells<'a> {
+    overlap: &'a GapOverlap<'a>,
+    grid: Grid,
+    /// Cells along each axis, those around included.
+    wide: [usize; 2],
+    cells: RefCell<Looked>,
+    /// Blocks of cells, where second derivatives are constants.
+    blocks: Option<RefCell<Looked>>,
+}
+
+impl<'a> OnCells<'a> {
+    pub fn new(overlap: &'a GapOverlap<'a>, grid: &Grid) -> Self {
+        let wide = grid.shape.map(|n| n + 2 * RING);
+        let looked = |count: usize| RefCell::new(Looked { places: vec![0; count], list: Vec::new() });
+        let gap = overlap.gap();
+        let constant = gap.planes().is_some() || gap.known().quadratic.is_some();
+        let blocks = constant.then(|| looked(wide[0].div_ceil(BLOCK) * wide[1].div_ceil(BLOCK)));
+        Self { overlap, grid: *grid, wide, cells: looked(wide[0] * wide[1]), blocks }
+    }
+
+    pub fn gap(&self) -> &'a AnyGap {
+        self.overlap.gap()
+    }
+
+    /// From one line of cells to another, counted from the first around the grid.
+    fn between(&self, from: [usize; 2], to: [usize; 2]) -> Rect {
+        let at = |n: usize, m: usize| self.grid.origin[m] + (n as f64 - RING as f64) * self.grid.spacing[m];
+        Rect { min: [at(from[0], 0), at(from[1], 1)], max: [at(to[0], 0), at(to[1], 1)] }
+    }
+
+    /// The cell that a rectangle lies in, if it lies in one.
+    fn around(&self, rect: &Rect) -> Option<([usize; 2], Rect)> {
+        let c = rect.centre();
+        let place = [0, 1].map(|m| (c[m] - self.grid.origin[m]) / self.grid.spacing[m] + RING as f64);
+        if !(0..2).all(|m| place[m] >= 0.0 && place[m] < self.wide[m] as f64) {
+            return None;
+        }
+        let at = place.map(|p| p as usize);
+        let cell = self.between(at, at.map(|n| n + 1));
+        (0..2).all(|m| cell.min[m] <= rect.min[m] && rect.max[m] <= cell.max[m]).then_some((at, cell))
+    }
+
+    /// The gap in a cell; `None` where it is not smooth.
+    fn gap_in(&self, at: [usize; 2], cell: &Rect) -> Option<Taylor> {
+        let gap = self.overlap.gap();
+        let place = at[1] * self.wide[0] + at[0];
+        let from_block = || {
+            let of = at.map(|n| n / BLOCK);
+            let end = [0, 1].map(|m| ((of[m] + 1) * BLOCK).min(self.wide[m]));
+            let rect = self.between(of.map(|n| n * BLOCK), end);
+            let place = of[1] * self.wide[0].div_ceil(BLOCK) + of[0];
+            let taylor = self.blocks.as_ref()?.borrow_mut().at(place, || gap.taylor(&rect))?;
+            let (c, at) = (rect.centre(), cell.centre());
+            Some(taylor.moved([0, 1].map(|m| at[m] - c[m])))
+        };
+        self.cells.borrow_mut().at(place, || from_block().or_else(|| gap.taylor(cell)))
+    }
+
+    /// The gap about the middle of a part of a cell.
+    fn gap_about(&self, rect: &Rect) -> Option<Taylor> {
+        let (at, cell) = self.around(rect)?;
+        let taylor = self.gap_in(at, &cell)?;
+        if *rect == cell {
+            return Some(taylor);
+        }
+        let (c, at) = (cell.centre(), rect.centre());
+        Some(taylor.moved([0, 1].map(|m| at[m] - c[m])))
+    }
+}
+
+impl OverlapBounds for OnCells<'_> {
+    fn bounds(&self, rect: &Rect, slope: [f64; 2]) -> Interval {
+        match self.gap_about(rect) {
+            Some(taylor) => self.overlap.below_depth(taylor.bounds(rect.size(), slope.map(|s| -s))),
+            None => self.overlap.bounds(rect, slope),
+        }
+    }
+
+    fn slopes(&self, rect: &Rect) -> [Interval; 2] {
+        self.overlap.slopes(rect)
+    }
+
+    /// That of a whole cell is kept; one of a part of it is closer than what the cell tells.
+    fn jet(&self, rect: &Rect) -> Option<Jet> {
+        if let Some((at, cell)) = self.around(rect) {
+            let whole = self.gap_in(at, &cell);
+            if *rect == cell {
+                return whole.map(|taylor| self.overlap.jet_of(&taylor));
+            }
+            if self.blocks.is_some() && whole.is_some() {
+                return self.gap_about(rect).map(|taylor| self.overlap.jet_of(&taylor));
+            }
+        }
+        self.overlap.jet(rect)
+    }
+
+    fn mean(&self, rect: &Rect) -> Interval {
+        let from_cell = self.gap_about(rect).map(|taylor| taylor.mean(rect.size()));
+        let close = from_cell.map(|mean| [mean.lo, mean.hi]).filter(|mean| self.overlap.is_close(*mean));
+        close.map_or_else(|| self.overlap.mean(rect), |mean| self.overlap.below_depth(mean))
+    }
+
+    fn ends(&self) -> bool {
+        self.overlap.ends()
+    }
+
+    fn material(&self, rect: &Rect) -> bool {
+        // Where f is smooth there is material.
+        self.gap_about(rect).is_some() || self.overlap.material(rect)
+    }
+
+    fn reach(&self) -> Option<Rect> {
+        self.overlap.reach()
+    }
+
+    fn has_time(&self) -> bool {
+        self.overlap.has_time()
+    }
+
+    fn mirrors(&self) -> [Option<f64>; 2] {
+        self.overlap.mirrors()
+    }
+}
