@@ -23,9 +23,8 @@ pub(crate) struct FlankedTip {
     units: Units,
 }
 
-/// Growth of the contact over the size of the flat up to which cells are fitted to the flat: with bounds, and without.
-const MOST_GROWTH: f64 = 1.0;
-const MOST_ESTIMATED: f64 = 0.3;
+/// Growth of the contact over the size of the flat up to which cells are fitted to the flat.
+const MOST_GROWTH: f64 = 0.32;
 
 /// Unknowns of bounds: about a millisecond each.
 const MOST_PROVED: usize = 700;
@@ -66,7 +65,16 @@ impl FlankedTip {
         // A corner moves with both of its sides: a . v = 1.
         let drift = (0..n).map(|k| meeting([sides[(k + n - 1) % n], sides[k]].map(|[a, b, _]| [a, b, -1.0]))).collect();
         let units = Units { origin: [0, 1].map(|m| middle[m] + about[m]), length, height: *depth };
-        Some(Self { corners, drift, sides, complete: planes.len() == n, planes, growth, rounding: rounding / depth, units })
+        Some(Self {
+            corners,
+            drift,
+            sides,
+            complete: planes.len() == n,
+            planes,
+            growth,
+            rounding: rounding / depth,
+            units,
+        })
     }
 
     /// Whether the tolerance, relative, asks for no more cells than can be solved.
@@ -94,7 +102,7 @@ impl FlankedTip {
         if let Some(bounded) = bounded.filter(|bounded| bounded.width() <= limits.tolerance) {
             return self.proved(bounded, contact, settings);
         }
-        if self.growth > MOST_ESTIMATED { None } else { self.found_from(flanked(&flat, limits)?, contact, settings) }
+        self.found_from(flanked(&flat, limits)?, contact, settings)
     }
 
     fn found_from(&self, found: Estimated, contact: &Contact, settings: &Settings) -> Option<Found> {

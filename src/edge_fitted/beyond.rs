@@ -81,8 +81,7 @@ mod tests {
             let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
             for i in 0..=40 {
                 for j in 0..=40 {
-                    let (bs, bt) =
-                        (lagrange(x, -1.0 + 0.05 * f64::from(i)), lagrange(y, -1.0 + 0.05 * f64::from(j)));
+                    let (bs, bt) = (lagrange(x, -1.0 + 0.05 * f64::from(i)), lagrange(y, -1.0 + 0.05 * f64::from(j)));
                     let value: f64 =
                         (0..n).map(|l| bt[l] * (0..m).map(|k| bs[k] * values[l * m + k]).sum::<f64>()).sum();
                     (least, most) = (least.min(value), most.max(value));

@@ -292,7 +292,16 @@ mod tests {
             let farthest = (0..n).map(along).fold(f64::MIN, f64::max);
             1.0 - ((farthest - 1.0) / growth).max(0.0)
         };
-        let flat = Flat { corners: &corners, drift: &drift, sides: &[], planes: &[], rounding: 0.0, growth, symmetric: true, overlap: &overlap };
+        let flat = Flat {
+            corners: &corners,
+            drift: &drift,
+            sides: &[],
+            planes: &[],
+            rounding: 0.0,
+            growth,
+            symmetric: true,
+            overlap: &overlap,
+        };
         flanked(&flat, &Limits { tolerance, ..Limits::default() }).unwrap()
     }
 

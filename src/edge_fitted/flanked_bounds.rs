@@ -31,7 +31,7 @@ pub(crate) struct Bounded {
 }
 
 /// Cells from the middle to the sides that are mostly enough for an error of 1e-3.
-const ENOUGH: f64 = 7.4;
+const ENOUGH: f64 = 8.6;
 /// The order that bounds close with.
 const ORDER: f64 = 2.5;
 /// Meshes at most.
@@ -43,13 +43,17 @@ const THICKEST: f64 = 10.0;
 /// Rows of half of a flank, of those by which its end is found first and then, and their grading.
 const ROWS: [usize; 3] = [3, 2, 3];
 const ROW_EXPONENT: f64 = 2.0;
+/// Rows are no thinner than this, over the size of the flat: pair integrals would not tell them apart.
+const THINNEST: f64 = 1e-5;
 /// Cells of the meshes that the end is found on first, and how often.
 const FEW: usize = 5;
 const MOVES: usize = 2;
 /// Rows around the contact, what each is thicker by than the one before, and how far they go, over the end of the contact.
-const AROUND: usize = 8;
+const AROUND: [usize; 2] = [2, 8];
 const THICKER: f64 = 1.7;
 const FAR: f64 = 1.8;
+/// Height of the first of them, where there are enough: by as much as the gap rises there the residual of cells is outweighed.
+const FIRST: f64 = 0.008;
 /// How much farther the rows reach where no bounds are found, and how often.
 const FARTHER: f64 = 0.1;
 const TRIES: usize = 3;
@@ -65,13 +69,16 @@ pub(crate) fn flanked_bounds(flat: &Flat, limits: &Limits) -> Option<Bounded> {
         let (flanked, mesh) = mesh(Flanked::new(flat, &coarse(flat, ends, n, rows), ends)?)?;
         let all = vec![true; mesh.orbits.loaded];
         let pressure = solve_on(&factor(&mesh.compliance, &all)?, &all, &integrals(&flanked, &mesh));
-        Some(ends.moved(&flanked, &|cell| pressure[mesh.orbits.orbit[cell]]))
+        Some(ends.moved(&flanked, &|cell| pressure[mesh.orbits.orbit[cell]]).no_nearer(flat, 2.0 * THINNEST))
     };
-    let mut ends = Ends::guess(flat);
+    let mut ends = Ends::guess(flat).no_nearer(flat, 2.0 * THINNEST);
+    let mut n = (ENOUGH * (1e-3 / limits.tolerance).powf(1.0 / ORDER)).round().max(3.0) as usize;
+    if Flanked::new(flat, &fine(flat, &ends, n), &ends)?.mesh.loaded > limits.unknowns * group.len().max(1) {
+        return None;
+    }
     for _ in 0..MOVES {
         ends = settled(&ends, FEW, ROWS[2])?;
     }
-    let mut n = (ENOUGH * (1e-3 / limits.tolerance).powf(1.0 / ORDER)).round() as usize;
     let mut best: Option<Bounded> = None;
     for _ in 0..ROUNDS {
         let Some(own) = settled(&ends, n, ROWS[1]) else { return best };
@@ -102,7 +109,7 @@ fn reach(growth: f64) -> f64 {
 
 /// tau times the depth.
 fn tau(growth: f64) -> f64 {
-    8.0 + 40.0 * growth.min(1.0)
+    6.0 + 50.0 * growth.min(1.0)
 }
 
 /// Lines of a mesh that the end is found on.
@@ -111,10 +118,21 @@ fn coarse(flat: &Flat, ends: &Ends, n: usize, half_rows: usize) -> Lines {
 }
 
 fn fine(flat: &Flat, ends: &Ends, n: usize) -> Lines {
-    lines(flat, ends, n, ROWS[0], AROUND)
+    let [least, most] = AROUND;
+    let height = level(ends) - ends.lowest();
+    let first = |rows: usize| height * (THICKER - 1.0) / (THICKER.powi(rows as i32) - 1.0);
+    let around = (least..=most).rev().find(|&rows| first(rows) >= FIRST).unwrap_or(least);
+    lines(flat, ends, n, ROWS[0], around)
+}
+
+/// The height of the level line that the rows around the contact go to.
+fn level(ends: &Ends) -> f64 {
+    (FAR * ends.highest()).min(1.0)
 }
 
 fn lines(flat: &Flat, ends: &Ends, n: usize, half_rows: usize, around: usize) -> Lines {
+    let thinnest = |half: usize| 0.5 * (half as f64).powf(-ROW_EXPONENT) * ends.nearest(flat);
+    let half_rows = (2..=half_rows).rev().find(|&half| thinnest(half) >= THINNEST).unwrap_or(1);
     let rows = graded_both(0.0, 1.0, half_rows, ROW_EXPONENT);
     let mut inside = graded(-1.0, 1.0, n, EXPONENT);
     let thinnest = THICKEST * rows[1] * ends.nearest(flat);
@@ -124,7 +142,7 @@ fn lines(flat: &Flat, ends: &Ends, n: usize, half_rows: usize, around: usize) ->
         inside.insert(inside.len() - 1, 1.0 - last);
     }
     let part = |i: usize| (THICKER.powi(i as i32) - 1.0) / (THICKER.powi(around as i32) - 1.0);
-    let mut beyond = vec![(FAR * ends.highest()).min(1.0)];
+    let mut beyond = vec![level(ends)];
     while beyond[beyond.len() - 1] < 1.0 {
         beyond.push((2.0 * beyond[beyond.len() - 1]).min(1.0));
     }

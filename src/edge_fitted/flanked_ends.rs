@@ -68,6 +68,20 @@ impl Ends {
         self.flanks.iter().flatten().map(|e| e[1]).fold(0.0, f64::max)
     }
 
+    pub fn lowest(&self) -> f64 {
+        self.flanks.iter().flatten().map(|e| e[1]).fold(f64::INFINITY, f64::min)
+    }
+
+    /// No nearer to the sides than this.
+    pub fn no_nearer(mut self, flat: &Flat, distance: f64) -> Self {
+        for (ends, [a, b, _]) in self.flanks.iter_mut().zip(flat.sides) {
+            let least = distance * a.hypot(*b);
+            ends.iter_mut().for_each(|e| e[1] = e[1].max(least).min(HIGHEST));
+        }
+        self.close();
+        self
+    }
+
     /// The least distance from a side.
     pub fn nearest(&self, flat: &Flat) -> f64 {
         let least = |ends: &Vec<[f64; 2]>| ends.iter().map(|e| e[1]).fold(f64::INFINITY, f64::min);
@@ -94,7 +108,8 @@ impl Ends {
             let moved = columns.map(|j| {
                 let end = at(rows, j);
                 let thickness = [end - at(rows - 1, j), end - at(rows - 2, j)];
-                let share = further(thickness, [pressure(flank.cells[rows - 1][j]), pressure(flank.cells[rows - 2][j])]);
+                let share =
+                    further(thickness, [pressure(flank.cells[rows - 1][j]), pressure(flank.cells[rows - 2][j])]);
                 let factor = (1.0 + share / end).clamp(MOVES[0], MOVES[1]);
                 [0.5 * (flank.shares[j] + flank.shares[j + 1]), (factor * end).min(HIGHEST)]
             });

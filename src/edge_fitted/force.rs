@@ -90,8 +90,7 @@ impl Problem<'_> {
         let (pressure, punch) = (orbits.expand(&p, mesh.loaded), orbits.expand(&m, mesh.loaded));
         let strengths = [&pressure, &punch].map(|p| Lines::strengths(mesh, p));
         let strengths = [strengths[0].as_slice(), strengths[1].as_slice()];
-        let Continuation { chi, decay: wider } =
-            (self.continuation)(Pressures { contact: &contact, strengths, tau })?;
+        let Continuation { chi, decay: wider } = (self.continuation)(Pressures { contact: &contact, strengths, tau })?;
         let targets = [Target { pressure: &pressure, overlap: Overlap::Planes(self.planes) }, Target::level(&punch)];
         let beyond = Beyond { wider: &chi, decay: &wider, material: self.material, tau };
         let decay = decay_lengths(mesh);

@@ -3,7 +3,7 @@
 use super::compliance::Around;
 use super::far::{BLOCK_NODES, Source, left_out};
 use super::line_potential::{Field, Lines, Points, Scratch};
-use super::mesh::{Bilinear, Mesh, Point};
+use super::mesh::{Bilinear, Mesh, Point, minus, norm};
 use super::subcell::{NearEdge, near_edges};
 use super::surroundings::{BLOCK_SHARE, FAR, block_field, chebyshev_points};
 
@@ -59,15 +59,15 @@ impl<'a, const K: usize> Sources<'a, K> {
         })
     }
 
-    /// No jump at the cell: what the others make there.
+    /// No jump at the cell: what the others make there, each as a line as long as it is: area/(r (r^2 + a^2)^(1/2)).
     fn scale_from_afar(&self, k: usize, cell: usize) -> f64 {
         let own = Around::new(&Bilinear::new(self.mesh.corners(cell)));
         let others = self.arounds.iter().zip(self.pressures[k]).filter(|(_, p)| **p != 0.0);
         others
             .map(|(other, p)| {
                 let area = 4.0 * other.half[0] * other.half[1];
-                let [dx, dy] = [0, 1].map(|i| other.centre[i] - own.centre[i]);
-                p.abs() * area / (std::f64::consts::PI * (dx * dx + dy * dy))
+                let r = norm(minus(other.centre, own.centre));
+                p.abs() * area / (std::f64::consts::PI * r * r.hypot(other.half[0]))
             })
             .sum()
     }

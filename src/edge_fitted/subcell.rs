@@ -220,15 +220,6 @@ impl Hull {
     pub fn distance(&self, p: Point) -> f64 {
         self.sides.iter().map(|(n, c)| dot(*n, p) - c).fold(self.around.distance(p), f64::max)
     }
-
-    /// Of a segment.
-    #[inline(always)]
-    pub fn distance_to_segment(&self, ends: &[Point; 2]) -> f64 {
-        self.sides
-            .iter()
-            .map(|(n, c)| dot(*n, ends[0]).min(dot(*n, ends[1])) - c)
-            .fold(self.around.distance_to_hull(ends), f64::max)
-    }
 }
 
 /// Distance of a point from a segment.

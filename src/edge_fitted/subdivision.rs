@@ -99,7 +99,8 @@ impl<const K: usize> Context<'_, K> {
             if count > SUBCELLS {
                 return None;
             }
-            let (errors, logarithms) = errors(&subcell, &surroundings.near, &surroundings.lanes, &surroundings.far, self.extent);
+            let (errors, logarithms) =
+                errors(&subcell, &surroundings.near, &surroundings.lanes, &surroundings.far, self.extent);
             let decay = self.decay_at(&subcell);
             let allowance = 0.5 * SHARE * (area / subcell.map.area()).powf(0.25);
             // The left-out slope, with the value's part, over the allowed one: per direction and number of nodes.
@@ -256,8 +257,7 @@ impl<const K: usize> Context<'_, K> {
                 // v (1 - chi') <= most v, with 1 - chi' >= 0, where v >= 0.
                 let most = 1.0 - of_wider.iter().fold(1.0, |a: f64, b| a.min(*b));
                 let both: Vec<f64> = v.iter().zip(&r).map(|(v, r)| most * v + tau * r).collect();
-                range(&v, *count, off(1))[1] <= 0.0
-                    || range(&both, *count, most * off(1) + tau * off(0))[1] <= 0.0
+                range(&v, *count, off(1))[1] <= 0.0 || range(&both, *count, most * off(1) + tau * off(0))[1] <= 0.0
             };
             return if high <= 0.0 && close() {
                 Continued::Known([true, false])

@@ -103,7 +103,16 @@ impl<const K: usize> Surroundings<K> {
         let mut block = group.lines.fields(std::array::from_fn(|k| rest[k].as_slice()), &points, scratch);
         group.add_far(&points, &mut block);
         let lanes = EdgeLanes::of(&near);
-        Self { near, lanes, lines: subset, strengths: near_strengths, far, count, block: Box::new(block), scale: scale.map(|s| s / sources.share(cell)) }
+        Self {
+            near,
+            lanes,
+            lines: subset,
+            strengths: near_strengths,
+            far,
+            count,
+            block: Box::new(block),
+            scale: scale.map(|s| s / sources.share(cell)),
+        }
     }
 }
 
