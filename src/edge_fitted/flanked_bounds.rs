@@ -3,6 +3,8 @@
 //! Where the contact ends is found first, on fewer cells (`flanked_ends`). The rows reach a little farther, so that beside them S p is
 //! larger than f and what (5) asks for is shown at a short distance.
 
+use std::f64::consts::FRAC_PI_2;
+
 use super::Limits;
 use super::active_set::{factor, solve, solve_on};
 use super::discrete::Discretisation;
@@ -12,7 +14,7 @@ use super::flanked_ends::Ends;
 use super::flanked_mesh::{Flanked, Lines};
 use super::force::{Bounds, Continuation, Pressures, Problem};
 use super::line_potential::{BATCH, Points, Scratch};
-use super::mesh::{Bilinear, Mesh, Point, minus, norm};
+use super::mesh::{Bilinear, Mesh, Point, cross, dot, minus, norm};
 use super::rectilinear::{graded, graded_both};
 use super::residual_norm::decay_lengths;
 
@@ -30,8 +32,8 @@ pub(crate) struct Bounded {
     pub unknowns: usize,
 }
 
-/// Cells from the middle to the sides that are mostly enough for an error of 1e-3.
-const ENOUGH: f64 = 8.6;
+/// Cells from the middle to the sides that are mostly enough for an error of 1e-3, where no corner turns by more than a right angle.
+const ENOUGH: f64 = 8.8;
 /// The order that bounds close with.
 const ORDER: f64 = 2.5;
 /// Meshes at most.
@@ -72,7 +74,8 @@ pub(crate) fn flanked_bounds(flat: &Flat, limits: &Limits) -> Option<Bounded> {
         Some(ends.moved(&flanked, &|cell| pressure[mesh.orbits.orbit[cell]]).no_nearer(flat, 2.0 * THINNEST))
     };
     let mut ends = Ends::guess(flat).no_nearer(flat, 2.0 * THINNEST);
-    let mut n = (ENOUGH * (1e-3 / limits.tolerance).powf(1.0 / ORDER)).round().max(3.0) as usize;
+    let enough = ENOUGH * (sharpest(flat.corners) / FRAC_PI_2).max(1.0);
+    let mut n = (enough * (1e-3 / limits.tolerance).powf(1.0 / ORDER)).round().max(3.0) as usize;
     if Flanked::new(flat, &fine(flat, &ends, n), &ends)?.mesh.loaded > limits.unknowns * group.len().max(1) {
         return None;
     }
@@ -100,6 +103,17 @@ pub(crate) fn flanked_bounds(flat: &Flat, limits: &Limits) -> Option<Bounded> {
         n = ((n as f64 * (1.1 * width / limits.tolerance).powf(1.0 / ORDER)).ceil() as usize).clamp(n + 1, 2 * n);
     }
     best
+}
+
+/// The largest angle that a convex polygon turns by at a corner.
+fn sharpest(corners: &[Point]) -> f64 {
+    let count = corners.len();
+    let turn = |k: usize| {
+        let side = |k: usize| minus(corners[(k + 1) % count], corners[k % count]);
+        let (u, v) = (side(k), side(k + 1));
+        cross(u, v).atan2(dot(u, v))
+    };
+    (0..count).map(turn).fold(0.0, f64::max)
 }
 
 /// How much farther the rows reach than the contact: what that costs falls with the square of the growth.
