@@ -9,8 +9,7 @@ use super::bracket::{Trial, lower};
 use super::functional::{Contact, Cut, RING};
 use super::of_gap::GapOverlap;
 use super::on_cells::OnCells;
-use super::overlap::OverlapBounds;
-use super::parts::{Nothing, Parts, Terms};
+use super::parts::in_parts;
 use super::residual::{Halves, Residual};
 use super::virial::Virial;
 
@@ -69,27 +68,20 @@ fn by_trial(
         return Err(Missing::TooWide(f64::INFINITY));
     }
     let ring = cells / loaded;
-    let terms = Terms::of(gap.gap());
-    let overlaps = terms.as_ref().map(|terms| terms.overlaps(gap));
-    let smooth = overlaps.as_ref().and_then(|(smooth, _)| Some(OnCells::new(smooth.as_ref()?, trial.grid)));
-    let nothing = Nothing(gap.depth());
-    let parts = match (&terms, &overlaps) {
-        (Some(terms), Some((_, laws))) => {
-            let smooth = smooth.as_ref().map_or(&nothing as &dyn OverlapBounds, |smooth| smooth);
-            Parts::of(terms, smooth, laws, trial.grid, gap.depth())
-        }
-        _ => Parts::whole(overlap),
-    };
-    let virial = Virial::fitted(&residual, &parts, [1.0, 0.0, 0.0], &touch);
+    let pressed = residual.pressed();
     let force = 2.5 * below / above_least;
     let cut = Cut::around(&field, &touch, halves);
-    let contact = Contact { residual: &residual, parts: &parts, means, cut, below, open, gamma, touch: &touch, ring };
-    let expected = expected(contact.disc(), virial.left, ring, gamma) / (enough * force);
-    if enough > 0.0 && expected > HOPE {
-        return Err(Missing::TooWide(0.5 * expected));
-    }
-    let found = contact.bounds(&virial, above_least, enough * force);
-    found.filter(|[low, high]| low <= high).ok_or(Missing::Beyond)
+    in_parts(gap, overlap, trial.grid, |parts| {
+        let virial = Virial::fitted(&pressed, parts, [1.0, 0.0, 0.0], &touch);
+        let (residual, pressed, touch) = (&residual, &pressed, &touch[..]);
+        let contact = Contact { residual, parts, pressed, means, cut, below, open, gamma, touch, ring };
+        let expected = expected(contact.disc(), virial.left, ring, gamma) / (enough * force);
+        if enough > 0.0 && expected > HOPE {
+            return Err(Missing::TooWide(0.5 * expected));
+        }
+        let found = contact.bounds(&virial, above_least, enough * force);
+        found.filter(|[low, high]| low <= high).ok_or(Missing::Beyond)
+    })
 }
 
 /// What (5) may leave: by the punch of a disc of the area of the contact, and the share of it that is left.

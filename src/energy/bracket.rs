@@ -119,7 +119,7 @@ impl Trial<'_> {
         (0..self.pressure.len()).filter(|k| self.pressure[*k] > 0.0).all(|k| known(k % nx, k / nx))
     }
 
-    fn halves(&self, overlap: &dyn OverlapBounds) -> Halves {
+    pub(super) fn halves(&self, overlap: &dyn OverlapBounds) -> Halves {
         let mirrors = overlap.mirrors();
         let mut halves = [0, 1].map(|m| mirrors[m].is_some_and(|c| self.grid.is_centred_on(m, c)));
         // A pressure that is not even would lose by being made so.

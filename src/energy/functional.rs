@@ -33,7 +33,8 @@ use super::faded::faded;
 use super::field::{COEFFICIENTS, Field};
 use super::overlap::{Interval, OverlapBounds};
 use super::parts::Parts;
-use super::residual::{Halves, Quarter, Residual, loaded};
+use super::pressed::Pressed;
+use super::residual::{Halves, Quarter, Residual};
 use super::virial::{Target, Virial};
 use crate::discrete::Discrete;
 use crate::grid::{Grid, Kernel};
@@ -110,6 +111,7 @@ impl Cut {
 pub(super) struct Contact<'a> {
     pub residual: &'a Residual<'a>,
     pub parts: &'a Parts<'a>,
+    pub pressed: &'a Pressed,
     /// Bounds of the means of f in the cells under pressure.
     pub means: Vec<Interval>,
     pub cut: Cut,
@@ -294,7 +296,7 @@ impl Contact<'_> {
 
     /// Force of a flat punch of the area under pressure, nearly.
     pub fn disc(&self) -> f64 {
-        let cells = loaded(self.residual).map(|(i, j, _)| self.residual.images(i, j)).sum::<f64>();
+        let cells = self.pressed.cells.iter().map(|(i, j, _)| self.pressed.images(*i, *j)).sum::<f64>();
         2.0 * (cells * self.field().grid.cell_area() / std::f64::consts::PI).sqrt()
     }
 
@@ -305,7 +307,7 @@ impl Contact<'_> {
             let best = (a_m / (2.0 * gamma)).sqrt();
             if tau <= best { (2.0 * gamma * a_m).sqrt() } else { tau * gamma + a_m / (2.0 * tau) }
         };
-        let own = virial.work(self.residual, self.parts)?;
+        let own = virial.work(self.pressed, self.parts)?;
         let per = virial.per_energy();
         let ends = [self.below, self.below + self.open].map(|u| per * u);
         let low = ends[0].min(ends[1]) + work[0] + own[0] + per.min(0.0) * gamma - missed(tau[1]);

@@ -109,10 +109,14 @@ impl<'a> OnCells<'a> {
 
 impl OverlapBounds for OnCells<'_> {
     fn bounds(&self, rect: &Rect, slope: [f64; 2]) -> Interval {
-        match self.gap_about(rect) {
-            Some(taylor) => self.overlap.below_depth(taylor.bounds(rect.size(), slope.map(|s| -s))),
-            None => self.overlap.bounds(rect, slope),
-        }
+        let from_cell = self.gap_about(rect).and_then(|taylor| {
+            let [low, high] = taylor.bounds(rect.size(), slope.map(|s| -s));
+            // Close to a tip second derivatives have no bound, and values have.
+            let [gx, gy] = taylor.gradient.map(crate::numeric::Interval::magnitude);
+            let [w, h] = rect.size();
+            (high - low <= gx * w + gy * h).then_some([low, high])
+        });
+        from_cell.map_or_else(|| self.overlap.bounds(rect, slope), |bounds| self.overlap.below_depth(bounds))
     }
 
     fn slopes(&self, rect: &Rect) -> [Interval; 2] {

@@ -8,7 +8,7 @@ use crate::grid::Grid;
 use crate::numeric::geometry::Rect;
 
 /// The terms of a gap.
-pub(super) struct Terms {
+struct Terms {
     /// The sum of those without a law, where there are others.
     smooth: Option<AnyGap>,
     /// Those of a degree about the centre, and the value there.
@@ -18,7 +18,7 @@ pub(super) struct Terms {
 
 impl Terms {
     /// Of a gap that is the sum of several, some of which are not smooth and follow laws about one point.
-    pub fn of(gap: &AnyGap) -> Option<Self> {
+    fn of(gap: &AnyGap) -> Option<Self> {
         let mut centre = None;
         let (mut laws, mut smooth) = (Vec::new(), Vec::new());
         for term in gap.terms()? {
@@ -38,7 +38,7 @@ impl Terms {
     }
 
     /// Their overlaps on the cells of a grid.
-    pub fn overlaps<'a>(&'a self, of: &GapOverlap) -> (Option<GapOverlap<'a>>, Vec<GapOverlap<'a>>) {
+    fn overlaps<'a>(&'a self, of: &GapOverlap) -> (Option<GapOverlap<'a>>, Vec<GapOverlap<'a>>) {
         let part = |gap: &'a AnyGap| of.of_part(gap);
         (self.smooth.as_ref().map(part), self.laws.iter().map(|(gap, ..)| part(gap)).collect())
     }
@@ -67,7 +67,7 @@ impl Law<'_> {
 }
 
 /// Nothing: the smooth part where every term has a law.
-pub(super) struct Nothing(pub f64);
+struct Nothing(f64);
 
 impl OverlapBounds for Nothing {
     fn bounds(&self, rect: &Rect, slope: [f64; 2]) -> [f64; 2] {
@@ -111,14 +111,13 @@ impl<'a> Parts<'a> {
         Self { smooth: overlap, laws: Vec::new(), centre: None }
     }
 
+    /// Whether there may be a rectangle without material: false is certain.
+    pub fn ends(&self) -> bool {
+        self.smooth.ends() || self.laws.iter().any(|law| law.overlap.ends())
+    }
+
     /// Of terms with their overlaps, on the cells of a grid.
-    pub fn of(
-        terms: &Terms,
-        smooth: &'a dyn OverlapBounds,
-        laws: &'a [GapOverlap<'a>],
-        grid: &Grid,
-        depth: f64,
-    ) -> Self {
+    fn of(terms: &Terms, smooth: &'a dyn OverlapBounds, laws: &'a [GapOverlap<'a>], grid: &Grid, depth: f64) -> Self {
         let law = |((_, degree, lowest), overlap): (&(AnyGap, f64, f64), &'a GapOverlap<'a>)| Law {
             overlap: OnCells::new(overlap, grid),
             degree: *degree,
@@ -126,5 +125,16 @@ impl<'a> Parts<'a> {
             above: depth - lowest,
         };
         Self { smooth, laws: terms.laws.iter().zip(laws).map(law).collect(), centre: Some(terms.centre) }
+    }
+}
+
+/// Calls `work` with the parts of an overlap, or with the overlap in one piece.
+pub(super) fn in_parts<T>(gap: &GapOverlap, whole: &OnCells, grid: &Grid, work: impl FnOnce(&Parts) -> T) -> T {
+    let Some(terms) = Terms::of(gap.gap()) else { return work(&Parts::whole(whole)) };
+    let (smooth, laws) = terms.overlaps(gap);
+    let depth = gap.depth();
+    match &smooth {
+        Some(smooth) => work(&Parts::of(&terms, &OnCells::new(smooth, grid), &laws, grid, depth)),
+        None => work(&Parts::of(&terms, &Nothing(depth), &laws, grid, depth)),
     }
 }

@@ -7,6 +7,7 @@ use super::field::{Field, RING};
 use super::lane::{LANES, Lane};
 use super::outside::{Loads, clear_beyond, near};
 use super::overlap::{OverlapBounds, Raised, Taylor};
+use super::pressed::{self, Pressed};
 use super::tables::MOST_SLENDER;
 use super::whole::integrals;
 use super::{basis, whole};
@@ -49,10 +50,13 @@ pub(super) struct Residual<'a> {
 }
 
 impl Residual<'_> {
+    /// The cells under pressure.
+    pub fn pressed(&self) -> Pressed {
+        Pressed::new(&self.field.grid, self.halves, |i, j| self.field.pressure(i as isize, j as isize))
+    }
+
     pub fn rect(&self, i: isize, j: isize) -> Rect {
-        let grid = &self.field.grid;
-        let at = |n: isize, m: usize| grid.origin[m] + n as f64 * grid.spacing[m];
-        Rect { min: [at(i, 0), at(j, 1)], max: [at(i + 1, 0), at(j + 1, 1)] }
+        pressed::rect(&self.field.grid, i, j)
     }
 
     /// First cell along each axis that is worked out.
@@ -62,9 +66,7 @@ impl Residual<'_> {
 
     /// How many cells a cell stands for.
     pub fn images(&self, i: isize, j: isize) -> f64 {
-        let twice = |m: usize, k: isize| self.halves[m] && 2 * k + 1 != self.field.grid.shape[m] as isize;
-        let count = |m: usize, k: isize| if twice(m, k) { 2.0 } else { 1.0 };
-        count(0, i) * count(1, j)
+        pressed::images(&self.field.grid, self.halves, i, j)
     }
 
     /// The extension with w >= f - u wherever there is material; `None` where the contact may reach beyond the grid.
@@ -349,16 +351,6 @@ impl Residual<'_> {
             }
         }
     }
-}
-
-/// Cells under pressure that are worked out.
-pub(super) fn loaded<'a>(residual: &'a Residual) -> impl Iterator<Item = (isize, isize, f64)> + 'a {
-    let field = residual.field;
-    let [nx, ny] = field.grid.shape.map(|n| n as isize);
-    let first = residual.first().map(|n| n.max(0));
-    (first[1]..ny)
-        .flat_map(move |j| (first[0]..nx).map(move |i| (i, j, field.pressure(i, j))))
-        .filter(|(_, _, p)| *p > 0.0)
 }
 
 /// Of cells side by side, a bound of u - f in each, in longer sides: |P_k| <= 1. What f leaves open is not in it.

@@ -13,15 +13,16 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::overlap::{Interval, Jet, OverlapBounds};
+use super::overlap::{self, Interval, Jet, OverlapBounds};
 use super::parts::{Law, Parts};
-use super::residual::{Quarter, Residual, loaded};
+use super::pressed::Pressed;
+use super::residual::Quarter;
 use crate::gap::Taylor;
 use crate::numeric;
 use crate::numeric::geometry::Rect;
 
 /// Cells that tell what makes T small.
-const SAMPLES: usize = 256;
+const SAMPLES: usize = 384;
 
 /// Of a mean pressure, what is added to that of a cell before its weight is the inverse of it.
 const AT_END: f64 = 0.3;
@@ -60,21 +61,31 @@ fn point(value: f64) -> numeric::Interval {
     numeric::Interval::point(value)
 }
 
-/// Whether what has no law is smooth on the contact, which ends before the material does.
-fn may_move(residual: &Residual, parts: &Parts, touch: &[Quarter]) -> bool {
-    let smooth = |i: isize, j: isize| {
-        let rect = residual.rect(i, j);
-        parts.smooth.jet(&rect).is_some() && parts.laws.iter().all(|law| law.overlap.material(&rect))
+/// Whether what has no law is smooth on the contact, which ends before the material does: not so close to a tip that its slopes in a cell
+/// are less certain than those of the contact are steep.
+fn may_move(pressed: &Pressed, parts: &Parts, touch: &[Quarter]) -> bool {
+    let half = pressed.grid.spacing.map(|h| 0.5 * h);
+    let steep = |(i, j, _): (isize, isize, f64)| {
+        parts
+            .smooth
+            .jet(&pressed.rect(i, j))
+            .map_or(0.0, |jet| jet.gradient.map(middle).map(f64::abs).into_iter().sum())
     };
-    let around = if residual.overlap.ends() { 1 } else { 0 };
+    let steepest = pressed.cells.iter().copied().map(steep).fold(0.0, f64::max);
+    let smooth = |i: isize, j: isize| {
+        let rect = pressed.rect(i, j);
+        let close = |jet: Jet| overlap::Taylor::of(&jet, half).rest[1] <= steepest;
+        parts.smooth.jet(&rect).is_some_and(close) && parts.laws.iter().all(|law| law.overlap.material(&rect))
+    };
+    let around = if parts.ends() { 1 } else { 0 };
     let all = |i: isize, j: isize| (-around..=around).all(|b| (-around..=around).all(|a| smooth(i + a, j + b)));
-    loaded(residual).all(|(i, j, _)| all(i, j)) && touch.iter().all(|(i, j, _)| all(*i, *j))
+    pressed.with(touch).all(|(i, j, _)| all(i, j))
 }
 
 impl Virial {
     /// T = eta.
-    pub fn plain(residual: &Residual, eta: [f64; 3]) -> Self {
-        let centre = residual.field.grid.extent().centre();
+    pub fn plain(pressed: &Pressed, eta: [f64; 3]) -> Self {
+        let centre = pressed.grid.extent().centre();
         Self { eta, centre, mu: 0.0, b: [0.0; 2], beta: 0.0, omega: 0.0, left: 1.0 }
     }
 
@@ -87,30 +98,33 @@ impl Virial {
         2.0 * self.mu - self.beta
     }
 
-    /// By least squares over the cells under pressure, or plain where what has no law is not smooth on all that is or may be under pressure
-    /// (`touch`). Where f is its own image so is what is moved.
-    pub fn fitted(residual: &Residual, parts: &Parts, eta: [f64; 3], touch: &[Quarter]) -> Self {
-        let plain = Self::plain(residual, eta);
-        let about = Self { centre: parts.centre.unwrap_or(plain.centre), ..plain };
-        let off_centre = (0..2).any(|m| residual.halves[m] && !residual.field.grid.is_centred_on(m, about.centre[m]));
-        if off_centre || !may_move(residual, parts, touch) {
-            return plain;
-        }
-        about.least_squares(residual, parts, touch).filter(|found| found.left < SMALL).unwrap_or(plain)
+    /// Factor of P in its derivative by the depth ([`super::stiffness`]).
+    pub fn per_depth(&self) -> f64 {
+        self.mu - self.beta
     }
 
-    fn least_squares(self, residual: &Residual, parts: &Parts, touch: &[Quarter]) -> Option<Self> {
-        let count = loaded(residual).count();
-        let mean = loaded(residual).map(|(_, _, p)| p).sum::<f64>() / count as f64;
+    /// By least squares over the cells under pressure, or plain where what has no law is not smooth on all that is or may be under pressure
+    /// (`touch`). Where f is its own image so is what is moved.
+    pub fn fitted(pressed: &Pressed, parts: &Parts, eta: [f64; 3], touch: &[Quarter]) -> Self {
+        let plain = Self::plain(pressed, eta);
+        let about = Self { centre: parts.centre.unwrap_or(plain.centre), ..plain };
+        let off_centre = (0..2).any(|m| pressed.halves[m] && !pressed.grid.is_centred_on(m, about.centre[m]));
+        if off_centre || !may_move(pressed, parts, touch) {
+            return plain;
+        }
+        about.least_squares(pressed, parts, touch).filter(|found| found.left < SMALL).unwrap_or(plain)
+    }
+
+    fn least_squares(self, pressed: &Pressed, parts: &Parts, touch: &[Quarter]) -> Option<Self> {
+        let mean = pressed.cells.iter().map(|(_, _, p)| p).sum::<f64>() / pressed.cells.len() as f64;
         // A law is one about its centre alone.
-        let free: Vec<usize> = (0..2).filter(|m| !residual.halves[*m] && parts.laws.is_empty()).collect();
+        let free: Vec<usize> = (0..2).filter(|m| !pressed.halves[*m] && parts.laws.is_empty()).collect();
         let turns = free.len() == 2;
         let columns = 2 + free.len() + usize::from(turns);
         let (mut rows, mut right, mut size, mut samples) = (Vec::new(), Vec::new(), 0.0, 0);
-        let beyond = touch.iter().map(|(i, j, _)| (*i, *j, 0.0));
-        let (inside, around) = (count.div_ceil(SAMPLES).max(1), touch.len().div_ceil(SAMPLES).max(1));
-        for (i, j, p) in loaded(residual).step_by(inside).chain(beyond.step_by(around)) {
-            let rect = residual.rect(i, j);
+        let all = pressed.with(touch).count();
+        for (i, j, p) in pressed.with(touch).step_by(all.div_ceil(SAMPLES).max(1)) {
+            let rect = pressed.rect(i, j);
             let jet = parts.smooth.jet(&rect)?;
             let [x, y] = self.from_centre(&rect);
             let [fx, fy] = jet.gradient.map(middle);
@@ -219,8 +233,8 @@ impl Virial {
     }
 
     /// <T, p_h>, from below and from above.
-    pub fn work(&self, residual: &Residual, parts: &Parts) -> Option<[f64; 2]> {
-        let grid = &residual.field.grid;
+    pub fn work(&self, pressed: &Pressed, parts: &Parts) -> Option<[f64; 2]> {
+        let grid = &pressed.grid;
         let [a, b] = grid.spacing.map(|h| point(0.5 * h));
         let third = numeric::Interval::new((1.0f64 / 3.0).next_down(), (1.0f64 / 3.0).next_up());
         let (x2, y2) = (third * a * a, third * b * b);
@@ -228,8 +242,8 @@ impl Virial {
         let unit = numeric::Interval::new(-1.0, 1.0);
         let (x, y, twist) = (unit * point(0.5) * a, unit * point(0.5) * b, unit * point(0.25) * a * b);
         let (mut sum, mut size, mut count) = ([0.0; 2], 0.0, 0);
-        for (i, j, p) in loaded(residual) {
-            let rect = residual.rect(i, j);
+        for &(i, j, p) in &pressed.cells {
+            let rect = pressed.rect(i, j);
             let at = self.place(&rect);
             let mean = if self.is_plain() {
                 self.eta_at(at)
@@ -248,7 +262,7 @@ impl Virial {
                 let smooth = self.eta_at(at) - mu * of_f - moved;
                 parts.laws.iter().fold(smooth, |sum, law| sum + self.mean_of_law(law, &rect))
             };
-            let p = p * residual.images(i, j);
+            let p = p * pressed.images(i, j);
             (sum[0], sum[1]) = (sum[0] + p * mean.lo, sum[1] + p * mean.hi);
             size += p * mean.magnitude();
             count += 1;
@@ -347,7 +361,7 @@ impl OverlapBounds for Target<'_> {
     }
 
     fn ends(&self) -> bool {
-        self.parts.smooth.ends()
+        self.parts.ends()
     }
 
     fn binds(&self) -> bool {

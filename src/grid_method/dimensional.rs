@@ -4,6 +4,7 @@ use super::gap_left;
 use super::refined::Refined;
 use super::single_grid::{self, GridState};
 use super::unresolved;
+use crate::energy;
 use crate::gap::{AnyGap, Law};
 use crate::grid::{Grid, Pressure};
 use crate::numeric::geometry::Rect;
@@ -31,7 +32,7 @@ pub(crate) fn dimensional(
             let error = refined.error / refined.force;
             ((1.0 + law.degree.inverse()) * refined.force / scaled.above_lowest(), Some(error))
         }
-        None => stiffness_of(refined)?,
+        None => stiffness_of(scaled, refined)?,
     };
     in_users_units(contact, scaled, refined, stiffness, depth, tilt, settings)
 }
@@ -43,9 +44,21 @@ pub(crate) fn at_least(refined: &Refined, change: f64) -> f64 {
 }
 
 /// dP/dd with an estimate of its relative error.
-pub(crate) fn stiffness_of(refined: &Refined) -> Result<(f64, Option<f64>), Unsolved> {
-    let [(stiffness, change)] = refined.estimated(|state| Ok([single_grid::stiffness(state)?]))?;
-    Ok((stiffness, change.map(|change| at_least(refined, change))))
+pub(crate) fn stiffness_of(scaled: &Scaled, refined: &Refined) -> Result<(f64, Option<f64>), Unsolved> {
+    // By what the gap is known to do when it is moved, where that leaves less to the cells.
+    let by_force = |state: &GridState| {
+        let growing = single_grid::growth(state, &vec![1.0; state.problem.grid.len()])?;
+        let own = growing.iter().sum::<f64>() * state.problem.grid.cell_area();
+        let found = energy::stiffness(&scaled.gap, scaled.depth, &state.trial(), &growing, refined.force);
+        Ok::<_, Unsolved>(found.filter(|_| scaled.certain && refined.sequence.is_none()).unwrap_or([own, 1.0]))
+    };
+    let [(stiffness, change), (share, _)] = refined.estimated(by_force)?;
+    let of_force = if share < 1.0 { refined.error / refined.force } else { 0.0 };
+    let error = change.map(|change| {
+        let cells = if share < 1.0 { share * at_least(refined, 0.0) } else { at_least(refined, change) };
+        change.max(cells) + of_force
+    });
+    Ok((stiffness, error))
 }
 
 /// The same, its stiffness and the relative error of that known.

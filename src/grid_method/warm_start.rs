@@ -214,7 +214,7 @@ impl WarmStart {
         let Errors { stiffness, energy, area, peak } = self.errors;
         let stiffness = match self.stiffness() {
             Some(own) => (own, stiffness),
-            None => stiffness_of(&self.refined)?,
+            None => stiffness_of(&self.scaled, &self.refined)?,
         };
         let depth = self.scaled.depth * self.scaled.units.height;
         let mut solution = in_users_units(contact, &self.scaled, &self.refined, stiffness, depth, [0.0; 2], settings)?;

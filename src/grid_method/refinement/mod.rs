@@ -303,13 +303,15 @@ impl Refinement<'_> {
         let Some(bounds) = self.proved(&found.state) else { return Ok(next(found)) };
         let (found, times) = match bounds {
             Ok(bounds @ [lower, upper]) => {
-                let estimated = found.error;
+                let before = (found.force, found.error);
                 let found = found.within(bounds, tolerance);
+                // An estimate that the bounds have moved is worth no more than it was moved by.
+                let estimated = before.1.max((found.force - before.0).abs());
                 if found.is_within(tolerance) {
                     return Ok(Step::Done(found));
                 }
                 let times = (upper - lower) / (tolerance * (lower + upper));
-                (Refined { error: estimated.min(found.error), ..found }, times)
+                (Refined { error: found.error.min(estimated), ..found }, times)
             }
             Err(NoBounds { times }) => (found, times),
         };
@@ -325,9 +327,11 @@ impl Refinement<'_> {
         };
         let Some(Ok(bounds)) = self.proved(&state) else { return Ok(Step::Done(found)) };
         let (coarser, force) = (Some(Box::new(found.state.clone())), state.force());
-        let finest = Refined { state, coarser, force, ..found }.within(bounds, tolerance);
-        let error = finest.error.min(found.error.max((force - found.force).abs()));
-        Ok(Step::Done(if finest.is_within(tolerance) { finest } else { Refined { error, ..finest } }))
+        let (value, error) = (found.force, found.error);
+        let sums = found.sums.iter().copied().chain([force]).collect();
+        let finest = Refined { state, coarser, force, sums, ..found }.within(bounds, tolerance);
+        let estimated = error.max((finest.force - value).abs());
+        Ok(Step::Done(Refined { error: finest.error.min(estimated), ..finest }))
     }
 
     /// The next grid, with what all took so far, from a coarser one where its cells are quarters of that.
