@@ -452,7 +452,8 @@ fn worn_indenters_at_depths_beyond_their_flats() {
             assert!(state.force * (1.0 - error) <= least * (1.0 + 0.5 * growth) * (1.0 + 2e-4), "{faces} {growth}");
             let placed = tip().placed([3.0, 4.0], 0.3).unwrap();
             let placed = fitted(1.0, placed, Load::Depth(depth), &Settings::default());
-            assert!((placed.force / state.force - 1.0).abs() < 1e-8);
+            // Which way a sign is told may turn on the last digit; that moves the bounds by little.
+            assert!((placed.force / state.force - 1.0).abs() < 0.01 * error);
             // Written as planes, one of them in another order.
             let mut planes = tip().planes().to_vec();
             planes.rotate_left(2);

@@ -47,6 +47,8 @@ const ROWS: [usize; 3] = [3, 2, 3];
 const ROW_EXPONENT: f64 = 2.0;
 /// Rows are no thinner than this, over the size of the flat: pair integrals would not tell them apart.
 const THINNEST: f64 = 1e-5;
+/// How much farther than the contact they may reach for that: bounds that take more are too wide.
+const WIDEST: f64 = 8.0;
 /// Cells of the meshes that the end is found on first, and how often.
 const FEW: usize = 5;
 const MOVES: usize = 2;
@@ -73,7 +75,11 @@ pub(crate) fn flanked_bounds(flat: &Flat, limits: &Limits) -> Option<Bounded> {
         let pressure = solve_on(&factor(&mesh.compliance, &all)?, &all, &integrals(&flanked, &mesh));
         Some(ends.moved(&flanked, &|cell| pressure[mesh.orbits.orbit[cell]]).no_nearer(flat, 2.0 * THINNEST))
     };
-    let mut ends = Ends::guess(flat).no_nearer(flat, 2.0 * THINNEST);
+    let guess = Ends::guess(flat);
+    if 2.0 * THINNEST > WIDEST * guess.nearest(flat) {
+        return None;
+    }
+    let mut ends = guess.no_nearer(flat, 2.0 * THINNEST);
     let enough = ENOUGH * (sharpest(flat.corners) / FRAC_PI_2).max(1.0);
     let mut n = (enough * (1e-3 / limits.tolerance).powf(1.0 / ORDER)).round().max(3.0) as usize;
     if Flanked::new(flat, &fine(flat, &ends, n), &ends)?.mesh.loaded > limits.unknowns * group.len().max(1) {

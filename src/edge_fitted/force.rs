@@ -92,10 +92,9 @@ impl Problem<'_> {
         let strengths = [strengths[0].as_slice(), strengths[1].as_slice()];
         let Continuation { chi, decay: wider } = (self.continuation)(Pressures { contact: &contact, strengths, tau })?;
         let targets = [Target { pressure: &pressure, overlap: Overlap::Planes(self.planes) }, Target::level(&punch)];
-        let beyond = Beyond { wider: &chi, decay: &wider, material: self.material, tau };
+        let beyond = Beyond { contact: &contact, wider: &chi, decay: &wider, material: self.material, tau };
         let decay = decay_lengths(mesh);
-        let Parted { residual, punch, wider } =
-            parted(mesh, lines, orbits, &decay, &contact, beyond, targets, *deadline)?;
+        let Parted { residual, punch, wider } = parted(mesh, lines, orbits, &decay, beyond, targets, *deadline)?;
         let [residual, of_punch, of_wider] = [residual, punch, wider].map(|sums| sums.bound());
         let n = residual.sqrt();
         let more = {

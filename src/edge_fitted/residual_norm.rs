@@ -56,6 +56,8 @@ impl Overlap<'_> {
 /// Where there is no contact.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Beyond<'a> {
+    /// The loaded cells in contact.
+    pub contact: &'a [bool],
     /// chi' of `beyond` at the nodes.
     pub wider: &'a [f64],
     /// l0 of v at the nodes, where chi' is positive beyond the cells in contact.
@@ -96,12 +98,11 @@ pub(crate) fn parted(
     lines: &Lines,
     orbits: &Orbits,
     decay: &[f64],
-    contact: &[bool],
     beyond: Beyond,
     targets: [Target; 2],
     deadline: Deadline,
 ) -> Option<Parted> {
-    let fades = Fades::new(mesh, contact, beyond.wider, beyond.material);
+    let fades = Fades::new(mesh, beyond.contact, beyond.wider, beyond.material);
     let scan = Scan { mesh, lines, orbits, decay, targets, beyond: Some(beyond), deadline };
     let [[residual, _], [punch, wider]] = scan.sums(&fades)?;
     Some(Parted { residual, punch, wider })

@@ -38,6 +38,17 @@ impl Subcell {
         [norm(self.map.ds(-1.0)).max(norm(self.map.ds(1.0))), norm(self.map.dt(-1.0)).max(norm(self.map.dt(1.0)))]
     }
 
+    /// The halves along direction `k`.
+    pub fn halves(&self, k: usize) -> [Self; 2] {
+        [self.part(k, -1.0, 0.0), self.part(k, 0.0, 1.0)]
+    }
+
+    /// Four parts, none of which has two opposite sides or two corners of it.
+    pub fn quarters(&self) -> [Self; 4] {
+        let [low, high] = self.halves(0).map(|half| half.halves(1));
+        [low[0], low[1], high[0], high[1]]
+    }
+
     /// The part over [`low`, `high`] of direction `k`, in its own reference coordinates.
     pub fn part(&self, k: usize, low: f64, high: f64) -> Self {
         let full = [-1.0, 1.0];

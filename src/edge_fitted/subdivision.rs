@@ -24,15 +24,6 @@ const UNDECIDED: u32 = 6;
 /// Halvings until a sign that has to be shown is given up.
 const GIVEN_UP: u32 = 24;
 
-/// A subcell in four parts, none of which has two opposite sides or two corners of it.
-fn quarters(whole: &Subcell) -> [Subcell; 4] {
-    let halves = [[-1.0, 0.0], [0.0, 1.0]];
-    [(0, 0), (0, 1), (1, 0), (1, 1)].map(|(i, j)| {
-        let ([a, b], [c, d]): ([f64; 2], [f64; 2]) = (halves[i], halves[j]);
-        whole.part(0, a, b).part(1, c, d)
-    })
-}
-
 /// One cell and what is asked for it.
 pub(crate) struct Context<'a, const K: usize> {
     pub lines: &'a Lines,
@@ -92,7 +83,7 @@ impl<const K: usize> Context<'_, K> {
         let area = whole.map.area();
         let surroundings = &self.surroundings;
         // No subcell may touch an edge, or have a node, at both ends.
-        let mut stack: Stack = quarters(&whole).into_iter().map(|part| (part, 0)).collect();
+        let mut stack: Stack = whole.quarters().into_iter().map(|part| (part, 0)).collect();
         let mut count = 0;
         while let Some((subcell, depth)) = stack.pop() {
             count += 1;
@@ -134,7 +125,7 @@ impl<const K: usize> Context<'_, K> {
                 let both = choice[0].is_some() && choice[1].is_some();
                 let direction =
                     if both { usize::from(half[1] > half[0]) } else { usize::from(excess(1, 2) > excess(0, 2)) };
-                halve(&subcell, direction, depth, &mut stack);
+                stack.extend(subcell.halves(direction).map(|half| (half, depth + 1)));
             }
             if stack.is_empty() && self.tau.is_some() && panel.chi[0] != [1.0; 4] {
                 self.flush(own, work, &mut stack)?;
@@ -210,7 +201,7 @@ impl<const K: usize> Context<'_, K> {
                     Continued::Known(signs) => std::array::from_fn(|k| if k == 0 { signs } else { [true; 2] }),
                     Continued::Larger(_) if pending.depth >= GIVEN_UP => return None,
                     Continued::Larger(direction) => {
-                        halve(&pending.subcell, direction, pending.depth, stack);
+                        stack.extend(pending.subcell.halves(direction).map(|half| (half, pending.depth + 1)));
                         continue;
                     }
                 },
@@ -358,10 +349,4 @@ enum Continued {
     Known([bool; 2]),
     /// The subcell is too large to tell, along this direction.
     Larger(usize),
-}
-
-/// The halves of a subcell along a direction.
-fn halve(subcell: &Subcell, direction: usize, depth: u32, stack: &mut Stack) {
-    stack.push((subcell.part(direction, -1.0, 0.0), depth + 1));
-    stack.push((subcell.part(direction, 0.0, 1.0), depth + 1));
 }
