@@ -126,7 +126,7 @@ impl Virial {
         for (i, j, p) in pressed.with(touch).step_by(all.div_ceil(SAMPLES).max(1)) {
             let rect = pressed.rect(i, j);
             let jet = parts.smooth.jet(&rect)?;
-            let [x, y] = self.from_centre(&rect);
+            let [x, y] = self.off_centre(&rect);
             let [fx, fy] = jet.gradient.map(middle);
             let (mut f, mut dilated) = (middle(jet.value), x * fx + y * fy);
             for law in &parts.laws {
@@ -167,7 +167,7 @@ impl Virial {
         constant - per * set(law.overlap.mean(rect))
     }
 
-    fn from_centre(&self, rect: &Rect) -> [f64; 2] {
+    fn off_centre(&self, rect: &Rect) -> [f64; 2] {
         let c = rect.centre();
         [0, 1].map(|m| c[m] - self.centre[m])
     }
@@ -210,7 +210,7 @@ impl Virial {
 
     /// T in the middle of a rectangle, nearly.
     pub fn nearly(&self, rect: &Rect, parts: &Parts) -> f64 {
-        let [x, y] = self.from_centre(rect);
+        let [x, y] = self.off_centre(rect);
         let eta = self.eta[0] + self.eta[1] * x + self.eta[2] * y;
         let Some(jet) = parts.smooth.jet(rect).filter(|_| !self.is_plain()) else { return eta };
         let [fx, fy] = jet.gradient.map(middle);

@@ -242,6 +242,10 @@ impl Gap for Minimum {
         None
     }
 
+    fn terms(&self) -> Option<Vec<AnyGap>> {
+        None
+    }
+
     fn alternatives(&self) -> Option<Vec<AnyGap>> {
         Some(self.parts.clone())
     }

@@ -326,6 +326,10 @@ impl Gap for Sum {
         Some(self.parts.clone())
     }
 
+    fn terms(&self) -> Option<Vec<AnyGap>> {
+        self.addends()
+    }
+
     fn alternatives(&self) -> Option<Vec<AnyGap>> {
         None
     }

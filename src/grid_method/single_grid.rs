@@ -222,11 +222,17 @@ mod programme {
     }
 }
 
+/// Residual of the pressures that grow, and error of their sum where that alone is asked for.
+const OF_GROWTH: f64 = 1e-8;
+
 /// dP/dd of the discrete problem: the force of a flat punch on the cells in contact.
 pub(crate) fn stiffness(state: &GridState) -> Result<f64, Unsolved> {
-    let rates = vec![1.0; state.problem.grid.len()];
-    let flat = growth(state, &rates)?;
-    Ok(flat.iter().sum::<f64>() * state.problem.grid.cell_area())
+    Ok(flat_punch(state)?.iter().sum::<f64>() * state.problem.grid.cell_area())
+}
+
+/// Pressure of a flat punch on the cells in contact, as close as its sum needs it.
+pub(crate) fn flat_punch(state: &GridState) -> Result<Vec<f64>, Unsolved> {
+    growth_by(matrix_free::growth_in_sum, state, &vec![1.0; state.problem.grid.len()])
 }
 
 /// Derivatives of (P, int p x, int p y) by (d, ax, ay), with x and y the lever arms of each cell.
@@ -251,10 +257,17 @@ pub(crate) fn stiffness_matrix(
 
 /// Pressure that grows on the cells in contact when their overlap grows at the given rates; see [`matrix_free::growth`].
 pub(crate) fn growth(state: &GridState, rates: &[f64]) -> Result<Vec<f64>, Unsolved> {
+    growth_by(matrix_free::growth, state, rates)
+}
+
+/// How pressures that grow are found without a matrix.
+type Growth = fn(&Discrete, &[f64], &[f64], &matrix_free::Settings) -> Result<Vec<f64>, Unsolved>;
+
+fn growth_by(found: Growth, state: &GridState, rates: &[f64]) -> Result<Vec<f64>, Unsolved> {
     #[cfg(feature = "qp")]
     if state.method == Method::Qp {
         return crate::qp::growth(&state.problem, &state.solution.pressure, rates);
     }
-    let settings = matrix_free::Settings { tolerance: 1e-9, ..matrix_free::Settings::default() };
-    matrix_free::growth(&state.problem, &state.solution.pressure, rates, &settings)
+    let settings = matrix_free::Settings { tolerance: OF_GROWTH, ..matrix_free::Settings::default() };
+    found(&state.problem, &state.solution.pressure, rates, &settings)
 }

@@ -195,8 +195,7 @@ impl WarmStart {
     }
 
     fn grown(scaled: Scaled, refined: Refined) -> Result<Self, Unsolved> {
-        let grow = || single_grid::growth(&refined.state, &vec![1.0; refined.state.problem.grid.len()]);
-        let growing = if refined.sequence.is_none() { Some(grow()?) } else { None };
+        let growing = if refined.sequence.is_none() { Some(single_grid::flat_punch(&refined.state)?) } else { None };
         Ok(Self { scaled, refined, growing, errors: Errors::default() })
     }
 

@@ -46,7 +46,9 @@ impl<T: Real> Columns<T> {
     /// The symbol of columns, S_l for all l up to half their period, as [`Self::product`] wants it, times `norm`.
     pub(super) fn arrange(&self, symbol: &[&[f64]], norm: f64) -> Vec<T> {
         if !self.mirrored {
-            return symbol.iter().flat_map(|symbol| symbol.iter().map(|s| T::of(norm * s))).collect();
+            let mut arranged = Vec::with_capacity(symbol.len() * self.numbers());
+            symbol.iter().for_each(|symbol| arranged.extend(symbol.iter().map(|s| T::of(norm * s))));
+            return arranged;
         }
         let turns: Vec<Complex<f64>> =
             (0..self.length - self.pairs()).map(|l| f64::turn(l as f64 / self.length as f64)).collect();

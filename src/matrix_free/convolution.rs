@@ -4,6 +4,7 @@
 use std::ops::Range;
 
 use super::real::Real;
+use super::split::Split;
 use super::symbol::Symbol;
 use super::transforms::Transforms;
 
@@ -12,20 +13,13 @@ use super::transforms::Transforms;
 pub(super) enum Convolution<T> {
     Sums(Sums<T>),
     Transforms(Transforms<T>),
+    Split(Box<Split<T>>),
 }
 
 impl<T: Real> Convolution<T> {
     /// By transforms, over `shape` cells.
     pub(super) fn new(shape: [usize; 2], symbol: &Symbol) -> Self {
         Self::Transforms(Transforms::new(shape, symbol))
-    }
-
-    /// Number of cells along x and y.
-    pub(super) fn shape(&self) -> [usize; 2] {
-        match self {
-            Self::Sums(sums) => sums.shape,
-            Self::Transforms(transforms) => transforms.shape(),
-        }
     }
 }
 

@@ -20,9 +20,11 @@
 //!
 //! No proof of convergence covers every A. When the residual stops falling, [`super::monotone`] takes over, which has one.
 
-use super::fixed::{Fixed, STEPS, STEPS_UNDER_LOAD, dot, largest};
+use super::Operators;
+use super::fields::{Fields, Look, Near, PIECE};
 use super::level::{Level, State, occupied};
 use super::operator::Scratch;
+use super::region::Region;
 
 /// Fall of the residual on a face before the face is looked at again.
 const INNER: f32 = 0.35;
@@ -31,10 +33,10 @@ const INNER: f32 = 0.35;
 const AIM: f64 = 0.9;
 
 /// Fall of the residual that single precision can follow: measured, it has then lost a tenth of its digits at most.
-pub(super) const FALL: f64 = 2e-6;
+pub(super) const FALL: f64 = 4e-6;
 
-/// A tolerance that a residual in single precision is good enough for from the start.
-const WITHIN_SINGLE: f64 = 5e-6;
+/// A tolerance that a residual in single precision is good enough for.
+pub(super) const WITHIN_SINGLE: f64 = 1e-5;
 
 /// Cells that leave are taken out one by one when they are no more: a product is dearer than their sums, and the next step is
 /// then free to have its best length.
@@ -49,239 +51,183 @@ const PATIENCE: i32 = 12;
 /// Double-precision products without halving the error before the safe method takes over.
 const MOST_STALLS: usize = 2;
 
-/// Fields in single precision.
-struct Work {
-    /// f - A p.
-    r: Vec<f32>,
-    /// The preconditioned residual.
-    z: Vec<f32>,
-    /// The direction of the step, and A times it.
-    d: Vec<f32>,
-    ad: Vec<f32>,
-    /// The residual on the face, used up on the way to z with a direction and its image.
-    w: Vec<f32>,
-    own: Vec<f32>,
-    image: Vec<f32>,
-    /// 1 on the face and 0 elsewhere.
-    face: Vec<f32>,
-    /// Under a load: nearly the pressure of a flat punch on a face before.
-    flat: Vec<f32>,
-}
+/// The length of a step before one is known.
+const USUAL: f64 = 0.4;
 
-impl Work {
-    fn new(n: usize) -> Self {
-        let [r, z, d, ad, w, own, image, face] = [(); 8].map(|()| vec![0.0; n]);
-        Self { r, z, d, ad, w, own, image, face, flat: Vec::new() }
-    }
-}
+/// Pressures that count as none, in those that move a cell by the depth: in single precision they are.
+const NOTHING: f64 = 1e-30;
 
 /// Relaxes until the error is within the tolerance: true. False when it stalls or the limit is met; `state` then holds
 /// p >= 0 and its residual, recomputed. Without a compliance in double precision the residual is not looked at again.
-pub(super) fn relax(level: &Level, state: &mut State, scratch: &mut Scratch) -> bool {
-    let mut work = Work::new(state.p.len());
+pub(super) fn relax(level: &Level, operators: &Operators, state: &mut State, scratch: &mut Scratch) -> bool {
     level.scale_to_load(state);
-    if level.compliance.is_none() {
-        begin(level, state, &mut work, scratch);
-        let reached = descend(level, state, &mut work, level.tolerance, scratch);
-        project(state);
+    let mut fields = Fields::of(level, &operators.region, state, scratch);
+    begin(level, operators, &mut fields, state, scratch);
+    // The first residual need not be better than the last.
+    let reached = descend(level, &operators.near, &mut fields, state, level.tolerance.max(FALL), scratch);
+    project(level, &operators.region, &fields, state, scratch);
+    if operators.compliance.is_none() {
         return reached;
     }
-    if level.tolerance >= WITHIN_SINGLE {
-        // The first residual need not be better than the last.
-        begin(level, state, &mut work, scratch);
-        descend(level, state, &mut work, level.tolerance, scratch);
-        project(state);
+    let mut grown: Option<Operators> = None;
+    let (mut before, mut stalls) = (f64::INFINITY, 0);
+    loop {
         level.scale_to_load(state);
-    }
-    level.refresh(state, scratch);
-    let mut error = level.error(state);
-    let mut stalls = 0;
-    while error > level.tolerance {
+        level.refresh(grown.as_ref().unwrap_or(operators), state, scratch);
+        let error = level.error(state, scratch);
+        if error <= level.tolerance {
+            return true;
+        }
+        stalls = if error <= 0.5 * before { 0 } else { stalls + 1 };
+        before = error;
         if stalls > MOST_STALLS || level.is_exhausted(state) {
             return false;
         }
-        for (single, r) in work.r.iter_mut().zip(&state.r) {
-            *single = *r as f32;
+        if let Some(larger) = level.outgrown(&grown.as_ref().unwrap_or(operators).region, state) {
+            fields = Fields::of(level, &larger, state, scratch);
+            grown = Some(Operators::new(level.table, level.shape, larger, level.mirrored, true, scratch));
+            (before, stalls) = (f64::INFINITY, 0);
         }
+        let Operators { region, near, .. } = grown.as_ref().unwrap_or(operators);
+        fields.restart(level, region, state, scratch);
         // From the second stall on something was rounded up to zero that mattered: aim lower.
         let goal = level.tolerance.max(FALL * error) * 0.3_f64.powi(stalls as i32);
-        descend(level, state, &mut work, goal, scratch);
-        project(state);
-        level.scale_to_load(state);
-        level.refresh(state, scratch);
-        let now = level.error(state);
-        stalls = if now <= 0.5 * error { 0 } else { stalls + 1 };
-        error = now;
+        descend(level, near, &mut fields, state, goal, scratch);
+        project(level, region, &fields, state, scratch);
     }
-    true
 }
 
 /// The residual of the start, in single precision.
-fn begin(level: &Level, state: &mut State, work: &mut Work, scratch: &mut Scratch) {
-    let [width, height] = level.shape();
-    let given = occupied(&state.p, width);
-    for (d, p) in work.d.iter_mut().zip(&state.p) {
-        *d = *p as f32;
-    }
+fn begin(level: &Level, operators: &Operators, fields: &mut Fields, state: &mut State, scratch: &mut Scratch) {
+    let [width, height] = fields.shape();
+    let given = occupied(&fields.p, width);
+    scratch.each(
+        fields.d.chunks_mut(PIECE).zip(fields.p.chunks(PIECE)),
+        #[inline(always)]
+        |(d, p)| d.iter_mut().zip(p).for_each(|(d, p)| *d = *p as f32),
+    );
     if given.is_empty() {
-        work.ad.fill(0.0);
+        fields.ad.fill(0.0);
     } else {
-        level.single.product(&work.d, given, &mut work.ad, 0..height, scratch);
+        operators.near.single.product(&fields.d, given, &mut fields.ad, 0..height, scratch);
         state.single_products += 1;
     }
-    for ((r, f), ad) in work.r.iter_mut().zip(level.f).zip(&work.ad) {
-        *r = (f + state.deeper - f64::from(*ad)) as f32;
-    }
+    let rows = fields.r.chunks_exact_mut(width).zip(fields.ad.chunks_exact(width));
+    let deeper = state.deeper;
+    scratch.each(
+        rows.zip(operators.region.of(level.f, level.shape[0])),
+        #[inline(always)]
+        |((r, ad), f)| {
+            for ((r, ad), f) in r.iter_mut().zip(ad).zip(f) {
+                *r = (f + deeper - f64::from(*ad)) as f32;
+            }
+        },
+    );
 }
 
 /// Relaxes in single precision until the error is within the tolerance, or as far as it goes.
-fn descend(level: &Level, state: &mut State, work: &mut Work, tolerance: f64, scratch: &mut Scratch) -> bool {
-    let [width, height] = level.shape();
+fn descend(
+    level: &Level,
+    near: &Near,
+    fields: &mut Fields,
+    state: &mut State,
+    tolerance: f64,
+    scratch: &mut Scratch,
+) -> bool {
+    let width = fields.shape()[0];
     let aim = (AIM * tolerance) as f32;
-    let mut step = 1.0;
-    let mut best = (f64::INFINITY, 0_i32);
-    work.face.fill(0.0);
+    let loaded = level.load.is_some();
+    let mut step = USUAL;
+    let mut best = (f32::INFINITY, 0_i32);
+    fields.face.fill(0.0);
     let mut dad_old = 0.0;
     // Cells that joined or left the face since the flat punch was found, and those of the face then.
     let (mut stale, mut known) = (0, 0);
-    if level.load.is_some() {
+    if loaded {
         // Weighted by the pressures that are there.
         let (sum, moment) =
-            state.p.iter().zip(&work.r).fold((0.0, 0.0), |(s, m), (p, r)| (s + p, m + p * f64::from(*r)));
+            fields.p.iter().zip(&fields.r).fold((0.0, 0.0), |(s, m), (p, r)| (s + p, m + p * f64::from(*r)));
         if sum > 0.0 {
-            deepen(&mut state.deeper, &mut work.r, -moment / sum);
+            state.deepen(fields, -moment / sum, scratch);
         }
     }
     loop {
         // The new face, and how far the present state is from a solution.
-        let (mut worst, mut changed, mut leaving) = (0.0_f64, false, false);
-        for (((inside, &p), &r), &f) in work.face.iter_mut().zip(&state.p).zip(&work.r).zip(level.f) {
-            let r = f64::from(r);
-            let is = f + state.deeper > 0.0
-                && match *inside > 0.0 {
-                    true => p > 0.0,
-                    false => p + r > 0.0 && (p > 0.0 || r > 0.5 * tolerance),
-                };
-            worst = worst.max(if is { r.abs() } else { r.max(p.abs()) });
-            let is = f32::from(u8::from(is));
-            changed |= is != *inside;
-            stale += usize::from(is != *inside);
-            leaving |= is == 0.0 && p != 0.0;
-            *inside = is;
-        }
+        let Look { worst, here, changed, inside, leaving: left } =
+            fields.look(state.deeper, (0.5 * tolerance) as f32, scratch);
         best = if worst <= 0.5 * best.0 { (worst, 0) } else { (best.0, best.1 + 1) };
-        let here = largest(&work.face, &work.r);
-        if here <= aim && worst <= tolerance {
+        if here <= aim && f64::from(worst) <= tolerance {
             return true;
         }
         if best.1 > PATIENCE || level.is_exhausted(state) {
             return false;
         }
         // Rows in which anything happens: the face and what leaves it.
-        let mut rows = occupied(&work.face, width);
-        if leaving {
-            let loaded = occupied(&state.p, width);
+        let mut rows = occupied(&fields.face, width);
+        if !left.is_empty() {
+            let loaded = occupied(&fields.p, width);
             rows = if rows.is_empty() { loaded } else { rows.start.min(loaded.start)..rows.end.max(loaded.end) };
         }
         if rows.is_empty() {
             return true;
         }
-        let cells = rows.start * width..rows.end * width;
-        let Work { r, z, d, ad, w, own, image, face, flat } = work;
-        let steps = if level.load.is_some() { STEPS_UNDER_LOAD } else { STEPS };
-        let periodic = level.periodic.map(|periodic| (periodic, steps));
-        let near_inverse = Fixed { single: level.single, periodic, preconditioner: level.preconditioner, face };
-        if level.load.is_some() && STALE * stale >= known {
-            flat.resize(face.len(), 0.0);
-            w[cells.clone()].copy_from_slice(&face[cells.clone()]);
-            near_inverse.approach(w, flat, [own, image], rows.clone(), scratch);
-            (stale, known) = (0, face[cells.clone()].iter().filter(|m| **m > 0.0).count());
+        stale += changed;
+        if loaded && STALE * stale >= known {
+            fields.find_flat(near, &rows, scratch);
+            (stale, known) = (0, inside);
         }
-        let (face, z, d) = (&face[cells.clone()], &mut z[..], &mut d[..]);
-        let flat = if level.load.is_some() { &mut flat[cells.clone()] } else { &mut [] };
-        flat.iter_mut().zip(face).for_each(|(flat, m)| *flat *= m);
-        let stiffness = sum(flat);
-        if level.load.is_some() {
-            let by = -dot(flat, &r[cells.clone()]) / stiffness;
-            deepen(&mut state.deeper, r, by);
+        let mut stiffness = 0.0;
+        if loaded {
+            let [sum, moment] = fields.mask_flat(&rows, scratch);
+            stiffness = sum;
+            state.deepen(fields, -moment / stiffness, scratch);
         }
 
         // Relax on the face. The first step also empties the cells that left.
-        leaving &= changed;
-        if leaving {
-            let left = cells.clone().zip(face).filter(|(k, m)| **m == 0.0 && state.p[*k] != 0.0);
-            let left: Vec<usize> = left.map(|(k, _)| k).take(FEW + 1).collect();
-            if left.len() <= FEW && level.load.is_none() {
-                left.into_iter().for_each(|k| level.take_out(&mut state.p, k, r));
-                leaving = false;
-            }
+        let mut leaving = !left.is_empty() && changed > 0;
+        if leaving && left.len() <= FEW && !loaded {
+            left.iter().for_each(|&k| level.take_out(width, &mut fields.p, k, &mut fields.r));
+            leaving = false;
         }
         // Cells that leave and come back were judged too early: the longer nothing is gained, the better a face is solved.
         let fall = INNER.powi(1 + (best.1 / 2).min(5));
         let mut from = here;
+        fields.mask(&rows, scratch);
         while !level.is_exhausted(state) {
-            // z, near the solution on the face for the residual.
-            for ((w, m), r) in w[cells.clone()].iter_mut().zip(face).zip(&r[cells.clone()]) {
-                *w = m * r;
-            }
             if leaving {
-                level.foresee(&state.p, cells.clone(), face, w);
+                level.foresee(fields, &left, &rows);
             }
-            near_inverse.approach(w, z, [own, image], rows.clone(), scratch);
-            let zad = dot(&z[cells.clone()], &ad[cells.clone()]);
-            let (z, direction) = (&z[cells.clone()], &mut d[cells.clone()]);
-            let p = &mut state.p[cells.clone()];
-            if leaving {
-                for (((d, z), m), p) in direction.iter_mut().zip(z).zip(face).zip(&*p) {
-                    *d = if *m > 0.0 { step as f32 * z } else { -*p as f32 };
-                }
-            } else if dad_old == 0.0 {
-                direction.copy_from_slice(z);
+            let zad = fields.solve_nearly(near, &rows, scratch);
+            let (sum, pressed) = if leaving {
+                let [sum, pressed] = fields.turn_out(step as f32, &rows, scratch);
+                (sum, pressed)
             } else {
-                let beta = (-zad / dad_old).max(0.0) as f32;
-                for ((d, z), m) in direction.iter_mut().zip(z).zip(face) {
-                    *d = z + beta * m * *d;
-                }
-            }
+                let beta = if dad_old == 0.0 { 0.0 } else { (-zad / dad_old).max(0.0) };
+                (fields.turn(beta as f32, &rows, scratch), 0.0)
+            };
             if let Some(load) = level.load {
                 // The load stays; what the cells that leave carried goes where a flat punch would carry it.
-                let missing = if leaving { load - p.iter().sum::<f64>() } else { 0.0 };
-                let share = ((missing - sum(direction)) / stiffness) as f32;
-                direction.iter_mut().zip(&*flat).for_each(|(d, flat)| *d += share * flat);
+                let missing = if leaving { load - pressed } else { 0.0 };
+                fields.share_out(((missing - sum) / stiffness) as f32, &rows, scratch);
             }
-            level.single.product(d, rows.clone(), ad, 0..height, scratch);
-            let direction = &d[cells.clone()];
+            let [dr, dad, moment] = fields.displace(near, &rows, scratch);
             state.single_products += 1;
             state.iterations += 1;
             let mut alpha = 1.0;
-            if leaving {
-                dad_old = 0.0;
-            } else {
-                let (dr, dad) = (dot(direction, &r[cells.clone()]), dot(direction, &ad[cells.clone()]));
+            dad_old = 0.0;
+            if !leaving {
                 if !(dad > 0.0 && dr.is_finite()) {
-                    dad_old = 0.0;
                     break;
                 }
-                step = dr / dad;
-                dad_old = dad;
-                alpha = step;
+                alpha = dr / dad;
+                (step, dad_old) = (alpha, dad);
             }
-            for (p, d) in p.iter_mut().zip(direction) {
-                *p += alpha * f64::from(*d);
-            }
-            for (r, ad) in r.iter_mut().zip(&*ad) {
-                *r -= alpha as f32 * ad;
-            }
-            if level.load.is_some() {
-                let by = -dot(flat, &r[cells.clone()]) / stiffness;
-                deepen(&mut state.deeper, r, by);
-            }
-            let now = largest(face, &r[cells.clone()]);
+            // The flat punch feels no mean residual.
+            let by = if loaded { alpha * moment / stiffness } else { 0.0 };
+            let by = if by.is_finite() { by } else { 0.0 };
+            state.deeper += by;
+            let now = fields.advance([alpha, by], leaving, &rows, scratch);
             if leaving {
-                // p - p, to the last bit.
-                for (p, m) in p.iter_mut().zip(face) {
-                    *p *= f64::from(*m);
-                }
                 leaving = false;
                 from = now;
             }
@@ -292,28 +238,16 @@ fn descend(level: &Level, state: &mut State, work: &mut Work, tolerance: f64, sc
     }
 }
 
-/// Moves every cell by as much.
-fn deepen(deeper: &mut f64, r: &mut [f32], by: f64) {
-    if by.is_finite() {
-        *deeper += by;
-        r.iter_mut().for_each(|r| *r += by as f32);
-    }
-}
-
-/// Of all numbers: short sums in single precision, summed in double.
-fn sum(numbers: &[f32]) -> f64 {
-    let piece = |numbers: &[f32]| {
-        let mut sums = [0.0_f32; 8];
-        for numbers in numbers.chunks(8) {
-            sums.iter_mut().zip(numbers).for_each(|(sum, number)| *sum += number);
-        }
-        sums.iter().map(|s| f64::from(*s)).sum::<f64>()
-    };
-    numbers.chunks(512).map(piece).sum()
-}
-
-fn project(state: &mut State) {
-    for p in &mut state.p {
-        *p = p.max(0.0);
-    }
+/// What a descent has found, tension left out.
+fn project(level: &Level, region: &Region, fields: &Fields, state: &mut State, scratch: &Scratch) {
+    let rows = region.of_mut(&mut state.p, level.shape[0]).zip(fields.p.chunks_exact(region.columns.len()));
+    scratch.each(
+        rows,
+        #[inline(always)]
+        |(to, from)| {
+            for (to, from) in to.iter_mut().zip(from) {
+                *to = if *from > NOTHING { *from } else { 0.0 };
+            }
+        },
+    );
 }

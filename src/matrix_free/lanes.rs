@@ -22,6 +22,9 @@ pub(super) fn first<T: Copy + Default>(numbers: &mut Vec<T>, n: usize) -> &mut [
 pub(super) struct Workspace<T> {
     /// The columns between the passes.
     pub(super) columns: Vec<Complex<T>>,
+    /// Far points, and their displacements spread out along the rows.
+    pub(super) points: Vec<T>,
+    pub(super) spread: Vec<T>,
     pub(super) lanes: Vec<Lane<T>>,
 }
 
@@ -35,6 +38,11 @@ pub(super) struct Lane<T> {
 }
 
 impl<T: Real> Lane<T> {
+    /// Room for a row, with what was left in it.
+    pub(super) fn row(&mut self, row: usize) -> &mut [T] {
+        first(&mut self.row, row)
+    }
+
     /// Room for a row, spectra and the scratch of their transforms, with what was left in it.
     pub(super) fn room(
         &mut self,
@@ -50,6 +58,7 @@ impl<T> Workspace<T> {
     /// Bytes held.
     pub(super) fn bytes(&self) -> usize {
         size_of::<Complex<T>>() * self.columns.capacity()
+            + size_of::<T>() * (self.points.capacity() + self.spread.capacity())
     }
 }
 

@@ -2,8 +2,10 @@
 
 use std::ops::Range;
 
-use super::convolution::Convolution;
+use super::Operators;
+use super::fields::{Fields, PIECE};
 use super::operator::Scratch;
+use super::region::Region;
 use crate::clock::Deadline;
 use crate::influence::InfluenceTable;
 
@@ -13,15 +15,11 @@ pub(super) const NEAR: usize = 8;
 /// The discrete problem on a box of cells, in units of the largest overlap and with A = 1 from a cell to itself: p and r are
 /// then of one size.
 pub(super) struct Level<'a> {
+    pub(super) shape: [usize; 2],
     /// Overlap in each cell; under a load up to a constant ([`State::deeper`]).
     pub(super) f: &'a [f64],
     /// The sum of the pressures, where that is given in place of the depth.
     pub(super) load: Option<f64>,
-    /// The compliance; none where a start for the next grid is all that is wanted.
-    pub(super) compliance: Option<&'a Convolution<f64>>,
-    pub(super) single: &'a Convolution<f32>,
-    pub(super) preconditioner: &'a Convolution<f32>,
-    pub(super) periodic: Option<&'a Convolution<f32>>,
     /// A, up to a factor.
     pub(super) table: &'a InfluenceTable,
     /// A at offsets below [`NEAR`], row by row.
@@ -55,6 +53,14 @@ pub(super) struct State {
 }
 
 impl State {
+    /// Moves every cell by as much.
+    pub(super) fn deepen(&mut self, fields: &mut Fields, by: f64, scratch: &Scratch) {
+        if by.is_finite() {
+            self.deeper += by;
+            fields.deepen(by, scratch);
+        }
+    }
+
     pub(super) fn from(p: Vec<f64>) -> Self {
         Self { p, r: Vec::new(), deeper: 0.0, iterations: 0, products: 0, single_products: 0 }
     }
@@ -70,24 +76,35 @@ impl Level<'_> {
         state.all_products() >= self.limit.products || self.limit.deadline.has_passed()
     }
 
-    pub(super) fn shape(&self) -> [usize; 2] {
-        self.single.shape()
-    }
-
     /// f - A p from scratch, where there is a compliance in double precision.
-    pub(super) fn refresh(&self, state: &mut State, scratch: &mut Scratch) {
-        let [width, height] = self.shape();
+    pub(super) fn refresh(&self, operators: &Operators, state: &mut State, scratch: &mut Scratch) {
+        let [width, height] = self.shape;
         state.r.resize(state.p.len(), 0.0);
         let given = occupied(&state.p, width);
-        let Some(compliance) = self.compliance.filter(|_| !given.is_empty()) else {
+        let Some(compliance) = operators.compliance.as_ref().filter(|_| !given.is_empty()) else {
             state.r.iter_mut().zip(self.f).for_each(|(r, f)| *r = f + state.deeper);
             return;
         };
         compliance.product(&state.p, given, &mut state.r, 0..height, scratch);
-        for (r, f) in state.r.iter_mut().zip(self.f) {
-            *r = f + state.deeper - *r;
-        }
+        let deeper = state.deeper;
+        let pieces = state.r.chunks_mut(PIECE).zip(self.f.chunks(PIECE));
+        scratch.each(
+            pieces,
+            #[inline(always)]
+            |(r, f)| r.iter_mut().zip(f).for_each(|(r, f)| *r = f + deeper - *r),
+        );
         state.products += 1;
+    }
+
+    /// The region with cells outside of it that are penetrated; `None` where there are none.
+    pub(super) fn outgrown(&self, region: &Region, state: &State) -> Option<Region> {
+        if region.shape() == self.shape {
+            return None;
+        }
+        let width = self.shape[0];
+        let outside = |k: usize| state.r[k] > self.tolerance && !region.contains(k, width);
+        let found = Region::holding(self.shape, outside)?;
+        Some(region.union(&found).widened(self.shape, self.mirrored))
     }
 
     /// Scales the pressures to the load, where one is given; from nothing they are all the same.
@@ -101,9 +118,8 @@ impl Level<'_> {
         state.p.iter_mut().for_each(|p| *p *= load / sum);
     }
 
-    /// Takes the pressure out of one cell, and what it did out of the residual: row by row, without a transform.
-    pub(super) fn take_out(&self, p: &mut [f64], k: usize, residual: &mut [f32]) {
-        let width = self.shape()[0];
+    /// Takes the pressure out of one cell of a box so wide, and what it did out of the residual: row by row, without a transform.
+    pub(super) fn take_out(&self, width: usize, p: &mut [f64], k: usize, residual: &mut [f32]) {
         let (i, j) = (k % width, k / width);
         let p = std::mem::take(&mut p[k]) / self.table.row(0)[0];
         for (y, row) in residual.chunks_exact_mut(width).enumerate() {
@@ -122,19 +138,18 @@ impl Level<'_> {
     }
 
     /// Adds to the residual on the face what it will be more by near the cells that leave.
-    pub(super) fn foresee(&self, p: &[f64], cells: Range<usize>, face: &[f32], residual: &mut [f32]) {
-        let [width, height] = self.shape();
-        let rows = cells.start / width..cells.end / width;
+    pub(super) fn foresee(&self, fields: &mut Fields, leaving: &[usize], rows: &Range<usize>) {
+        let [width, height] = fields.shape();
+        let Fields { p, face, w: residual, .. } = fields;
         let reach = |at: usize, end: usize| at.saturating_sub(NEAR - 1)..(at + NEAR).min(end);
-        for (k, _) in p[cells.clone()].iter().zip(face).enumerate().filter(|(_, (p, m))| **m == 0.0 && **p != 0.0) {
-            let k = cells.start + k;
+        for &k in leaving {
             let (i, j, p) = (k % width, k / width, p[k] as f32);
             let mut add = |row: usize, offset: usize| {
                 if !rows.contains(&row) {
                     return;
                 }
                 let along = reach(i, width);
-                let face = &face[(row - rows.start) * width..][along.clone()];
+                let face = &face[row * width..][along.clone()];
                 let residual = &mut residual[row * width..][along.clone()];
                 for ((x, r), m) in along.zip(residual).zip(face) {
                     *r += m * p * self.near[offset][x.abs_diff(i)];
@@ -149,8 +164,9 @@ impl Level<'_> {
     }
 
     /// Largest |f - A p| where there is pressure and largest f - A p elsewhere. Only for p >= 0.
-    pub(super) fn error(&self, state: &State) -> f64 {
-        super::error(&state.p, &state.r)
+    pub(super) fn error(&self, state: &State, scratch: &Scratch) -> f64 {
+        let errors = scratch.each(state.p.chunks(PIECE).zip(state.r.chunks(PIECE)), |(p, r)| super::error(p, r));
+        errors.into_iter().fold(0.0, f64::max)
     }
 }
 

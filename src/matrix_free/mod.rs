@@ -12,7 +12,7 @@
 mod columns;
 mod convolution;
 mod faces;
-mod fixed;
+mod fields;
 mod growth;
 mod lanes;
 mod level;
@@ -20,7 +20,9 @@ mod monotone;
 mod nested;
 mod operator;
 mod real;
+mod region;
 mod solver;
+mod split;
 mod symbol;
 mod transforms;
 mod under_force;
@@ -31,6 +33,7 @@ use crate::discrete::{Discrete, DiscreteSolution};
 use crate::influence::InfluenceTable;
 use crate::solution::{Unsolved, Verdict};
 
+pub(crate) use growth::growth_in_sum;
 pub use growth::{displacement, growth};
 pub use nested::{halved, solve_nested};
 pub use operator::{Operator, Scratch};
@@ -38,7 +41,11 @@ pub use solver::Solver;
 pub use under_force::solve_under_force;
 
 use convolution::{Convolution, FEW, Sums};
+use fields::{Near, PIECE};
 use level::{Level, Limit, NEAR, State};
+use region::Region;
+use split::Split;
+use symbol::Symbol;
 use window::Window;
 
 /// What a solve is held to.
@@ -87,7 +94,9 @@ pub fn solve(problem: &Discrete, start: Option<&[f64]>, settings: &Settings) -> 
     with_threads(settings.threads, |scratch| {
         let Some(window) = Window::of(problem, SYMMETRIC * settings.tolerance) else { return Ok(no_contact(problem)) };
         let table = window.table(problem);
-        let operators = Operators::new(&table, window.shape(), window.mirrored, true);
+        let start = window.start(problem, &table, start);
+        let operators =
+            Operators::new(&table, window.shape(), window.region(start.as_deref()), window.mirrored, true, scratch);
         window.solve(problem, &table, &operators, start, settings, scratch)
     })
 }
@@ -133,25 +142,34 @@ struct Left {
 }
 
 impl Window {
-    /// Solves in the window from `start`, a pressure on the grid of the problem.
+    /// A pressure on the grid of the problem as a start in the window, in its units.
+    fn start(&self, problem: &Discrete, table: &InfluenceTable, start: Option<&[f64]>) -> Option<Vec<f64>> {
+        let unit = self.deepest / table.get(0, 0);
+        start.filter(|p| p.len() == problem.grid.len()).map(|p| {
+            let mut start = self.cut(problem.grid.shape, p, 0.0);
+            start.iter_mut().for_each(|p| *p /= unit);
+            start
+        })
+    }
+
+    /// The region to look for contact in from a start.
+    fn region(&self, start: Option<&[f64]>) -> Region {
+        region_around(self.shape(), self.mirrored, start)
+    }
+
+    /// Solves in the window from `start`.
     fn solve(
         &self,
         problem: &Discrete,
         table: &InfluenceTable,
         operators: &Operators,
-        start: Option<&[f64]>,
+        start: Option<Vec<f64>>,
         settings: &Settings,
         scratch: &mut Scratch,
     ) -> Result<DiscreteSolution, Unsolved> {
-        let unit = self.deepest / table.get(0, 0);
-        let start = start.filter(|p| p.len() == problem.grid.len()).map(|p| {
-            let mut start = self.cut(problem.grid.shape, p, 0.0);
-            start.iter_mut().for_each(|p| *p /= unit);
-            start
-        });
         let limit = Limit { products: settings.products, deadline: settings.deadline };
         let left = self.grid(problem).solve(table, operators, start, settings.tolerance, limit, scratch);
-        self.finish(problem, table, left, settings)
+        self.finish(problem, table, left, settings, scratch)
     }
 
     /// The solution on the grid of the problem, its residuals from scratch.
@@ -161,6 +179,7 @@ impl Window {
         table: &InfluenceTable,
         left: Left,
         settings: &Settings,
+        scratch: &Scratch,
     ) -> Result<DiscreteSolution, Unsolved> {
         let Left { mut state, solved } = left;
         if !solved {
@@ -185,10 +204,16 @@ impl Window {
         let shape = problem.grid.shape;
         // u = f - r.
         let mut u = self.cut(shape, &problem.overlap, f64::NEG_INFINITY);
-        for (u, r) in u.iter_mut().zip(&state.r) {
-            *u = u.max(-self.deepest) - self.deepest * r;
-        }
-        state.p.iter_mut().for_each(|p| *p *= unit);
+        let deepest = self.deepest;
+        let pieces = u.chunks_mut(PIECE).zip(state.r.chunks(PIECE)).zip(state.p.chunks_mut(PIECE));
+        scratch.each(
+            pieces,
+            #[inline(always)]
+            |((u, r), p)| {
+                u.iter_mut().zip(r).for_each(|(u, r)| *u = u.max(-deepest) - deepest * r);
+                p.iter_mut().for_each(|p| *p *= unit);
+            },
+        );
         let pressure = self.paste(shape, &state.p);
         let displacement = self.paste(shape, &u);
         let residuals = problem.residuals(&pressure, &displacement);
@@ -204,6 +229,17 @@ impl Window {
     }
 }
 
+/// The region around a start in a grid of this shape; all of it where there is none, or little to leave out.
+fn region_around(shape: [usize; 2], mirrored: bool, start: Option<&[f64]>) -> Region {
+    let whole = Region::whole(shape);
+    let found = start.and_then(|p| Region::holding(shape, |k| p[k] > 0.0)).map(|r| r.widened(shape, mirrored));
+    let cells = |region: &Region| region.shape().iter().product::<usize>();
+    found.filter(|found| cells(&whole) > FEW && cells(found) as f64 <= WORTH * cells(&whole) as f64).unwrap_or(whole)
+}
+
+/// Share of a grid from which on it is not worth to leave the rest out.
+const WORTH: f64 = 0.9;
+
 impl Cells {
     /// Relaxes from `start` to the tolerance; in single precision alone where the operators are.
     fn solve(
@@ -215,33 +251,26 @@ impl Cells {
         limit: Limit,
         scratch: &mut Scratch,
     ) -> Left {
-        let answer = operators.compliance.is_some();
         let mut near = [[0.0; NEAR]; NEAR];
         for (j, row) in near.iter_mut().enumerate().take(table.shape()[1]) {
             for (value, coefficient) in row.iter_mut().zip(table.row(j)) {
                 *value = (coefficient / table.row(0)[0]) as f32;
             }
         }
-        let level = Level {
-            f: &self.overlap,
-            load: self.load,
-            compliance: operators.compliance.as_ref(),
-            single: &operators.single,
-            preconditioner: &operators.preconditioner,
-            periodic: operators.periodic.as_ref(),
-            table,
-            near: &near,
-            mirrored: self.mirrored,
-            tolerance,
-            limit,
-        };
-        let mut p = start.unwrap_or_else(|| vec![0.0; self.overlap.len()]);
-        for (p, f) in p.iter_mut().zip(&self.overlap) {
+        let Self { shape, mirrored, ref overlap, load } = *self;
+        let level = Level { shape, f: overlap, load, table, near: &near, mirrored, tolerance, limit };
+        let mut p = start.unwrap_or_else(|| vec![0.0; overlap.len()]);
+        for (p, f) in p.iter_mut().zip(overlap) {
             *p = if *f > 0.0 && p.is_finite() { p.max(0.0) } else { 0.0 };
         }
         let mut state = State::from(p);
-        let solved = faces::relax(&level, &mut state, scratch)
-            || (answer && self.load.is_none() && monotone::minimise(&level, operators.norm, &mut state, scratch));
+        let mut solved = faces::relax(&level, operators, &mut state, scratch);
+        if !solved && operators.compliance.is_some() && load.is_none() && !level.is_exhausted(&state) {
+            let whole = Region::whole(shape);
+            let everywhere =
+                (operators.region != whole).then(|| Operators::new(table, shape, whole, mirrored, true, scratch));
+            solved = monotone::minimise(&level, everywhere.as_ref().unwrap_or(operators), &mut state, scratch);
+        }
         Left { state, solved }
     }
 }
@@ -249,45 +278,67 @@ impl Cells {
 /// What a grid is solved with, in its units: A = 1 from a cell to itself.
 #[derive(Debug)]
 struct Operators {
+    /// The part of the grid in which there is pressure.
+    region: Region,
+    /// From there to all of the grid; none where a start for the next grid is all that is wanted.
     compliance: Option<Convolution<f64>>,
-    single: Convolution<f32>,
-    preconditioner: Convolution<f32>,
-    /// What the preconditioner is the inverse of: the compliance of a surface that repeats, a third of the work. None on small
-    /// grids, which do without.
-    periodic: Option<Convolution<f32>>,
-    /// 2-norm of the compliance, or a bound of it.
+    /// Within the region.
+    near: Near,
+    /// 2-norm of the compliance, or a bound of it; zero where there is none.
     norm: f64,
 }
 
 impl Operators {
-    fn new(table: &InfluenceTable, shape: [usize; 2], mirrored: bool, double: bool) -> Self {
+    fn new(
+        table: &InfluenceTable,
+        shape: [usize; 2],
+        region: Region,
+        mirrored: bool,
+        double: bool,
+        scratch: &Scratch,
+    ) -> Self {
         let scale = InfluenceTable::scale(table.spacing()) / table.get(0, 0);
-        if shape[0] * shape[1] <= FEW {
-            return Self::few(table, scale, shape, mirrored, double);
+        let whole = region.shape() == shape;
+        if whole && shape[0] * shape[1] <= FEW {
+            return Self::few(table, scale, shape, mirrored, double, scratch);
         }
-        let symbol = operator::compliance(table, scale, shape, mirrored);
-        let compliance = double.then(|| Convolution::new(shape, &symbol));
-        let (single, norm) = (Convolution::new(shape, &symbol), symbol.norm());
-        drop(symbol);
-        let mut symbol = operator::preconditioner(table, scale, shape, mirrored);
-        let preconditioner = Convolution::new(shape, &symbol);
-        let periodic = (shape[0] * shape[1] > fixed::SMALL).then(|| {
-            symbol.values.iter_mut().for_each(|s| *s = 1.0 / *s);
-            Convolution::new(shape, &symbol)
-        });
-        Self { compliance, single, preconditioner, periodic, norm }
+        let within = region.shape();
+        let split = Split::new(table, scale, within, mirrored, scratch);
+        let shared = (double || whole && split.is_none())
+            .then(|| operator::compliance(table, scale, shape, &region, mirrored, scratch));
+        let norm = shared.as_ref().map_or(0.0, Symbol::norm);
+        let compliance = shared.as_ref().filter(|_| double).map(|symbol| Convolution::new(shape, symbol));
+        let single = match (split, &shared) {
+            (Some(split), _) => Convolution::Split(Box::new(split)),
+            (None, Some(symbol)) if whole => Convolution::new(shape, symbol),
+            _ => Convolution::new(
+                within,
+                &operator::compliance(table, scale, within, &Region::whole(within), mirrored, scratch),
+            ),
+        };
+        drop(shared);
+        let preconditioner =
+            Convolution::new(within, &operator::preconditioner(table, scale, within, mirrored, scratch));
+        Self { region, compliance, near: Near { single, preconditioner }, norm }
     }
 
     /// By sums.
-    fn few(table: &InfluenceTable, scale: f64, shape: [usize; 2], mirrored: bool, double: bool) -> Self {
+    fn few(
+        table: &InfluenceTable,
+        scale: f64,
+        shape: [usize; 2],
+        mirrored: bool,
+        double: bool,
+        scratch: &Scratch,
+    ) -> Self {
         let kernel = |i: usize, j: usize| scale * table.row(j)[i];
         let rows = 0..if mirrored { 2 * shape[1] } else { shape[1] };
         let norm = 4.0 * rows.map(|j| (0..shape[0]).map(|i| kernel(i, j)).sum::<f64>()).sum::<f64>();
         let compliance = double.then(|| Convolution::Sums(Sums::new(shape, mirrored, kernel)));
         let single = Convolution::Sums(Sums::new(shape, mirrored, kernel));
-        let inverse = operator::preconditioner(table, scale, shape, mirrored).kernel();
+        let inverse = operator::preconditioner(table, scale, shape, mirrored, scratch).kernel();
         let preconditioner = Convolution::Sums(Sums::new(shape, mirrored, |i, j| inverse.at(i, j)));
-        Self { compliance, single, preconditioner, periodic: None, norm }
+        Self { region: Region::whole(shape), compliance, near: Near { single, preconditioner }, norm }
     }
 }
 

@@ -6,15 +6,16 @@
 //! While |beta| is not the larger, conjugate gradients on the face, cut at the first pressure that vanishes and followed by
 //! a projected step of fixed length 1/|A|; else a step along -beta.
 
+use super::Operators;
 use super::level::{Level, State, occupied};
 use super::operator::Scratch;
 
-/// From p >= 0 with its residual to the tolerance: true. False when the limit of products is met first. `norm`: that of A.
-pub(super) fn minimise(level: &Level, norm: f64, state: &mut State, scratch: &mut Scratch) -> bool {
+/// From p >= 0 with its residual to the tolerance: true. False when the limit of products is met first. Operators of the whole grid.
+pub(super) fn minimise(level: &Level, operators: &Operators, state: &mut State, scratch: &mut Scratch) -> bool {
     let n = level.f.len();
-    let [width, height] = level.shape();
-    let Some(compliance) = level.compliance else { return false };
-    let fixed = 1.0 / norm;
+    let [width, height] = level.shape;
+    let Some(compliance) = &operators.compliance else { return false };
+    let fixed = 1.0 / operators.norm;
     let (mut z, mut d, mut work) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
     // The preconditioner works in single precision.
     let (mut given, mut taken) = (vec![0.0_f32; n], vec![0.0_f32; n]);
@@ -22,12 +23,12 @@ pub(super) fn minimise(level: &Level, norm: f64, state: &mut State, scratch: &mu
     let mut rz_old = 0.0;
     let mut since = 0;
     while !level.is_exhausted(state) {
-        if level.error(state) <= level.tolerance {
+        if level.error(state, scratch) <= level.tolerance {
             // The residual was carried along: looked at once more from scratch.
             if since == 0 {
                 return true;
             }
-            level.refresh(state, scratch);
+            level.refresh(operators, state, scratch);
             (since, restart) = (0, true);
             continue;
         }
@@ -50,7 +51,7 @@ pub(super) fn minimise(level: &Level, norm: f64, state: &mut State, scratch: &mu
             }
             let rows = occupied(&given, width);
             taken.fill(0.0);
-            level.preconditioner.product(&given, rows.clone(), &mut taken, rows, scratch);
+            operators.near.preconditioner.product(&given, rows.clone(), &mut taken, rows, scratch);
             for (z, taken) in z.iter_mut().zip(&taken) {
                 *z = largest * f64::from(*taken);
             }
@@ -82,7 +83,7 @@ pub(super) fn minimise(level: &Level, norm: f64, state: &mut State, scratch: &mu
             if since == 1 {
                 return false;
             }
-            level.refresh(state, scratch);
+            level.refresh(operators, state, scratch);
             (since, restart) = (0, true);
             continue;
         }
@@ -98,12 +99,12 @@ pub(super) fn minimise(level: &Level, norm: f64, state: &mut State, scratch: &mu
                     *p = (*p + fixed * r).max(0.0);
                 }
             }
-            level.refresh(state, scratch);
+            level.refresh(operators, state, scratch);
             (since, restart) = (0, true);
         }
     }
-    level.refresh(state, scratch);
-    level.error(state) <= level.tolerance
+    level.refresh(operators, state, scratch);
+    level.error(state, scratch) <= level.tolerance
 }
 
 /// a . b, in eight sums side by side.

@@ -6,7 +6,7 @@
 
 use super::level::Limit;
 use super::window::Window;
-use super::{Cells, Left, Operators, SYMMETRIC, Scratch, Settings, no_contact, with_threads};
+use super::{Cells, Left, Operators, SYMMETRIC, Scratch, Settings, no_contact, region_around, with_threads};
 use crate::discrete::{Discrete, DiscreteSolution};
 use crate::influence::InfluenceTable;
 use crate::solution::Unsolved;
@@ -41,7 +41,7 @@ pub fn solve_nested(problem: &Discrete, settings: &Settings) -> Result<DiscreteS
         let Some(window) = Window::of(problem, SYMMETRIC * settings.tolerance) else { return Ok(no_contact(problem)) };
         let table = window.table(problem);
         let left = from_coarse(window.grid(problem), &table, settings, scratch, |_| true);
-        window.finish(problem, &table, left, settings)
+        window.finish(problem, &table, left, settings, scratch)
     })
 }
 
@@ -54,7 +54,7 @@ pub(super) fn from_coarse(
     will_do: impl Fn(f64) -> bool,
 ) -> Left {
     let mut grids = vec![grid];
-    while let Some(coarser) = grids.last().and_then(coarser) {
+    while let Some(coarser) = grids.last().and_then(|grid| coarser(grid, scratch)) {
         grids.push(coarser);
     }
     let mut start: Option<Vec<f64>> = None;
@@ -67,7 +67,8 @@ pub(super) fn from_coarse(
             _ => (COARSE_TOLERANCE.max(settings.tolerance), 60),
         };
         let limit = Limit { products, deadline: settings.deadline };
-        let operators = Operators::new(table, grid.shape, grid.mirrored, level == 0);
+        let region = region_around(grid.shape, grid.mirrored, start.as_deref());
+        let operators = Operators::new(table, grid.shape, region, grid.mirrored, level == 0, scratch);
         grid.overlap.iter_mut().for_each(|f| *f += deeper);
         let mut left = grid.solve(table, &operators, start.take(), tolerance, limit, scratch);
         deeper += left.state.deeper;
@@ -76,12 +77,12 @@ pub(super) fn from_coarse(
             left.solved &= level == 0;
             return left;
         };
-        start = Some(finer(&grid, &left.state.p, next.shape));
+        start = Some(finer(&grid, &left.state.p, next.shape, scratch));
     }
 }
 
 /// Two by two cells made one. `None` when the grid is coarse enough or nothing overlaps on the next.
-fn coarser(fine: &Cells) -> Option<Cells> {
+fn coarser(fine: &Cells, scratch: &Scratch) -> Option<Cells> {
     let [nx, ny] = fine.shape;
     let height = if fine.mirrored { 2 * ny } else { ny };
     if nx.max(height) < 2 * COARSEST || nx.min(height) < 4 {
@@ -89,21 +90,24 @@ fn coarser(fine: &Cells) -> Option<Cells> {
     }
     let shape = [nx.div_ceil(2), ny.div_ceil(2)];
     let mut overlap = vec![-1.0; shape[0] * shape[1]];
-    for (k, mean) in overlap.iter_mut().enumerate() {
-        let (i, j) = (2 * (k % shape[0]), 2 * (k / shape[0]));
-        let (mut sum, mut cells) = (0.0, 0);
-        for (i, j) in [(i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1)] {
-            if i < nx && j < ny && fine.overlap[j * nx + i] > -1.0 {
-                sum += fine.overlap[j * nx + i];
-                cells += 1;
+    let rows = overlap.chunks_exact_mut(shape[0]).zip(fine.overlap.chunks(2 * nx));
+    let deepest = scratch.each(rows, |(means, fine)| {
+        for (i, mean) in means.iter_mut().enumerate() {
+            let (mut sum, mut cells) = (0.0, 0);
+            for row in fine.chunks_exact(nx) {
+                for f in row[2 * i..].iter().take(2).filter(|f| **f > -1.0) {
+                    sum += f;
+                    cells += 1;
+                }
+            }
+            // Where half of the cell has no material the other half decides.
+            if cells >= 2 {
+                *mean = sum / f64::from(cells);
             }
         }
-        // Where half of the cell has no material the other half decides.
-        if cells >= 2 {
-            *mean = sum / f64::from(cells);
-        }
-    }
-    let deepest = overlap.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        means.iter().copied().fold(f64::NEG_INFINITY, f64::max)
+    });
+    let deepest = deepest.into_iter().fold(f64::NEG_INFINITY, f64::max);
     // The pressure that moves a cell by the depth is half as large, the cells are a quarter.
     let load = fine.load.map(|load| 0.5 * load);
     (deepest > 0.0).then_some(Cells { shape, mirrored: fine.mirrored, overlap, load })
@@ -120,21 +124,21 @@ fn coarser(fine: &Cells) -> Option<Cells> {
 /// ```
 #[must_use]
 pub fn halved(coarse: [usize; 2], pressure: &[f64]) -> Vec<f64> {
-    shared_out(coarse, false, pressure, coarse.map(|n| 2 * n))
+    shared_out(coarse, false, pressure, coarse.map(|n| 2 * n), &Scratch::new())
 }
 
 /// Halved: the pressure that moves a cell by the depth is twice as large on cells of half the side.
-fn finer(coarse: &Cells, p: &[f64], shape: [usize; 2]) -> Vec<f64> {
-    let mut fine = shared_out(coarse.shape, coarse.mirrored, p, shape);
+fn finer(coarse: &Cells, p: &[f64], shape: [usize; 2], scratch: &Scratch) -> Vec<f64> {
+    let mut fine = shared_out(coarse.shape, coarse.mirrored, p, shape, scratch);
     fine.iter_mut().for_each(|p| *p *= 0.5);
     fine
 }
 
 /// The pressure of coarse cells shared out among their quarters. Each keeps its load; within it the pressure is linear, with the
 /// slope of its neighbours (exact for means of quadratics), or like the root of the distance at the edge of the contact.
-fn shared_out([cx, cy]: [usize; 2], mirrored: bool, p: &[f64], [nx, ny]: [usize; 2]) -> Vec<f64> {
+fn shared_out([cx, cy]: [usize; 2], mirrored: bool, p: &[f64], [nx, ny]: [usize; 2], scratch: &Scratch) -> Vec<f64> {
     let mut fine = vec![0.0; nx * ny];
-    for j in 0..cy {
+    scratch.each(fine.chunks_mut(2 * nx).take(cy).enumerate(), |(j, fine)| {
         for i in 0..cx {
             let here = p[j * cx + i];
             if here <= 0.0 {
@@ -149,14 +153,14 @@ fn shared_out([cx, cy]: [usize; 2], mirrored: bool, p: &[f64], [nx, ny]: [usize;
             let (along, across) = (halves(west, here, east), halves(south, here, north));
             for (t, v) in across.into_iter().enumerate() {
                 for (s, u) in along.into_iter().enumerate() {
-                    let (x, y) = (2 * i + s, 2 * j + t);
-                    if x < nx && y < ny {
-                        fine[y * nx + x] = here * u * v;
+                    let x = 2 * i + s;
+                    if x < nx && (t + 1) * nx <= fine.len() {
+                        fine[t * nx + x] = here * u * v;
                     }
                 }
             }
         }
-    }
+    });
     fine
 }
 

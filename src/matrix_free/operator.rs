@@ -8,49 +8,64 @@ use std::ops::Range;
 use super::convolution::Convolution;
 use super::lanes::Workspace;
 use super::real::Real;
+use super::region::Region;
 use super::symbol::Symbol;
 use super::transforms::Transforms;
 use crate::influence::InfluenceTable;
+use crate::numeric::simd::wide;
 
 /// Work beside a transform, for each of its points, over that of one of its passes.
 const BESIDE: f64 = 6.0;
 
-/// A number not below `n` whose transforms are fast: of 2^a 3^b 5^c 7^d the one that costs least, as measured. Next to those of 2 and
-/// 3 those with one factor of 5 or 7 take a fifth longer, all others (odd ones, 25, 125) up to twice as long.
-pub(super) fn good_length(n: usize) -> usize {
-    let n = n.max(1);
+/// Work of a transform of so many points, infinite where their number has other factors than 2, 3, 5 and 7. As measured: next to those of
+/// 2 and 3 those with one factor of 5 or 7 take a fifth longer, all others (odd ones, 25, 125) up to twice as long.
+pub(super) fn cost(m: usize) -> f64 {
     let without = |mut m: usize, p: usize| {
         while m.is_multiple_of(p) {
             m /= p;
         }
         m
     };
-    let cost = |m: usize| {
-        let rest = without(m >> m.trailing_zeros(), 3);
-        let slow = match (rest, m.trailing_zeros()) {
-            (1, 2..) => 1.0,
-            (5 | 7, 3..) => 1.2,
-            _ if without(without(rest, 5), 7) == 1 => 1.8,
-            _ => return None,
-        };
-        Some(m as f64 * (slow * ((m + 1) as f64).log2() + BESIDE))
+    let rest = without(m >> m.trailing_zeros(), 3);
+    let slow = match (rest, m.trailing_zeros()) {
+        (1, 2..) => 1.0,
+        (5 | 7, 3..) => 1.2,
+        _ if without(without(rest, 5), 7) == 1 => 1.8,
+        _ => return f64::INFINITY,
     };
-    let costs = (n..=n + n / 2 + 1).filter_map(|m| Some((m, cost(m)?)));
+    m as f64 * (slow * ((m + 1) as f64).log2() + BESIDE)
+}
+
+/// A number not below `n` whose transforms are fast: the one that costs least.
+pub(super) fn good_length(n: usize) -> usize {
+    let n = n.max(1);
+    let costs = (n..=n + n / 2 + 1).map(|m| (m, cost(m)));
     costs.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(n, |(m, _)| m)
 }
 
 /// As [`good_length`], of rows, whose transforms are of half their length.
-fn good_width(n: usize) -> usize {
+pub(super) fn good_width(n: usize) -> usize {
     2 * good_length(n.div_ceil(2))
 }
 
-/// Symbol of the displacement by pressure over `shape` cells (the upper half of twice as many rows when `mirrored`),
+/// Symbol of the displacement of `shape` cells (the upper half of twice as many rows when `mirrored`) by pressure in a region of them,
 /// coefficients times `scale`.
-pub(super) fn compliance(table: &InfluenceTable, scale: f64, shape: [usize; 2], mirrored: bool) -> Symbol {
+pub(super) fn compliance(
+    table: &InfluenceTable,
+    scale: f64,
+    shape: [usize; 2],
+    region: &Region,
+    mirrored: bool,
+    scratch: &Scratch,
+) -> Symbol {
     let halves = if mirrored { 2 } else { 1 };
     let rows = halves * shape[1];
-    let length = [good_width(2 * shape[0]), halves * good_length(2 * shape[1])];
-    let symbol = Symbol::of(length, |j, row| {
+    // No two cells that act on each other are farther apart.
+    let farthest = |range: &Range<usize>, n: usize| range.end.max(n - range.start);
+    let columns = 2 * farthest(&region.columns, shape[0]);
+    let lines = if mirrored { shape[1] + region.rows.end } else { 2 * farthest(&region.rows, shape[1]) };
+    let length = [good_width(columns), halves * good_length(lines)];
+    let symbol = Symbol::of(length, scratch, |j, row| {
         if j < rows {
             for (to, from) in row.iter_mut().zip(&table.row(j)[..shape[0]]) {
                 *to = scale * from;
@@ -61,11 +76,17 @@ pub(super) fn compliance(table: &InfluenceTable, scale: f64, shape: [usize; 2], 
 }
 
 /// Symbol of the approximate inverse of [`compliance`].
-pub(super) fn preconditioner(table: &InfluenceTable, scale: f64, shape: [usize; 2], mirrored: bool) -> Symbol {
+pub(super) fn preconditioner(
+    table: &InfluenceTable,
+    scale: f64,
+    shape: [usize; 2],
+    mirrored: bool,
+    scratch: &Scratch,
+) -> Symbol {
     let halves = if mirrored { 2 } else { 1 };
     let length = [good_width(shape[0]), halves * good_length(shape[1])];
     let last = table.shape()[1] - 1;
-    let mut symbol = Symbol::of(length, |j, row| {
+    let mut symbol = Symbol::of(length, scratch, |j, row| {
         if j <= last {
             for (to, from) in row.iter_mut().zip(table.row(j)) {
                 *to = scale * from;
@@ -119,6 +140,36 @@ impl Scratch {
         self.double.bytes() + self.single.bytes()
     }
 
+    /// Does the work for each piece, by all threads that there are; what it gives, in the order of the pieces.
+    pub(super) fn each<P: Send, S: Send>(
+        &self,
+        pieces: impl Iterator<Item = P>,
+        work: impl Fn(P) -> S + Sync + Send,
+    ) -> Vec<S> {
+        #[cfg(feature = "parallel")]
+        if self.parallel {
+            use rayon::prelude::*;
+            let pieces: Vec<P> = pieces.collect();
+            return pieces
+                .into_par_iter()
+                .map(|piece| {
+                    wide(
+                        #[inline(always)]
+                        || work(piece),
+                    )
+                })
+                .collect();
+        }
+        pieces
+            .map(|piece| {
+                wide(
+                    #[inline(always)]
+                    || work(piece),
+                )
+            })
+            .collect()
+    }
+
     fn lanes(&self) -> usize {
         #[cfg(feature = "parallel")]
         if self.parallel {
@@ -161,6 +212,7 @@ impl<T: HasWorkspace> Convolution<T> {
         match self {
             Self::Sums(sums) => sums.apply(p, given, u, wanted),
             Self::Transforms(transforms) => transforms.apply(p, given, u, wanted, T::room(scratch), lanes),
+            Self::Split(split) => split.apply(p, given, u, wanted, T::room(scratch), lanes),
         }
     }
 }
@@ -176,7 +228,8 @@ impl Operator {
     /// at least `shape` offsets.
     #[must_use]
     pub fn compliance(table: &InfluenceTable, spacing: [f64; 2], shape: [usize; 2]) -> Self {
-        let symbol = compliance(table, InfluenceTable::scale(spacing), shape, false);
+        let symbol =
+            compliance(table, InfluenceTable::scale(spacing), shape, &Region::whole(shape), false, &Scratch::new());
         Self(Transforms::new(shape, &symbol))
     }
 
@@ -184,7 +237,7 @@ impl Operator {
     /// padded (Strang's circulant; close to the symbol |q|/2 of the half-space). Positive definite.
     #[must_use]
     pub fn preconditioner(table: &InfluenceTable, spacing: [f64; 2], shape: [usize; 2]) -> Self {
-        let symbol = preconditioner(table, InfluenceTable::scale(spacing), shape, false);
+        let symbol = preconditioner(table, InfluenceTable::scale(spacing), shape, false, &Scratch::new());
         Self(Transforms::new(shape, &symbol))
     }
 
@@ -276,10 +329,13 @@ mod tests {
                 .map(|k| if given.contains(&(k / nx)) { ((k * 7919) % 13) as f64 - 3.0 } else { 0.0 })
                 .collect();
             let direct = Sums::new(shape, mirrored, |i, j| table.row(j)[i]);
-            let inverse = preconditioner(&table, 1.0, shape, mirrored);
+            let inverse = preconditioner(&table, 1.0, shape, mirrored, &Scratch::new());
             let kernel = inverse.kernel();
             let approximate = Sums::new(shape, mirrored, |i, j| kernel.at(i, j));
-            for (sums, symbol) in [(direct, compliance(&table, 1.0, shape, mirrored)), (approximate, inverse)] {
+            for (sums, symbol) in [
+                (direct, compliance(&table, 1.0, shape, &Region::whole(shape), mirrored, &Scratch::new())),
+                (approximate, inverse),
+            ] {
                 let [mut u, mut v] = [0, 1].map(|_| vec![7.0; nx * ny]);
                 let mut scratch = Scratch::new();
                 Convolution::Sums(sums).product(&p, given.clone(), &mut u, wanted.clone(), &mut scratch);
@@ -325,8 +381,10 @@ mod tests {
             let whole = [nx, 2 * m];
             let table = InfluenceTable::new(Kernel::Galerkin, h, whole);
             let full = Operator::compliance(&table, h, whole);
-            let half: Convolution<f64> =
-                Convolution::new(shape, &compliance(&table, InfluenceTable::scale(h), shape, true));
+            let half: Convolution<f64> = Convolution::new(
+                shape,
+                &compliance(&table, InfluenceTable::scale(h), shape, &Region::whole(shape), true, &Scratch::new()),
+            );
             let p: Vec<f64> = (0..nx * m)
                 .map(|k| if given.contains(&(k / nx)) { ((k * 7919) % 13) as f64 - 3.0 } else { 0.0 })
                 .collect();
@@ -338,8 +396,10 @@ mod tests {
             for k in wanted.start * nx..wanted.end * nx {
                 assert!((v[k] - u[nx * m + k]).abs() < 1e-12, "{shape:?} {k}: {} {}", v[k], u[nx * m + k]);
             }
-            let single: Convolution<f32> =
-                Convolution::new(shape, &compliance(&table, InfluenceTable::scale(h), shape, true));
+            let single: Convolution<f32> = Convolution::new(
+                shape,
+                &compliance(&table, InfluenceTable::scale(h), shape, &Region::whole(shape), true, &Scratch::new()),
+            );
             let (p, mut w): (Vec<f32>, _) = (p.iter().map(|&p| p as f32).collect(), vec![0.0; nx * m]);
             single.product(&p, given, &mut w, wanted.clone(), &mut Scratch::new());
             for k in wanted.start * nx..wanted.end * nx {

@@ -1,5 +1,6 @@
 //! One problem after another: load steps, a punch that moves, the time steps of a multibody code.
 
+use super::region::Region;
 use super::window::Window;
 use super::{Operators, SYMMETRIC, Scratch, Settings, no_contact, operator, solve_nested};
 use crate::discrete::{Discrete, DiscreteSolution};
@@ -87,7 +88,14 @@ impl Kept {
         });
         let window = window.widened(wide);
         let table = window.table(problem);
-        let operators = Operators::new(&table, window.shape(), window.mirrored, true);
+        let operators = Operators::new(
+            &table,
+            window.shape(),
+            Region::whole(window.shape()),
+            window.mirrored,
+            true,
+            &Scratch::new(),
+        );
         Self { kernel: problem.kernel, spacing: problem.grid.spacing, window, table, operators }
     }
 
@@ -161,7 +169,8 @@ impl Solver {
         let mut scratch = std::mem::take(&mut self.scratch);
         let (window, kept) = self.keep(problem, window);
         let solution = super::threaded(settings.threads, &mut scratch, |scratch| {
-            window.solve(problem, &kept.table, &kept.operators, Some(start), &settings, scratch)
+            let start = window.start(problem, &kept.table, Some(start));
+            window.solve(problem, &kept.table, &kept.operators, start, &settings, scratch)
         });
         self.scratch = scratch;
         solution

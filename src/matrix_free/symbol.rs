@@ -2,6 +2,8 @@
 
 use rustfft::num_complex::Complex;
 
+use super::lanes::GROUP;
+use super::operator::Scratch;
 use super::real::Real;
 
 /// Pairs of columns of a symbol that are transformed together: their rows then share cache lines.
@@ -19,7 +21,7 @@ pub(super) struct Symbol {
 impl Symbol {
     /// The transform, for fields that are not mirrored, of the kernel whose row j, offsets i = 0..=length_x/2, is what `fill`
     /// puts in place of zeros.
-    pub(super) fn of(length: [usize; 2], fill: impl Fn(usize, &mut [f64])) -> Self {
+    pub(super) fn of(length: [usize; 2], scratch: &Scratch, fill: impl Fn(usize, &mut [f64]) + Sync + Send) -> Self {
         let [mx, my] = length;
         let zero = Complex::default();
         let along = f64::with_planners(mx, |real, _| real.plan_fft_forward(mx));
@@ -27,46 +29,44 @@ impl Symbol {
         let (columns, half) = (mx / 2 + 1, my / 2 + 1);
         // Rows of the kernel, extended evenly: their transforms are real.
         let mut rows = vec![0.0; half * columns];
-        let (mut row, mut spectrum) = (vec![0.0; mx], vec![zero; columns]);
-        let mut scratch = vec![zero; along.get_scratch_len().max(across.get_inplace_scratch_len())];
-        for j in 0..half {
-            row.fill(0.0);
-            fill(j, &mut row[..columns]);
-            for i in columns..mx {
-                row[i] = row[mx - i];
-            }
-            if row[0] != 0.0 {
-                let done = along.process_with_scratch(&mut row, &mut spectrum, &mut scratch);
-                debug_assert!(done.is_ok());
-                for (to, from) in rows[j * columns..].iter_mut().zip(&spectrum) {
-                    *to = from.re;
+        scratch.each(rows.chunks_mut(GROUP * columns).enumerate(), |(group, rows)| {
+            let (mut row, mut spectrum) = (vec![0.0; mx], vec![zero; columns]);
+            let mut room = vec![zero; along.get_scratch_len()];
+            for (j, to) in rows.chunks_exact_mut(columns).enumerate() {
+                row.fill(0.0);
+                fill(group * GROUP + j, &mut row[..columns]);
+                for i in columns..mx {
+                    row[i] = row[mx - i];
+                }
+                if row[0] != 0.0 {
+                    let done = along.process_with_scratch(&mut row, &mut spectrum, &mut room);
+                    debug_assert!(done.is_ok());
+                    for (to, from) in to.iter_mut().zip(&spectrum) {
+                        *to = from.re;
+                    }
                 }
             }
-        }
+        });
         // Two real even columns make one complex transform.
         let mut values = vec![0.0; columns * half];
-        let mut work = vec![zero; PAIRS * my];
-        for first in (0..columns).step_by(2 * PAIRS) {
-            let pairs = (columns - first).div_ceil(2).min(PAIRS);
-            for j in 0..half {
-                let row = &rows[j * columns..(j + 1) * columns][first..];
-                for (pair, column) in row.chunks(2).zip(work.chunks_exact_mut(my)) {
+        scratch.each(values.chunks_mut(2 * PAIRS * half).enumerate(), |(group, values)| {
+            let first = 2 * PAIRS * group;
+            let mut work = vec![zero; (values.len() / half).div_ceil(2) * my];
+            let mut room = vec![zero; across.get_inplace_scratch_len()];
+            for (j, row) in rows.chunks_exact(columns).enumerate() {
+                for (pair, column) in row[first..].chunks(2).zip(work.chunks_exact_mut(my)) {
                     let value = Complex { re: pair[0], im: pair.get(1).copied().unwrap_or(0.0) };
                     column[j] = value;
                     column[(my - j) % my] = value;
                 }
             }
-            for (c, column) in work.chunks_exact_mut(my).enumerate().take(pairs) {
-                across.process_with_scratch(column, &mut scratch);
-                let k = first + 2 * c;
-                for (l, value) in column[..half].iter().enumerate() {
-                    values[k * half + l] = value.re;
-                    if k + 1 < columns {
-                        values[(k + 1) * half + l] = value.im;
-                    }
-                }
+            for (column, pair) in work.chunks_exact_mut(my).zip(values.chunks_mut(2 * half)) {
+                across.process_with_scratch(column, &mut room);
+                let (first, second) = pair.split_at_mut(half);
+                first.iter_mut().zip(&*column).for_each(|(to, from)| *to = from.re);
+                second.iter_mut().zip(&*column).for_each(|(to, from)| *to = from.im);
             }
-        }
+        });
         Self { length, mirrored: false, values }
     }
 
@@ -74,7 +74,7 @@ impl Symbol {
     pub(super) fn kernel(&self) -> Kernel {
         let [mx, my] = self.length;
         let points = (mx * my) as f64;
-        let back = Self::of(self.length, |l, row| {
+        let back = Self::of(self.length, &Scratch::new(), |l, row| {
             for (to, from) in row.iter_mut().zip(self.values.iter().skip(l).step_by(my / 2 + 1)) {
                 *to = from / points;
             }

@@ -79,7 +79,7 @@ impl<T: Real> Transforms<T> {
         let row_fft = self.forward.get_scratch_len().max(self.inverse.get_scratch_len());
         let [column_points, column_fft] = self.columns.room();
         room.lanes.resize_with(lanes, Lane::default);
-        let Workspace { columns: turned, lanes } = room;
+        let Workspace { columns: turned, lanes, .. } = room;
         let turned = first(turned, width * pitch);
 
         share_rows(lanes, turned, pitch, given.start - base..given.end - base, |lane, rows, parts, at| {

@@ -72,9 +72,10 @@ pub fn solve_under_force(
             let within = |by: f64| (by * window.deepest).abs() <= room;
             let mut left = match start.take() {
                 Some(start) => {
-                    let operators = Operators::new(&table, window.shape(), window.mirrored, true);
-                    let start = window.cut(grid.shape, &start, 0.0).into_iter().map(|p| p / unit).collect();
-                    cells.solve(&table, &operators, Some(start), held.tolerance, limit, scratch)
+                    let start = window.start(problem, &table, Some(&start));
+                    let region = window.region(start.as_deref());
+                    let operators = Operators::new(&table, window.shape(), region, window.mirrored, true, scratch);
+                    cells.solve(&table, &operators, start, held.tolerance, limit, scratch)
                 }
                 None => from_coarse(cells, &table, &held, scratch, |by| by.abs() <= ROOM_ON_COARSE),
             };
@@ -87,7 +88,7 @@ pub fn solve_under_force(
                 for ((r, now), before) in left.state.r.iter_mut().zip(now).zip(overlap) {
                     *r += now - (before + by);
                 }
-                return Ok((deeper, window.finish(&found, &table, left, settings)?));
+                return Ok((deeper, window.finish(&found, &table, left, settings, scratch)?));
             }
             if !by.is_finite() {
                 break;

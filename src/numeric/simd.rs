@@ -25,6 +25,12 @@ pub(crate) fn vectorised<K: Kernel>(kernel: K) -> K::Output {
     pulp::Arch::new().dispatch(Dispatched(kernel))
 }
 
+/// Does plain loops over slices with the widest vector unit that the machine has.
+#[inline]
+pub(crate) fn wide<R>(loops: impl FnOnce() -> R) -> R {
+    pulp::Arch::new().dispatch(loops)
+}
+
 /// Bits of sqrt(1/2), where the mantissa's range begins.
 const SQRT_HALF: u64 = 0x3fe6_a09e_667f_3bcd;
 const LN2_HIGH: f64 = 6.931_471_803_691_238e-1;

@@ -93,7 +93,8 @@ pub(crate) fn as_far_as(
         };
         (degree, ends)
     });
-    let refinement = Refinement { scaled, settings, method, law, finest, window, forces, energies, spent: (0, 0) };
+    let refinement =
+        Refinement { scaled, settings, method, law, finest, window, forces, energies, times: None, spent: (0, 0) };
     let best = match settings.cells {
         Some(cells) => refinement.prescribed(cells)?,
         None => refinement.adaptive()?,
@@ -121,6 +122,8 @@ struct Refinement<'a> {
     window: Rect,
     forces: Vec<f64>,
     energies: Vec<f64>,
+    /// Cells along a side of the last grid that had bounds, and how many times too wide those were.
+    times: Option<(usize, f64)>,
     /// Iterations and products of all grids so far.
     spent: (usize, usize),
 }
@@ -137,6 +140,9 @@ const FEWEST_BOUNDED: usize = 32;
 /// How many times as many cells along a side as an estimate takes a proof is worth, and how many more than the order asks for it is given.
 const FARTHEST: usize = 4;
 const MORE: f64 = 1.05;
+
+/// The least and the largest order with which bounds are expected to narrow: the root of gamma alone, or with that of the ring that may touch.
+const ORDERS_OF_BOUNDS: [f64; 2] = [1.0, 1.5];
 
 impl Refinement<'_> {
     fn adaptive(mut self) -> Result<Option<Refined>, Unsolved> {
@@ -292,46 +298,56 @@ impl Refinement<'_> {
         Ok(best)
     }
 
-    /// With proved bounds of a force that follows no law, as far as they can be had: of this grid, else of the one that is expected to be fine
-    /// enough, once the estimate is `good`.
+    /// With proved bounds of a force that follows no law, as far as they can be had: of this grid, else, once the estimate is `good`, of
+    /// those that are expected to be fine enough.
     fn bounded(&mut self, found: Refined, good: bool, cells: usize) -> Result<Step, Unsolved> {
         let tolerance = self.settings.tolerance;
-        let next = |found: Refined| if good { Step::Done(found) } else { Step::Finer(found) };
-        if cells < FEWEST_BOUNDED {
-            return Ok(next(found));
-        }
-        let Some(bounds) = self.proved(&found.state) else { return Ok(next(found)) };
-        let (found, times) = match bounds {
-            Ok(bounds @ [lower, upper]) => {
-                let before = (found.force, found.error);
-                let found = found.within(bounds, tolerance);
-                // An estimate that the bounds have moved is worth no more than it was moved by.
-                let estimated = before.1.max((found.force - before.0).abs());
-                if found.is_within(tolerance) {
-                    return Ok(Step::Done(found));
-                }
-                let times = (upper - lower) / (tolerance * (lower + upper));
-                (Refined { error: found.error.min(estimated), ..found }, times)
+        let farthest = FINEST_PROVED.min(self.finest).min(FARTHEST * cells);
+        let (mut found, mut cells) = (found, cells);
+        loop {
+            let next = |found: Refined| if good { Step::Done(found) } else { Step::Finer(found) };
+            if cells < FEWEST_BOUNDED {
+                return Ok(next(found));
             }
-            Err(NoBounds { times }) => (found, times),
-        };
-        // Bounds narrow as the square of the cell.
-        let finer = (MORE * cells as f64 * times.sqrt() / 16.0).ceil() * 16.0;
-        if !good || finer > FINEST_PROVED.min(self.finest).min(FARTHEST * cells) as f64 {
-            return Ok(next(found));
+            let Some(bounds) = self.proved(&found.state) else { return Ok(next(found)) };
+            let times = match bounds {
+                Ok(bounds @ [lower, upper]) => {
+                    let Refined { force, error, .. } = found;
+                    found = found.within(bounds, tolerance);
+                    if found.is_within(tolerance) {
+                        return Ok(Step::Done(found));
+                    }
+                    // An estimate that the bounds have moved is worth no more than it was moved by.
+                    let estimated = error.max((found.force - force).abs());
+                    found.error = found.error.min(estimated);
+                    (upper - lower) / (tolerance * (lower + upper))
+                }
+                Err(NoBounds { times }) => times,
+            };
+            let order = self.order_of_bounds(cells, times);
+            let finer = (MORE * cells as f64 * times.powf(1.0 / order) / 16.0).ceil() * 16.0;
+            if !good || finer > farthest as f64 {
+                return Ok(next(found));
+            }
+            cells = finer as usize;
+            let state = match self.grid(|window| shape(window, cells), PRECISE[0], None) {
+                // The coarser grid stands without them.
+                Err(e) if matches!(e.verdict, Verdict::TooLarge | Verdict::TimeLimit) => return Ok(Step::Done(found)),
+                other => other?,
+            };
+            let force = state.force();
+            let error = found.error.max((force - found.force).abs());
+            let sums = found.sums.iter().copied().chain([force]).collect();
+            found = Refined { coarser: Some(Box::new(found.state)), state, force, error, sums, proved: None, ..found };
         }
-        let state = match self.grid(|window| shape(window, finer as usize), PRECISE[0], None) {
-            // This grid stands without them.
-            Err(e) if matches!(e.verdict, Verdict::TooLarge | Verdict::TimeLimit) => return Ok(Step::Done(found)),
-            other => other?,
-        };
-        let Some(Ok(bounds)) = self.proved(&state) else { return Ok(Step::Done(found)) };
-        let (coarser, force) = (Some(Box::new(found.state.clone())), state.force());
-        let (value, error) = (found.force, found.error);
-        let sums = found.sums.iter().copied().chain([force]).collect();
-        let finest = Refined { state, coarser, force, sums, ..found }.within(bounds, tolerance);
-        let estimated = error.max((finest.force - value).abs());
-        Ok(Step::Done(Refined { error: finest.error.min(estimated), ..finest }))
+    }
+
+    /// The order that bounds are seen to narrow with from grid to grid, that of a smooth contact where only one is known.
+    fn order_of_bounds(&mut self, cells: usize, times: f64) -> f64 {
+        let before = self.times.replace((cells, times));
+        let seen = before.map(|(n, t)| (t / times).ln() / (cells as f64 / n as f64).ln());
+        seen.filter(|order| order.is_finite())
+            .map_or(ORDERS_OF_BOUNDS[1], |order| order.clamp(ORDERS_OF_BOUNDS[0], ORDERS_OF_BOUNDS[1]))
     }
 
     /// The next grid, with what all took so far, from a coarser one where its cells are quarters of that.
