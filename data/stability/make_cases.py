@@ -254,4 +254,12 @@ edges.append(case("roller with sharp ends in a sum, turned", scene({"kind": "sum
 for turn in [0.0, 33.0]:
     toroid = {"kind": "formula", "expression": "(hypot(x, 1.000000001*y) - 2.5732)^2/(2*0.23975)", "rotate": turn}
     edges.append(case(f"toroid that is not known to be round, turned by {turn:g} degrees", scene(toroid, depth(1.1789e-2)), [run("auto", 1.1e-3)], TOROID, "rings, refined to 1e-5"))
+# Truncated pyramids of inradius 0.5, 45 degrees: force at depths of 0.003 to 0.3 of that.
+TIPS = {
+    (4, 0.003): 1.728433e-3, (4, 0.01): 5.761568e-3, (4, 0.03): 1.728775e-2, (4, 0.1): 5.773331e-2, (4, 0.3): 0.1757190,
+    (3, 0.01): 6.825472e-3, (3, 0.1): 6.843994e-2, (6, 0.01): 5.280253e-3, (6, 0.1): 5.289617e-2, (6, 0.3): 0.1608195,
+}
+for (faces, part), known in TIPS.items():
+    tip = scene(pyramid(faces, flat=0.5, rotate=17.0), depth(0.5 * part))
+    edges.append(case(f"pyramid of {faces} faces with a flat, {part:g} of it deep", tip, [run("auto", 1.1e-3)], known, "other cells on flat and flanks, or a grid, to 5e-5"))
 write("edges", edges)

@@ -3,25 +3,31 @@
 use super::Found;
 use super::estimated::in_users_units;
 use super::layer::FlatTip;
-use crate::edge_fitted::{FlankedFlat, Limits, flanked};
+use crate::edge_fitted::{Bounded, Estimated, FlankedFlat, Limits, flanked, flanked_bounds};
 use crate::numeric::geometry::{Rect, area, centroid, convex_hull, distance, meeting};
 use crate::overlap::Units;
-use crate::problem::{Contact, Settings};
+use crate::problem::{Contact, ErrorBar, Settings};
 
 /// A convex polygon with a flank at each of its sides, in units of its own: lengths about its centroid, over half the longer side of its box;
 /// heights over the depth.
 pub(crate) struct FlankedTip {
     corners: Vec<[f64; 2]>,
     drift: Vec<[f64; 2]>,
+    sides: Vec<[f64; 3]>,
     planes: Vec<[f64; 3]>,
     growth: f64,
+    /// What rounding may change the planes by.
+    rounding: f64,
     /// Whether every flank begins at a side of the flat.
     complete: bool,
     units: Units,
 }
 
 /// Growth of the contact over the size of the flat up to which cells are fitted to the flat.
-const MOST_GROWTH: f64 = 0.3;
+const MOST_GROWTH: f64 = 0.32;
+
+/// Unknowns of bounds: about a millisecond each.
+const MOST_PROVED: usize = 700;
 
 /// Sides of a flat.
 const MOST_SIDES: usize = 12;
@@ -32,7 +38,7 @@ const CLOSE: f64 = 1e-9;
 impl FlankedTip {
     /// `None` where there is no such flat, or the contact is not small beside it.
     pub(super) fn of(tip: &FlatTip) -> Option<Self> {
-        let FlatTip { face, middle, depth, flanks, .. } = tip;
+        let FlatTip { face, middle, depth, flanks, rounding, .. } = tip;
         let about = centroid(face);
         let [w, h] = Rect::holding(face.iter().copied())?.size();
         let length = 0.5 * w.max(h);
@@ -59,7 +65,16 @@ impl FlankedTip {
         // A corner moves with both of its sides: a . v = 1.
         let drift = (0..n).map(|k| meeting([sides[(k + n - 1) % n], sides[k]].map(|[a, b, _]| [a, b, -1.0]))).collect();
         let units = Units { origin: [0, 1].map(|m| middle[m] + about[m]), length, height: *depth };
-        Some(Self { corners, drift, complete: planes.len() == n, planes, growth, units })
+        Some(Self {
+            corners,
+            drift,
+            sides,
+            complete: planes.len() == n,
+            planes,
+            growth,
+            rounding: rounding / depth,
+            units,
+        })
     }
 
     /// Whether the tolerance, relative, asks for no more cells than can be solved.
@@ -68,18 +83,29 @@ impl FlankedTip {
     }
 
     fn flat<'a>(&'a self, overlap: &'a dyn Fn([f64; 2]) -> f64) -> FlankedFlat<'a> {
-        let Self { corners, drift, growth, complete, .. } = self;
-        FlankedFlat { corners, drift, growth: *growth, symmetric: *complete, overlap }
+        let Self { corners, drift, sides, planes, growth, rounding, complete, .. } = self;
+        let (growth, rounding) = (*growth, *rounding);
+        FlankedFlat { corners, drift, sides, planes, growth, rounding, symmetric: *complete, overlap }
     }
 
     pub fn found(&self) -> String {
         format!("a flat of {} sides with flanks, which the contact passes by a strip", self.corners.len())
     }
 
+    /// Proved where that is asked for and comes as near as the tolerance, else estimated.
     pub(super) fn solve(&self, contact: &Contact, settings: &Settings, limits: &Limits) -> Option<Found> {
         let highest = |p: [f64; 2]| self.planes.iter().map(|[a, b, c]| a * p[0] + b * p[1] + c).fold(0.0, f64::max);
         let overlap = |p: [f64; 2]| 1.0 - highest(p);
-        let found = flanked(&self.flat(&overlap), limits)?;
+        let flat = self.flat(&overlap);
+        let few = Limits { unknowns: MOST_PROVED.min(limits.unknowns), ..*limits };
+        let bounded = (settings.evidence == ErrorBar::Proof).then(|| flanked_bounds(&flat, &few)).flatten();
+        if let Some(bounded) = bounded.filter(|bounded| bounded.width() <= limits.tolerance) {
+            return self.proved(bounded, contact, settings);
+        }
+        self.found_from(flanked(&flat, limits)?, contact, settings)
+    }
+
+    fn found_from(&self, found: Estimated, contact: &Contact, settings: &Settings) -> Option<Found> {
         let (mut load, mut first) = (0.0, [0.0; 2]);
         for (corners, p) in &found.cells {
             let (own, at) = (p * area(corners), centroid(corners));
@@ -94,6 +120,29 @@ impl FlankedTip {
             left_out: "the surface grid: cells follow the edges of the flat",
             ..in_users_units(found, &self.units, about, contact, settings)?
         })
+    }
+
+    fn proved(&self, bounded: Bounded, contact: &Contact, settings: &Settings) -> Option<Found> {
+        let middle = |[a, b]: [f64; 2]| 0.5 * (a + b);
+        let half = |[a, b]: [f64; 2]| (b - a).abs() / (a + b);
+        let error = bounded.width();
+        let Bounded { bounds, stiffness, area, end, cells, unknowns } = bounded;
+        let state = Estimated {
+            force: middle(bounds.force),
+            error,
+            energy: middle(bounds.energy),
+            stiffness: middle(stiffness),
+            stiffness_error: half(stiffness) + error,
+            area: middle(area),
+            area_error: half(area),
+            cells,
+            ends: vec![end],
+            unknowns,
+        };
+        let found = self.found_from(state, contact, settings)?;
+        let unit = contact.modulus().e_star() * self.units.height * self.units.length;
+        let [force, energy] = [bounds.force.map(|p| p * unit), bounds.energy.map(|u| u * unit * self.units.height)];
+        Some(Found { force, energy, proved: true, ..found })
     }
 }
 

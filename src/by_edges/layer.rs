@@ -38,6 +38,8 @@ pub(crate) struct FlatTip {
     pub flanks: Vec<[f64; 3]>,
     /// d/h.
     pub growth: f64,
+    /// What rounding may change their heights by.
+    pub rounding: f64,
 }
 
 /// The part of the tolerance that the growth of the contact may take: the stiffness of the flat is then cheap; and the most, where nothing
@@ -71,7 +73,7 @@ impl FlatTip {
         };
         let rounding = 16.0 * f64::EPSILON * relative.iter().map(size).fold(level.abs(), f64::max);
         let growth = depth / (least - rounding);
-        (growth > 0.0).then_some(Self { face, middle, level, depth, flanks: relative, growth })
+        (growth > 0.0).then_some(Self { face, middle, level, depth, flanks: relative, growth, rounding })
     }
 }
 

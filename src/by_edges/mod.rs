@@ -5,7 +5,7 @@
 //! | a level face in a polygon, nothing outside | the flat punch | E* K d, the bracket of K |
 //! | a tilted face in a polygon | the cells that stay in contact | the bracket of its own, where it touches everywhere |
 //! | the highest of several planes, one of them level | the flat punch under that one | E* K d to E* K d (1 + s/2): see [`layer`] |
-//! | the same, where the contact passes it by more | the flat and a strip of its flanks | an estimate |
+//! | the same, where the contact passes it by more | the flat and a strip of its flanks | the bracket of its own, else an estimate |
 //! | an axis, bounds along the radius | rings | the bracket of the force |
 //! | two mirrors, one closed strip around them | cells along the strip | an estimate |
 
@@ -132,7 +132,7 @@ impl Route {
             }
             Self::Layer(_) => "cells graded to the edges of the flat, whose stiffness bounds the force from both sides",
             Self::Flanked { .. } => {
-                "cells graded to the edges of the flat and to the contact beyond it, and the error is estimated"
+                "cells graded to the edges of the flat and to the contact beyond it, and the force is proved, else estimated"
             }
             Self::Rings(_) => "rings about the axis, and the force is proved",
             Self::Oval(_) => "cells along the closed strip, and the error is estimated",

@@ -38,7 +38,13 @@ pub(crate) fn solve_on(factor: &Cholesky, contact: &[bool], rhs: &[f64]) -> Vec<
 
 /// Solves the unilateral problem; `rhs` is the integral of f over each orbit, cells with rhs <= 0 are never loaded.
 pub(crate) fn solve(s: &Compliance, rhs: &[f64]) -> Vec<f64> {
-    let mut contact: Vec<bool> = rhs.iter().map(|f| *f > 0.0).collect();
+    solve_within(s, rhs, &vec![true; rhs.len()])
+}
+
+/// The same on some of the cells.
+pub(crate) fn solve_within(s: &Compliance, rhs: &[f64], set: &[bool]) -> Vec<f64> {
+    let allowed = |i: usize| set[i] && rhs[i] > 0.0;
+    let mut contact: Vec<bool> = (0..s.n).map(allowed).collect();
     let mut best: Option<(f64, Vec<f64>)> = None;
     let mut careful = false;
     for _ in 0..ROUNDS {
@@ -48,7 +54,7 @@ pub(crate) fn solve(s: &Compliance, rhs: &[f64]) -> Vec<f64> {
         let scale = rhs.iter().fold(0.0, |m: f64, f| m.max(f.abs()));
         let negative: Vec<usize> = (0..s.n).filter(|&i| contact[i] && p[i] < 0.0).collect();
         let penetrating: Vec<usize> =
-            (0..s.n).filter(|&i| !contact[i] && rhs[i] > 0.0 && u[i] - rhs[i] < -1e-12 * scale.min(rhs[i])).collect();
+            (0..s.n).filter(|&i| !contact[i] && allowed(i) && u[i] - rhs[i] < -1e-12 * scale.min(rhs[i])).collect();
         if negative.is_empty() && penetrating.is_empty() {
             return p;
         }

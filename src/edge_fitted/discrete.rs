@@ -12,11 +12,11 @@ use crate::clock::Deadline;
 pub(crate) struct Discretisation {
     pub mesh: Mesh,
     pub orbits: Orbits,
-    lines: Lines,
+    pub lines: Lines,
     pub compliance: Compliance,
     /// Area of each orbit of loaded cells.
     pub areas: Vec<f64>,
-    deadline: Deadline,
+    pub deadline: Deadline,
 }
 
 /// What one mesh says of a flat punch, E* = 1.

@@ -19,6 +19,12 @@ pub(crate) struct Flat<'a> {
     pub corners: &'a [Point],
     /// What each corner moves by where the gap rises by 1.
     pub drift: &'a [Point],
+    /// The plane of the gap, a x + b y + c, that begins at each side, from corner to next corner.
+    pub sides: &'a [[f64; 3]],
+    /// All planes of the gap but the level one.
+    pub planes: &'a [[f64; 3]],
+    /// What rounding may change the planes by.
+    pub rounding: f64,
     /// The largest share of its size that the polygon grows by for that.
     pub growth: f64,
     /// Whether the gap has the symmetries of the polygon.
@@ -146,7 +152,7 @@ impl Flat<'_> {
         (ROOM * self.growth * (1.0 / self.growth).ln().max(1.5)).min(1.0)
     }
 
-    fn group(&self) -> Vec<Isometry> {
+    pub(super) fn group(&self) -> Vec<Isometry> {
         if self.symmetric { symmetries(self.corners) } else { Vec::new() }
     }
 
@@ -286,7 +292,16 @@ mod tests {
             let farthest = (0..n).map(along).fold(f64::MIN, f64::max);
             1.0 - ((farthest - 1.0) / growth).max(0.0)
         };
-        let flat = Flat { corners: &corners, drift: &drift, growth, symmetric: true, overlap: &overlap };
+        let flat = Flat {
+            corners: &corners,
+            drift: &drift,
+            sides: &[],
+            planes: &[],
+            rounding: 0.0,
+            growth,
+            symmetric: true,
+            overlap: &overlap,
+        };
         flanked(&flat, &Limits { tolerance, ..Limits::default() }).unwrap()
     }
 

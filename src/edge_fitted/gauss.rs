@@ -32,6 +32,14 @@ pub(crate) fn kappa(m: usize) -> f64 {
     lead / ((2 * m + 1) as f64).sqrt()
 }
 
+/// The largest value on [-1, 1] of the monic Legendre polynomial of degree m over its root mean square: both ends have it.
+pub(crate) fn monic_size(m: usize) -> f64 {
+    ((2 * m + 1) as f64).sqrt()
+}
+
+/// What 2 to 5 Gauss nodes may raise values by in their interpolant, rounded up (a test repeats it).
+pub(crate) const LEBESGUE: [f64; 4] = [1.7321, 2.3334, 2.8552, 3.3223];
+
 /// A bound of the root mean square over [0, 1] of t ln t less its interpolant at `m` Gauss nodes, 2 <= m <= 5: computed to
 /// six digits (a test repeats it), rounded up.
 pub(crate) fn logarithm_error(m: usize) -> f64 {

@@ -3,7 +3,7 @@
 use super::compliance::Around;
 use super::far::{BLOCK_NODES, Source, left_out};
 use super::line_potential::{Field, Lines, Points, Scratch};
-use super::mesh::{Bilinear, Mesh, Point};
+use super::mesh::{Bilinear, Mesh, Point, minus, norm};
 use super::subcell::{NearEdge, near_edges};
 use super::surroundings::{BLOCK_SHARE, FAR, block_field, chebyshev_points};
 
@@ -17,7 +17,12 @@ pub(crate) struct Sources<'a, const K: usize> {
     pub arounds: Vec<Around>,
     /// The largest strength of the edges at every node.
     at_node: [Vec<f64>; K],
+    /// Cells on which signs have to be shown.
+    pub signs: Vec<bool>,
 }
+
+/// What may be left out where signs are shown, over what may be elsewhere.
+const OF_SIGNS: f64 = 0.02;
 
 impl<'a, const K: usize> Sources<'a, K> {
     pub fn new(mesh: &'a Mesh, lines: &'a Lines, pressures: [&'a [f64]; K], strengths: [&'a [f64]; K]) -> Self {
@@ -31,7 +36,7 @@ impl<'a, const K: usize> Sources<'a, K> {
             }
             largest
         });
-        Self { mesh, lines, pressures, strengths, arounds, at_node }
+        Self { mesh, lines, pressures, strengths, arounds, at_node, signs: vec![false; mesh.cells.len()] }
     }
 
     /// |p|/pi of a loaded cell.
@@ -39,24 +44,30 @@ impl<'a, const K: usize> Sources<'a, K> {
         self.pressures.map(|p| p[cell].abs() * std::f64::consts::FRAC_1_PI)
     }
 
+    /// What counts as small on a cell, over what counts as small elsewhere.
+    pub fn share(&self, cell: usize) -> f64 {
+        if self.signs[cell] { OF_SIGNS } else { 1.0 }
+    }
+
     /// The size of the slope in a cell: the largest strength at its corners.
     pub fn scale(&self, cell: usize) -> [f64; K] {
         let nodes = self.mesh.cells[cell];
+        let share = self.share(cell);
         std::array::from_fn(|k| {
-            let scale = nodes.iter().map(|&n| self.at_node[k][n]).fold(0.0, f64::max);
-            if scale > 0.0 { scale } else { self.scale_from_afar(k, cell) }
+            let scale = share * nodes.iter().map(|&n| self.at_node[k][n]).fold(0.0, f64::max);
+            if scale > 0.0 { scale } else { share * self.scale_from_afar(k, cell) }
         })
     }
 
-    /// No jump at the cell: what the others make there.
+    /// No jump at the cell: what the others make there, each as a line as long as it is: area/(r (r^2 + a^2)^(1/2)).
     fn scale_from_afar(&self, k: usize, cell: usize) -> f64 {
         let own = Around::new(&Bilinear::new(self.mesh.corners(cell)));
         let others = self.arounds.iter().zip(self.pressures[k]).filter(|(_, p)| **p != 0.0);
         others
             .map(|(other, p)| {
                 let area = 4.0 * other.half[0] * other.half[1];
-                let [dx, dy] = [0, 1].map(|i| other.centre[i] - own.centre[i]);
-                p.abs() * area / (std::f64::consts::PI * (dx * dx + dy * dy))
+                let r = norm(minus(other.centre, own.centre));
+                p.abs() * area / (std::f64::consts::PI * r * r.hypot(other.half[0]))
             })
             .sum()
     }

@@ -21,6 +21,7 @@
 //! The last two terms vanish in the sum over all edges at a node, so that d^m u = d^(m-1) of (s . n) L there; a single edge that is
 //! taken as far keeps them: s . v is constant along s, |d^(m-1) s . v/r| <= (m-1)! |s . v|/r^m.
 
+use super::edge_lanes::{self, EdgeLanes, Seen};
 use super::far::Far;
 use super::gauss::{B, NODES, Touch, logarithm_error};
 use super::mesh::{dot, minus, norm};
@@ -55,12 +56,13 @@ pub(crate) fn distance_from_line(d: &[f64; 4]) -> f64 {
 pub(crate) type NodeLogarithms = Vec<(usize, NodeLogarithm)>;
 
 /// Sixteen units of rounding: what a coordinate difference and a logarithm of it lose.
-const ROUNDING: f64 = 16.0 * f64::EPSILON;
+pub(crate) const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 /// The bounds of all pressures on a subcell.
 pub(crate) fn errors<const K: usize>(
     subcell: &Subcell,
     near: &[NearEdge<K>],
+    lanes: &EdgeLanes<K>,
     far: &[Far; K],
     extent: f64,
 ) -> ([Errors; K], NodeLogarithms) {
@@ -74,17 +76,30 @@ pub(crate) fn errors<const K: usize>(
     let mut out = [Errors::ZERO; K];
     let mut logarithms: NodeLogarithms = Vec::new();
     let mut spreads: Vec<f64> = Vec::new();
-    for (index, e) in near.iter().enumerate() {
+    // Edges that the subcell touches, or that end at its node.
+    let special = |e: &NearEdge<K>| {
+        touches.iter().any(|touch| touch.1 == Some(e.edge)) || node.is_some_and(|n| e.nodes.contains(&n))
+    };
+    let apart = touches == [(Touch::None, None); 2] && node.is_none();
+    let specials: Vec<usize> =
+        if apart { Vec::new() } else { (0..near.len()).filter(|&index| special(&near[index])).collect() };
+    let seen = Seen {
+        hull: &hull,
+        corners: &corners,
+        along: [[map.ds(-1.0), map.ds(1.0)], [map.dt(-1.0), map.dt(1.0)]],
+        half,
+        inset: 0.04 * half[0].min(half[1]),
+        extent,
+    };
+    edge_lanes::add(lanes, &specials, &seen, &mut out);
+    for &index in &specials {
+        let e = &near[index];
         let normal = e.normal();
         let touched = (0..2).find(|&k| touches[k].1 == Some(e.edge));
         let ending = node.and_then(|n| e.nodes.iter().position(|&m| m == n));
-        let (d, a) = corner_coordinates(&corners, e);
+        let (d, _) = corner_coordinates(&corners, e);
         let reach = d.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
         let r = [0, 1].map(|k| if ending == Some(k) { f64::INFINITY } else { hull.distance(e.ends[k]) });
-        let line = distance_from_line(&d);
-        let beside = a.iter().all(|x| *x > e.length) || a.iter().all(|x| *x < 0.0);
-        let delta =
-            if touched.is_some() || ending.is_some() { 0.0 } else { hull.distance_to_segment(&e.ends).max(line) };
         // Slope of the distance along s and t, and the distance of the far corners from a touched edge.
         let lean = [
             dot(map.ds(-1.0), normal).abs().max(dot(map.ds(1.0), normal).abs()),
@@ -106,24 +121,16 @@ pub(crate) fn errors<const K: usize>(
                     let (p, q) = (d[far_corners[0]].abs(), d[far_corners[1]].abs());
                     0.5 * (p - q).abs() / p.min(q)
                 }
-                None if ending.is_some() || beside => 0.0,
-                None if line > 0.0 => lean[k] / line,
-                None => f64::INFINITY,
+                None => 0.0,
             };
             let mut terms = [0.0; NODES[1] + 1];
             let (q1, q2) = (h / r[0], h / r[1]);
             let (mut p1, mut p2, mut p3) = (1.0, 1.0, 1.0);
-            let q = h / delta;
-            let mut p = q;
             for (m, term) in terms.iter_mut().enumerate().skip(1) {
                 p1 *= q1;
                 p2 *= q2;
                 p3 *= logarithmic;
-                let structured = B[m] * (p1 + p2) + 2.0 / m as f64 * p3;
-                // length h^m/delta^(m+1), 2 B_m (h/delta)^m.
-                let plain = p * (e.length / delta).min(2.0 * B[m]);
-                p *= q;
-                *term = if delta > 0.0 { structured.min(plain) } else { structured };
+                *term = B[m] * (p1 + p2) + 2.0 / m as f64 * p3;
             }
             for (errors, c) in out.iter_mut().zip(e.strength) {
                 let c = c.abs();
@@ -147,7 +154,7 @@ pub(crate) fn errors<const K: usize>(
         }
         // Rounding of the coordinates against the distance of the nearest Gauss point: no edge crosses the subcell, and
         // they lie deeper inside it than 0.04 of its thickness.
-        let closest = delta.max(0.04 * half[0].min(half[1]));
+        let closest = seen.inset;
         for (errors, c) in out.iter_mut().zip(e.strength) {
             errors.fixed[0] += ROUNDING * c.abs() * (60.0 + extent / closest);
         }
@@ -177,7 +184,7 @@ pub(crate) fn errors<const K: usize>(
 }
 
 /// kappa_m for m up to 5 (a test compares).
-const KAPPA: [f64; 6] = [
+pub(crate) const KAPPA: [f64; 6] = [
     1.0,
     0.577_350_269_189_625_8,
     0.298_142_396_999_971_96,

@@ -45,14 +45,20 @@ pub(crate) fn inner_circle(corners: &[Point]) -> Option<(Point, f64)> {
 }
 
 /// Nodes found again by their place.
-struct NodeIndex {
-    nodes: Vec<Point>,
+pub(crate) struct NodeIndex {
+    pub nodes: Vec<Point>,
     places: HashMap<[i64; 2], usize>,
     tolerance: f64,
 }
 
 impl NodeIndex {
-    fn get(&mut self, p: Point) -> usize {
+    /// Of a mesh about as large as these points are far from the origin.
+    fn new<'a>(points: impl Iterator<Item = &'a Point>) -> Self {
+        let extent = points.map(|p| norm(*p)).fold(0.0, f64::max);
+        Self { nodes: Vec::new(), places: HashMap::new(), tolerance: 1e-12 * extent }
+    }
+
+    pub fn get(&mut self, p: Point) -> usize {
         let key = p.map(|c| (c / self.tolerance).round() as i64);
         for dx in -1..=1 {
             for dy in -1..=1 {
@@ -219,28 +225,74 @@ const ALONG: f64 = 16.0;
 /// The mesh of convex pieces of an outline that share whole sides, all counter-clockwise, with `n` x `n` cells at each corner of each, fewer
 /// along curves and more where they would be longer than about `most`.
 pub(crate) fn mesh(outline: &[Point], pieces: &[Vec<Point>], n: usize, beta: f64, most: f64) -> Option<Mesh> {
-    let extent = pieces.iter().flatten().map(|p| norm(*p)).fold(0.0, f64::max);
-    let mut index = NodeIndex { nodes: Vec::new(), places: HashMap::new(), tolerance: 1e-12 * extent };
-    let pieces: Vec<Piece> = (0..pieces.len()).map(|own| Piece::new(pieces, own)).collect::<Option<_>>()?;
-    let (all, class) = classes(&pieces, outline);
     let graded: Vec<f64> = (0..=n).map(|i| 1.0 - 2.0 * ((n - i) as f64 / n as f64).powf(beta)).collect();
+    let mut index = NodeIndex::new(pieces.iter().flatten());
+    let mut cells = Vec::new();
+    let pieces: Vec<Piece> = (0..pieces.len()).map(|own| Piece::new(pieces, own)).collect::<Option<_>>()?;
+    fill(outline, &pieces, &graded, most, &mut index, &mut cells);
+    let bare = Mesh::new(index.nodes, cells.clone(), Vec::new());
+    let (nodes, strip) = strip(&bare)?;
+    Some(Mesh::new(nodes, cells, strip))
+}
+
+/// A convex polygon in cells, and the nodes on each of its sides from corner to corner.
+pub(crate) struct Convex {
+    pub index: NodeIndex,
+    pub cells: Vec<[usize; 4]>,
+    pub sides: Vec<Vec<usize>>,
+    /// The places of these nodes.
+    pub nodes: Vec<Point>,
+}
+
+/// The cells of a convex polygon, counter-clockwise: `graded` from the middle to its sides, -1 to 1, and none longer than about `most`.
+pub(crate) fn convex(corners: &[Point], graded: &[f64], most: f64) -> Option<Convex> {
+    let mut index = NodeIndex::new(corners.iter());
+    let mut cells = Vec::new();
+    let pieces = [Piece::new(&[corners.to_vec()], 0)?];
+    let lines = fill(corners, &pieces, graded, most, &mut index, &mut cells);
+    let piece = &pieces[0];
+    let sides = (0..corners.len())
+        .map(|k| {
+            let after = piece.after(k);
+            let half = |grades: &[f64], corner: Point, index: &mut NodeIndex| -> Vec<usize> {
+                grades.iter().map(|s| index.get(between(piece.feet[k], corner, *s))).collect()
+            };
+            let mut side = half(&lines[0][piece.before(k)], corners[k], &mut index);
+            side.reverse();
+            side.extend(half(&lines[0][after], corners[after], &mut index).into_iter().skip(1));
+            side
+        })
+        .collect();
+    Some(Convex { nodes: index.nodes.clone(), index, cells, sides })
+}
+
+/// Adds the cells of pieces of an outline, and returns the nodes along the line from the middle of every piece to each of its feet.
+fn fill(
+    outline: &[Point],
+    pieces: &[Piece],
+    graded: &[f64],
+    most: f64,
+    index: &mut NodeIndex,
+    cells: &mut Vec<[usize; 4]>,
+) -> Vec<Vec<Vec<f64>>> {
+    let n = graded.len() - 1;
+    let (all, class) = classes(pieces, outline);
     let grades: Vec<Vec<f64>> = all
         .iter()
         .map(|class| {
             let longest = 2.0 * most / class.longest;
             if class.graded {
-                split(&graded, longest)
+                split(graded, longest)
             } else {
                 split(&[-1.0, 1.0], longest.min(2.0 * ALONG * class.radius / (n as f64 * class.longest)))
             }
         })
         .collect();
-    let mut cells = Vec::new();
     for (piece, class) in pieces.iter().zip(&class) {
         if let Some(e) = piece.band()
             && [e, e + 2].iter().all(|&i| !all[class[i]].graded && grades[class[i]].len() == 2)
         {
-            band(piece, e, [&grades[class[(e + 3) % 4]], &grades[class[e + 1]]], &mut index, &mut cells);
+            band(piece, e, [&grades[class[(e + 3) % 4]], &grades[class[e + 1]]], index, cells);
             continue;
         }
         for i in 0..piece.corners.len() {
@@ -261,9 +313,7 @@ pub(crate) fn mesh(outline: &[Point], pieces: &[Vec<Point>], n: usize, beta: f64
             }
         }
     }
-    let bare = Mesh::new(index.nodes, cells.clone(), Vec::new());
-    let (nodes, strip) = strip(&bare)?;
-    Some(Mesh::new(nodes, cells, strip))
+    class.iter().map(|class| class.iter().map(|&c| grades[c].clone()).collect()).collect()
 }
 
 /// A part of a band that is one cell long: the nodes on its shared sides `e` and `e` + 2 alone, by the grades towards the edge before the

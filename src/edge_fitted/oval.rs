@@ -210,7 +210,7 @@ impl Ends {
 }
 
 /// 2 K/C of p = C s^(1/2) + K s^(-1/2), from its means over [0, a] and [a, b]; in the unit of a and b.
-fn further([a, b]: [f64; 2], [p, q]: [f64; 2]) -> f64 {
+pub(super) fn further([a, b]: [f64; 2], [p, q]: [f64; 2]) -> f64 {
     let root = |from: f64, to: f64| 2.0 / 3.0 * (to.powf(1.5) - from.powf(1.5)) / (to - from);
     let inverse = |from: f64, to: f64| 2.0 * (to.sqrt() - from.sqrt()) / (to - from);
     let (r0, i0, r1, i1) = (root(0.0, a), inverse(0.0, a), root(a, b), inverse(a, b));

@@ -38,6 +38,17 @@ impl Subcell {
         [norm(self.map.ds(-1.0)).max(norm(self.map.ds(1.0))), norm(self.map.dt(-1.0)).max(norm(self.map.dt(1.0)))]
     }
 
+    /// The halves along direction `k`.
+    pub fn halves(&self, k: usize) -> [Self; 2] {
+        [self.part(k, -1.0, 0.0), self.part(k, 0.0, 1.0)]
+    }
+
+    /// Four parts, none of which has two opposite sides or two corners of it.
+    pub fn quarters(&self) -> [Self; 4] {
+        let [low, high] = self.halves(0).map(|half| half.halves(1));
+        [low[0], low[1], high[0], high[1]]
+    }
+
     /// The part over [`low`, `high`] of direction `k`, in its own reference coordinates.
     pub fn part(&self, k: usize, low: f64, high: f64) -> Self {
         let full = [-1.0, 1.0];
@@ -193,9 +204,9 @@ impl Fan {
 /// A convex quadrilateral with the outward normals of its sides: lower bounds of distances from it, by separating lines.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Hull {
-    around: Around,
+    pub around: Around,
     /// Outward unit normals and offsets; a side without length has a zero normal.
-    sides: [(Point, f64); 4],
+    pub sides: [(Point, f64); 4],
 }
 
 impl Hull {
@@ -219,15 +230,6 @@ impl Hull {
     #[inline(always)]
     pub fn distance(&self, p: Point) -> f64 {
         self.sides.iter().map(|(n, c)| dot(*n, p) - c).fold(self.around.distance(p), f64::max)
-    }
-
-    /// Of a segment.
-    #[inline(always)]
-    pub fn distance_to_segment(&self, ends: &[Point; 2]) -> f64 {
-        self.sides
-            .iter()
-            .map(|(n, c)| dot(*n, ends[0]).min(dot(*n, ends[1])) - c)
-            .fold(self.around.distance_to_hull(ends), f64::max)
     }
 }
 

@@ -1,6 +1,7 @@
 //! What the points of one cell see of all cells: near edges exactly, the rest by interpolation over the cell.
 
 use super::compliance::Around;
+use super::edge_lanes::EdgeLanes;
 use super::far::{BLOCK_NODES, Far, Source, left_out};
 use super::gauss::{lagrange, legendre};
 use super::group::{Group, Sources};
@@ -11,6 +12,8 @@ use super::subcell::{NearEdge, Subcell, near_edges};
 /// What a cell sees of the others: near edges one by one, the field of all else by interpolation over the cell.
 pub(crate) struct Surroundings<const K: usize> {
     pub near: Vec<NearEdge<K>>,
+    /// The same side by side.
+    pub lanes: EdgeLanes<K>,
     pub lines: Lines,
     pub strengths: [Vec<f64>; K],
     pub far: [Far; K],
@@ -99,7 +102,17 @@ impl<const K: usize> Surroundings<K> {
         let points = chebyshev_points(&map, count);
         let mut block = group.lines.fields(std::array::from_fn(|k| rest[k].as_slice()), &points, scratch);
         group.add_far(&points, &mut block);
-        Self { near, lines: subset, strengths: near_strengths, far, count, block: Box::new(block), scale }
+        let lanes = EdgeLanes::of(&near);
+        Self {
+            near,
+            lanes,
+            lines: subset,
+            strengths: near_strengths,
+            far,
+            count,
+            block: Box::new(block),
+            scale: scale.map(|s| s / sources.share(cell)),
+        }
     }
 }
 

@@ -9,7 +9,7 @@ use super::line_potential::Lines;
 use super::mesh::{Bilinear, Mesh, Point};
 use super::outline::Fitted;
 use super::region::{Region, regions};
-use super::residual_norm::{Target, decay_lengths, norms};
+use super::residual_norm::{Overlap, Target, decay_lengths, norms};
 use super::symmetry::Orbits;
 use crate::clock::Deadline;
 
@@ -170,7 +170,7 @@ impl Punch {
                 (pressure, Vector3::new(t, 0.0, 0.0) + g * (sign / t))
             };
             let ((plus, over), (minus, under)) = (mixed(1.0), mixed(-1.0));
-            let target = |pressure, g: &Vector3<f64>| Target { pressure, value: g[0], slope: [g[1], g[2]] };
+            let target = |pressure, g: &Vector3<f64>| Target { pressure, overlap: Overlap::Plane([g[0], g[1], g[2]]) };
             let targets = [target(unit, &Vector3::x()), target(p, g), target(&minus, &under)];
             let decay = decay_lengths(self.mesh());
             let sums = norms(self.mesh(), &self.lines, &self.orbits, &decay, contact, targets, self.deadline)?;

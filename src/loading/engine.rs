@@ -60,8 +60,12 @@ impl<'a> Engine<'a> {
                 Some(respond(self.contact, depth, tilt, settings, self.with_matrix))
             }
             Method::Auto if settings.cells.is_none() && !settings.outputs.gap => {
-                let rough =
-                    Settings { outputs: Outputs::default(), tolerance: ROUGH.max(settings.tolerance), ..*settings };
+                let rough = Settings {
+                    outputs: Outputs::default(),
+                    tolerance: ROUGH.max(settings.tolerance),
+                    evidence: ErrorBar::Estimate,
+                    ..*settings
+                };
                 let settings = if quick { &rough } else { settings };
                 let gap = self.contact.tilted_gap(tilt);
                 let answer = without_grid(self.contact, &gap, depth, tilt, settings, self.with_matrix)?;
