@@ -84,10 +84,12 @@ impl<T: Real> Split<T> {
         let h = table.spacing().map(|h| h / longer);
         let halves = if mirrored { 2 } else { 1 };
         let lengths = |step: usize| {
-            // No longer than the step, whatever the sides of a cell.
-            let steps = h.map(|h| 1_usize << ((step as f64 / h).log2() + 1e-9).floor() as u32);
             let reach = REACH * step as f64;
-            let margin = h.map(|h| (reach / h).ceil() as usize);
+            let all = [shape[0], halves * shape[1]];
+            // No longer than the step, whatever the sides of a cell, nor than all cells.
+            let steps =
+                [0, 1].map(|m| 1_usize << ((step as f64 / h[m]).min(shape[m] as f64).log2() + 1e-9).floor() as u32);
+            let margin = [0, 1].map(|m| (reach / h[m]).min(all[m] as f64).ceil() as usize);
             let near = [good_width(shape[0] + margin[0]), good_length(shape[1] + margin[1].div_ceil(halves))];
             let spreads = [Spread::new(shape[0], steps[0], false), Spread::new(shape[1], steps[1], mirrored)];
             let far = [good_width(2 * spreads[0].nodes), good_length(2 * spreads[1].nodes)];
@@ -322,6 +324,16 @@ mod tests {
     use super::super::region::Region;
     use super::*;
     use crate::grid::Kernel;
+
+    #[test]
+    fn needle_cells_take_no_more_room_than_all_of_them() {
+        for h in [[1e-9, 1.0], [1.0, 1e-9], [1e-300, 1.0]] {
+            let table = InfluenceTable::new(Kernel::Galerkin, h, [64, 64]);
+            let split = Split::<f64>::new(&table, 1.0, [64, 64], false, &Scratch::new());
+            let room = |spread: &Spread<f64>| spread.weights.len();
+            assert!(split.is_none_or(|split| room(&split.along).max(room(&split.across)) <= POINTS * 64 + LANES));
+        }
+    }
 
     #[test]
     fn the_two_parts_make_the_whole() {
