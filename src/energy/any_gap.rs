@@ -10,7 +10,7 @@ use super::expected::{beyond_hope, is_rough, left_by, seen_beyond_hope};
 use super::functional::{Contact, Cut};
 use super::of_gap::GapOverlap;
 use super::on_cells::OnCells;
-use super::parts::in_parts;
+use super::parts::{Parts, in_parts};
 use super::residual::{Halves, Residual};
 use super::virial::Virial;
 
@@ -43,20 +43,23 @@ fn by_trial(
     known: bool,
     enough: f64,
 ) -> Result<[f64; 2], Missing> {
-    let gap = overlap;
-    let overlap = &OnCells::new(gap, trial.grid);
-    let (field, halves) = trial.field(overlap, known).ok_or(Missing::TooWide(f64::INFINITY))?;
-    let residual = Residual { field: &field, overlap, halves };
-    let pressed = residual.pressed();
+    let cells = OnCells::new(overlap, trial.grid);
+    let (field, halves) = trial.field(&cells, known).ok_or(Missing::TooWide(f64::INFINITY))?;
+    let residual = Residual { field: &field, overlap: &cells, halves };
+    in_parts(overlap, &cells, trial.grid, |parts| by_parts(&residual, parts, above_least, enough))
+}
+
+fn by_parts(residual: &Residual, parts: &Parts, above_least: f64, enough: f64) -> Result<[f64; 2], Missing> {
+    let Residual { field, halves, .. } = *residual;
+    let pressed = &residual.pressed();
     if enough > 0.0 {
-        let seen = || in_parts(gap, overlap, trial.grid, |parts| seen_beyond_hope(&residual, &pressed, parts, enough));
-        let times = if is_rough(&residual, &pressed) { Some(f64::INFINITY) } else { seen() };
-        if let Some(times) = times {
+        let rough = is_rough(residual, pressed).then_some(f64::INFINITY);
+        if let Some(times) = rough.or_else(|| seen_beyond_hope(residual, pressed, parts, enough)) {
             return Err(Missing::TooWide(times));
         }
     }
     let mut means = vec![[0.0; 2]; field.grid.len()];
-    let [below, open] = lower(&residual, |i, j, mean| {
+    let [below, open] = lower(residual, |i, j, mean| {
         images([i, j], field.grid.shape, halves).for_each(|k| means[k] = mean);
     });
     let set = residual.admissible().ok_or(Missing::Beyond)?;
@@ -67,26 +70,23 @@ fn by_trial(
         return Err(Missing::Beyond);
     }
     // The contact alone, with all that may touch: where that is more than is under pressure, bounds are too wide for use.
-    let loaded = trial.pressure.iter().filter(|p| **p > 0.0).count() as f64;
+    let loaded = pressed.count();
     let most = if enough > 0.0 { loaded } else { f64::INFINITY };
     let (touch, cells) = residual.may_touch(residual.deepest_dip(&dips), most).ok_or(Missing::Beyond)?;
     if cells > most {
         return Err(Missing::TooWide(f64::INFINITY));
     }
-    let ring = cells / loaded;
+    let (touch, ring) = (&touch[..], cells / loaded);
     let force = 2.5 * below / above_least;
-    let cut = Cut::around(&field, &touch, halves);
-    in_parts(gap, overlap, trial.grid, |parts| {
-        let virial = Virial::fitted(&pressed, parts, [1.0, 0.0, 0.0], &touch);
-        let (residual, pressed, touch) = (&residual, &pressed, &touch[..]);
-        let contact = Contact { residual, parts, pressed, means, cut, below, open, gamma, touch, ring };
-        let expected = left_by(contact.pressed.disc(), virial.left, ring, gamma) / (enough * force);
-        if let Some(times) = beyond_hope(expected).filter(|_| enough > 0.0) {
-            return Err(Missing::TooWide(times));
-        }
-        let found = contact.bounds(&virial, above_least, enough * force);
-        found.filter(|[low, high]| low <= high).ok_or(Missing::Beyond)
-    })
+    let cut = Cut::around(field, touch, halves);
+    let virial = Virial::fitted(pressed, parts, [1.0, 0.0, 0.0], touch);
+    let expected = left_by(pressed.disc(), virial.left, ring, gamma) / (enough * force);
+    if let Some(times) = beyond_hope(expected).filter(|_| enough > 0.0) {
+        return Err(Missing::TooWide(times));
+    }
+    let contact = Contact { residual, parts, pressed, means, cut, below, open, gamma, touch, ring };
+    let found = contact.bounds(&virial, above_least, enough * force);
+    found.filter(|[low, high]| low <= high).ok_or(Missing::Beyond)
 }
 
 /// Places of a cell and its images.

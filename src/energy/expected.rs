@@ -45,19 +45,18 @@ pub(super) fn seen_beyond_hope(residual: &Residual, pressed: &Pressed, parts: &P
     let beside = |i: isize, j: isize| [[1, 0], [-1, 0], [0, 1], [0, -1]].iter().any(|[a, b]| loaded(i + a, j + b));
     let all = (0..ny).flat_map(|j| (0..nx).map(move |i| (i, j)));
     let around = all.filter(|&(i, j)| !loaded(i, j) && beside(i, j)).count() as f64;
-    let count = pressed.cells.iter().map(|(i, j, _)| pressed.images(*i, *j)).sum::<f64>();
-    let ring = TOUCHING * around / count;
+    let ring = TOUCHING * around / pressed.count();
     if ring > 1.0 {
         return Some(f64::INFINITY);
     }
-    let Seen { energy, in_parts } = residual.seen(LOOKED_AT)?;
+    let Seen { energy, divided } = residual.seen(LOOKED_AT)?;
     let gamma = 0.5 * energy;
     let area = field.grid.cell_area();
     let force = pressed.cells.iter().map(|(i, j, p)| p * pressed.images(*i, *j)).sum::<f64>() * area;
     let times = |left: f64| left_by(pressed.disc(), left, ring, gamma) / (enough * force);
     let plain = times(1.0);
     // Where f is so much less known than u in a cell, bounds cost many solves and miss what a grid leaves.
-    if in_parts > KINKED && plain > 1.0 {
+    if divided > KINKED && plain > 1.0 {
         return Some(plain);
     }
     beyond_hope(plain)?;

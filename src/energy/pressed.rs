@@ -42,10 +42,14 @@ impl Pressed {
         images(&self.grid, self.halves, i, j)
     }
 
+    /// How many there are with their images.
+    pub fn count(&self) -> f64 {
+        self.cells.iter().map(|(i, j, _)| self.images(*i, *j)).sum()
+    }
+
     /// Force of a flat punch that is a disc of their area, at unit depth.
     pub fn disc(&self) -> f64 {
-        let cells = self.cells.iter().map(|(i, j, _)| self.images(*i, *j)).sum::<f64>();
-        2.0 * (cells * self.grid.cell_area() / std::f64::consts::PI).sqrt()
+        2.0 * (self.count() * self.grid.cell_area() / std::f64::consts::PI).sqrt()
     }
 
     /// Cells under pressure, and every one of `touch` once: there the pressure is 0.

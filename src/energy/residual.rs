@@ -42,7 +42,7 @@ pub(super) struct Seen {
     /// About what a(w, w) is bounded by.
     pub energy: f64,
     /// Share of cells that are worked out in parts.
-    pub in_parts: f64,
+    pub divided: f64,
 }
 
 /// Share of |grad r| and |r| in a cell that f may leave open before it is looked at more closely.
@@ -266,7 +266,7 @@ impl Residual<'_> {
             }
         }
         let energy = 0.5 * (total[0] * total[1]).sqrt() * field.scale.powi(3);
-        Some(Seen { energy, in_parts: divided as f64 / cells.max(1) as f64 })
+        Some(Seen { energy, divided: divided as f64 / cells.max(1) as f64 })
     }
 
     /// The integrals of |grad w|^2 and w^2 over cells side by side, and how many of those in the set were worked out in parts.
