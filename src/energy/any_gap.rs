@@ -58,15 +58,10 @@ fn by_parts(residual: &Residual, parts: &Parts, above_least: f64, enough: f64) -
             return Err(Missing::TooWide(times));
         }
     }
-    let mut means = vec![[0.0; 2]; field.grid.len()];
-    let [below, open] = lower(residual, |i, j, mean| {
-        images([i, j], field.grid.shape, halves).for_each(|k| means[k] = mean);
-    });
     let set = residual.admissible().ok_or(Missing::Beyond)?;
     let mut dips = vec![f64::INFINITY; field.grid.len()];
     let of_residual = residual.norms_and_dips(&set, Some(&mut dips)).energy();
-    let gamma = 0.5 * of_residual + open;
-    if !(below > 0.0 && gamma.is_finite()) {
+    if !of_residual.is_finite() {
         return Err(Missing::Beyond);
     }
     // The contact alone, with all that may touch: where that is more than is under pressure, bounds are too wide for use.
@@ -77,13 +72,22 @@ fn by_parts(residual: &Residual, parts: &Parts, above_least: f64, enough: f64) -
         return Err(Missing::TooWide(f64::INFINITY));
     }
     let (touch, ring) = (&touch[..], cells / loaded);
-    let force = 2.5 * below / above_least;
-    let cut = Cut::around(field, touch, halves);
     let virial = Virial::fitted(pressed, parts, [1.0, 0.0, 0.0], touch);
-    let expected = left_by(pressed.disc(), virial.left, ring, gamma) / (enough * force);
+    let expected = left_by(pressed.disc(), virial.left, ring, 0.5 * of_residual) / (enough * pressed.force());
     if let Some(times) = beyond_hope(expected).filter(|_| enough > 0.0) {
         return Err(Missing::TooWide(times));
     }
+    // Means may be dear: not before they are known to be needed.
+    let mut means = vec![[0.0; 2]; field.grid.len()];
+    let [below, open] = lower(residual, |i, j, mean| {
+        images([i, j], field.grid.shape, halves).for_each(|k| means[k] = mean);
+    });
+    let gamma = 0.5 * of_residual + open;
+    if !(below > 0.0 && gamma.is_finite()) {
+        return Err(Missing::Beyond);
+    }
+    let force = 2.5 * below / above_least;
+    let cut = Cut::around(field, touch, halves);
     let contact = Contact { residual, parts, pressed, means, cut, below, open, gamma, touch, ring };
     let found = contact.bounds(&virial, above_least, enough * force);
     found.filter(|[low, high]| low <= high).ok_or(Missing::Beyond)

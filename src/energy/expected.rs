@@ -51,9 +51,7 @@ pub(super) fn seen_beyond_hope(residual: &Residual, pressed: &Pressed, parts: &P
     }
     let Seen { energy, divided } = residual.seen(LOOKED_AT)?;
     let gamma = 0.5 * energy;
-    let area = field.grid.cell_area();
-    let force = pressed.cells.iter().map(|(i, j, p)| p * pressed.images(*i, *j)).sum::<f64>() * area;
-    let times = |left: f64| left_by(pressed.disc(), left, ring, gamma) / (enough * force);
+    let times = |left: f64| left_by(pressed.disc(), left, ring, gamma) / (enough * pressed.force());
     let plain = times(1.0);
     // Where f is so much less known than u in a cell, bounds cost many solves and miss what a grid leaves.
     if divided > KINKED && plain > 1.0 {

@@ -47,6 +47,11 @@ impl Pressed {
         self.cells.iter().map(|(i, j, _)| self.images(*i, *j)).sum()
     }
 
+    /// The sum of their pressures.
+    pub fn force(&self) -> f64 {
+        self.cells.iter().map(|(i, j, p)| p * self.images(*i, *j)).sum::<f64>() * self.grid.cell_area()
+    }
+
     /// Force of a flat punch that is a disc of their area, at unit depth.
     pub fn disc(&self) -> f64 {
         2.0 * (self.count() * self.grid.cell_area() / std::f64::consts::PI).sqrt()
