@@ -164,6 +164,68 @@ fn altered_results_are_refused() {
 }
 
 #[test]
+fn proved_forces_of_gaps_without_a_law_are_accepted_and_altered_ones_refused() {
+    let directory = tempfile::tempdir().unwrap();
+    let formula = |expression: &str| json!({"kind": "formula", "expression": expression});
+    let cone_and_ball = json!({"kind": "sum", "of": [{"kind": "cone", "inclination": 17.0}, {"kind": "paraboloid", "radii": [1.0, 1.0]}]});
+    for (gap, depth) in [
+        (formula("x^2/2 + 0.1*abs(y)^3"), 1e-2),
+        (formula("x^2/2 + y^2/4 + 0.3*(x^2 + y^2)^2"), 0.1),
+        (formula("cosh(x) + cosh(2*y) - 2"), 0.1),
+        (json!({"kind": "sphere", "radius": 2.0, "rotate": 17.0, "at": [0.3, -0.1]}), 0.3),
+        (cone_and_ball, 0.2),
+    ] {
+        for tolerance in [1e-3, 3e-4] {
+            let scene = scene(
+                gap.clone(),
+                json!({"depth": depth}),
+                json!({"method": "fft", "tolerance": tolerance}),
+                json!(["pressure"]),
+            );
+            let honest = solve(&scene, directory.path());
+            assert_eq!(honest["evidence"], "proved", "{gap}");
+            let (code, text) = check(&honest, directory.path());
+            assert_eq!(code, 0, "{gap} {tolerance}\n{text}");
+            let refused = |what: &str, alter: &dyn Fn(&mut Value)| {
+                let mut result = honest.clone();
+                alter(&mut result);
+                let (code, text) = check(&result, directory.path());
+                assert_eq!(code, 1, "{gap} {what}\n{text}");
+                assert!(text.contains("NO  ") && text.ends_with("refused\n"), "{gap} {what}\n{text}");
+            };
+            let times = |result: &mut Value, path: &str, by: f64| {
+                let place = result.pointer_mut(path).unwrap_or_else(|| panic!("{path}"));
+                *place = json!(place.as_f64().unwrap() * by);
+            };
+            refused("stiffness", &|r| times(r, "/stiffness", 1.0 + 1e-4));
+            refused("force and mean", &|r| {
+                ["/force", "/pressure/mean"].iter().for_each(|p| times(r, p, 1.0 + 3.0 * tolerance));
+            });
+            let width =
+                honest["bracket"]["upper"].as_f64().unwrap() / honest["bracket"]["lower"].as_f64().unwrap() - 1.0;
+            refused("upper bound", &|r| times(r, "/bracket/upper", 1.0 - 0.3 * width));
+            refused("lower bound", &|r| times(r, "/bracket/lower", 1.0 + 0.3 * width));
+        }
+    }
+}
+
+/// A ridge of three faces lies along a row of cells: bounds then turn on the last digit of where those are.
+#[test]
+fn proved_depths_of_pyramids_are_accepted() {
+    let directory = tempfile::tempdir().unwrap();
+    for step in 0..12 {
+        let scene = scene(
+            json!({"kind": "pyramid", "faces": 3, "inclination": 20.0}),
+            json!({"force": 6e8 * 1.13_f64.powi(step)}),
+            json!({"method": "fft"}),
+            json!(["pressure"]),
+        );
+        let (code, text) = check(&solve(&scene, directory.path()), directory.path());
+        assert_eq!(code, 0, "{step}\n{text}");
+    }
+}
+
+#[test]
 fn what_is_no_result_is_an_error_with_its_path() {
     let directory = tempfile::tempdir().unwrap();
     let scene = scene(

@@ -2,7 +2,8 @@
 
 use super::bounds::sound;
 use super::cells::Cells;
-use super::result::{Key, State, key, on_grid};
+use super::result::{Bounds, Key, State, key, on_grid};
+use super::scaled::ScaledField;
 use super::state::ROUNDING;
 use super::{CLOSER, Verification, close, formula, homogeneous};
 use crate::error::InputError;
@@ -123,9 +124,13 @@ impl State<'_> {
             // A force that was prescribed is met as closely as it is known at this depth.
             ("one_grid", _) => {
                 let room = if force_driven { error.max(1e-6) } else { ROUNDING };
+                // A force that is proved lies in its bracket, which is worked out again.
+                let within = |b: &Bounds| b.is_of_energy() && (b.lower..=b.upper).contains(&self.force);
+                let bounded = self.said.evidence.one().is_some_and(|word| word == "proved")
+                    && self.bracket.as_ref().is_some_and(within);
                 found.require(
-                    close(self.force, carried, room),
-                    format!("the force {:e} is the sum of the field, {carried:e}", self.force),
+                    close(self.force, carried, room) || bounded,
+                    format!("the force {:e} is the sum of the field, {carried:e}, or lies in the bracket that its energy proves", self.force),
                 );
             }
             (_, Some(least)) => {
@@ -196,7 +201,7 @@ impl State<'_> {
         self.use_up(key!(energy));
     }
 
-    /// dP/dd by the law of a homogeneous gap, else by a flat punch on the pressed cells.
+    /// dP/dd by the law of a homogeneous gap, else by a flat punch on the pressed cells, alone or for what the force leaves to it.
     fn stiffness_of(&self, cells: &Cells, scene: &Scene, gap: &AnyGap, found: &mut Verification) {
         let (Some(field), Some(said)) = (&self.field, self.get(key!(stiffness))) else { return };
         let degree = homogeneous::degree(gap, &field.grid).filter(|_| self.tilt == [0.0; 2] && self.depth > 0.0);
@@ -210,10 +215,14 @@ impl State<'_> {
         let e_star = scene.contact.modulus().e_star();
         let area = field.grid.cell_area();
         let rates: [fn([f64; 2]) -> f64; 3] = [|_| 1.0, |[x, _]| x, |[_, y]| y];
-        let mut own = [[0.0; 3]; 3];
+        let (mut own, mut by_force) = ([[0.0; 3]; 3], None);
         for (column, rate) in rates.iter().enumerate().take(if rows.is_some() { 3 } else { 1 }) {
             // Too many cells: named as not checked.
             let Some(growing) = cells.growth(rate) else { return };
+            if column == 0 {
+                let scaled = ScaledField::of(gap, scene.contact.modulus(), self.depth, field);
+                by_force = scaled.and_then(|scaled| scaled.stiffness(&growing, self.force));
+            }
             for (row, weight) in rates.iter().enumerate() {
                 let moment: f64 = field.grid.centres().zip(&growing).map(|(at, m)| m * weight(at)).sum();
                 own[row][column] = moment * area * e_star;
@@ -221,8 +230,13 @@ impl State<'_> {
         }
         let punch = own[0][0];
         found.require(
-            close(said, punch, OF_SUMS) || by_law.is_some_and(|law| close(said, law, ROUNDING)),
-            format!("the stiffness {said:e} is that of a flat punch on the pressed cells, {punch:e}, or follows from the force"),
+            close(said, punch, OF_SUMS)
+                || by_law.is_some_and(|law| close(said, law, ROUNDING))
+                || by_force.is_some_and(|own| close(said, own, OF_SUMS)),
+            format!(
+                "the stiffness {said:e} is that of a flat punch on the pressed cells, {punch:e}, or follows from the force, {:e}",
+                by_law.or(by_force).unwrap_or(f64::NAN)
+            ),
         );
         self.use_up(key!(stiffness));
         if let Some(rows) = rows {

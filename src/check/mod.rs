@@ -45,6 +45,8 @@ mod one_cell;
 #[cfg(feature = "scene")]
 mod result;
 #[cfg(feature = "scene")]
+mod scaled;
+#[cfg(feature = "scene")]
 mod spread;
 #[cfg(feature = "scene")]
 mod state;

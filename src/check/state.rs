@@ -1,14 +1,13 @@
 //! The check of one state of a result.
 
 use super::result::{Bounds, Proof, State, key};
+use super::scaled::ScaledField;
 use super::{Claim, Verification, bounds, close, energy};
 use crate::bracket::{self, DepthBracket};
-use crate::clock::Deadline;
-use crate::energy::{Trial, force_bounds};
 use crate::error::InputError;
 use crate::gap::{AnyGap, Gap};
-use crate::grid::{Grid, Pressure};
-use crate::overlap::{Overlap, least};
+use crate::grid::Pressure;
+use crate::overlap::least;
 use crate::problem::Load;
 use crate::result;
 use crate::scene::Scene;
@@ -239,31 +238,6 @@ impl State<'_> {
     }
 }
 
-/// The error that bounds are worked out again for: less than any that is claimed costs.
-const CLOSER: f64 = 1e-6;
-
-/// Bounds of the force that the energy of a pressure field proves.
-fn energy_bounds(gap: &AnyGap, scene: &Scene, depth: f64, field: &Pressure) -> Option<[f64; 2]> {
-    let degree = gap.known().law.map(|law| law.degree);
-    let scaled = Overlap::of(gap, depth).ok()??.scaled();
-    let (units, e_star) = (scaled.units, scene.contact.modulus().e_star());
-    let grid = Grid {
-        origin: units.inward(field.grid.origin),
-        spacing: field.grid.spacing.map(|h| h / units.length),
-        shape: field.grid.shape,
-    };
-    let pressure: Vec<f64> = field.values.iter().map(|p| p / (e_star * units.height / units.length)).collect();
-    let bounds = force_bounds(
-        &scaled,
-        degree,
-        &Trial { grid: &grid, pressure: &pressure, displacement: None },
-        CLOSER,
-        Deadline::NEVER,
-    )
-    .ok()?;
-    Some(bounds.map(|force| force * e_star * units.height * units.length))
-}
-
 impl Bounds {
     /// Whether the theorems on both sides do without a pressure field.
     pub(super) fn needs_no_field(&self) -> bool {
@@ -273,7 +247,7 @@ impl Bounds {
         without(&self.above) && without(&self.below)
     }
 
-    fn is_of_energy(&self) -> bool {
+    pub(super) fn is_of_energy(&self) -> bool {
         let energy = |p: &Option<Proof>| p.as_ref().is_some_and(|p| p.theorem == "energy");
         energy(&self.above) && energy(&self.below)
     }
@@ -281,12 +255,12 @@ impl Bounds {
     /// Bounds by the energy of the pressure of the solution, worked out again from that.
     fn by_energy(&self, gap: &AnyGap, scene: &Scene, depth: f64, field: Option<&Pressure>) -> Verification {
         let mut found = Verification::default();
-        let own = field.and_then(|field| energy_bounds(gap, scene, depth, field));
-        let holds = own.is_some_and(|[lower, upper]| {
-            self.lower <= lower * (1.0 + ROUNDING) && self.upper >= upper * (1.0 - ROUNDING)
-        });
+        let scaled = field.and_then(|field| ScaledField::of(gap, scene.contact.modulus(), depth, field));
+        let holds =
+            |[lower, upper]: [f64; 2]| self.lower <= lower * (1.0 + ROUNDING) && self.upper >= upper * (1.0 - ROUNDING);
+        let own = scaled.and_then(|scaled| scaled.force_bounds(holds));
         found.require(
-            holds,
+            own.is_some_and(holds),
             format!("the bracket [{:e}, {:e}]: the energy of the field proves {own:?}", self.lower, self.upper),
         );
         if let Some([below, above]) = field.and_then(|field| energy::ends(gap, scene.contact.modulus(), depth, field)) {

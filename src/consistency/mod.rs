@@ -119,7 +119,7 @@ mod tests {
     use super::*;
     use crate::by_edges;
     #[cfg(feature = "formula")]
-    use crate::energy::{Trial, force_bounds};
+    use crate::energy::{Trial, Wanted, force_bounds};
     use crate::gap::{AnyGap, Gap, Polyhedron};
     #[cfg(feature = "formula")]
     use crate::grid_method::refinement::as_far_as;
@@ -151,7 +151,9 @@ mod tests {
         let (problem, solution) = (&found.state.problem, &found.state.solution);
         let trial =
             Trial { grid: &problem.grid, pressure: &solution.pressure, displacement: Some(&solution.displacement) };
-        let bounds = force_bounds(&scaled, Some(law.degree), &trial, settings.tolerance, settings.deadline).unwrap();
+        let bounds =
+            force_bounds(&scaled, Some(law.degree), &trial, Wanted::within(settings.tolerance), settings.deadline)
+                .unwrap();
         let stated = 1e-3 * found.force;
         within(bounds, Claim { force: found.force, error: found.error }, "the energy").unwrap();
         for off in [2.1, 3.4, 5.6] {

@@ -50,17 +50,36 @@ impl NoBounds {
     const NONE: Self = Self { times: f64::INFINITY };
 }
 
-/// Bounds of the force (E* = 1) by a pressure on a grid. For a gap of this degree, or for any gap; wide
-/// by a share of `tolerance` at least.
+/// How narrow bounds are wanted.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Wanted {
+    /// Bounds no wider than this, relative to the force, are not made narrower, and those that cannot come near it not worked out.
+    enough: f64,
+    /// What means of the gap may be off by, over the depth.
+    open: f64,
+}
+
+impl Wanted {
+    pub fn within(tolerance: f64) -> Self {
+        Self { enough: tolerance, open: OPEN * tolerance }
+    }
+
+    /// As narrow as the pressure proves, however long that takes, but for a share of `tolerance`.
+    pub fn narrowest(tolerance: f64) -> Self {
+        Self { enough: 0.0, open: OPEN * tolerance }
+    }
+}
+
+/// Bounds of the force (E* = 1) by a pressure on a grid. For a gap of this degree, or for any gap.
 pub(crate) fn force_bounds(
     scaled: &Scaled,
     degree: Option<Degree>,
     trial: &Trial,
-    tolerance: f64,
+    wanted: Wanted,
     deadline: Deadline,
 ) -> Result<[f64; 2], NoBounds> {
-    let overlap = GapOverlap::of(scaled, OPEN * tolerance, deadline);
-    bounds(&overlap, degree, scaled.above_lowest(), scaled.depth - scaled.gap.known().floor, trial, tolerance)
+    let overlap = GapOverlap::of(scaled, wanted.open, deadline);
+    bounds(&overlap, degree, scaled.above_lowest(), scaled.depth - scaled.gap.known().floor, trial, wanted.enough)
 }
 
 fn bounds(

@@ -5,7 +5,7 @@ use super::super::sharp_edges::{self, CutCells, Edge};
 use super::super::single_grid::{GridState, other_kernel};
 use super::super::unresolved;
 use super::Refinement;
-use crate::energy::{NoBounds, Trial, force_bounds};
+use crate::energy::{NoBounds, Trial, Wanted, force_bounds};
 use crate::gap::Degree;
 use crate::grid::Kernel;
 use crate::overlap::Scaled;
@@ -33,7 +33,7 @@ pub(crate) fn claimed(
     trial: &Trial,
     settings: &Settings,
 ) -> Result<[f64; 2], NoBounds> {
-    let [lower, upper] = force_bounds(scaled, degree, trial, settings.tolerance, settings.deadline)?;
+    let [lower, upper] = force_bounds(scaled, degree, trial, Wanted::within(settings.tolerance), settings.deadline)?;
     let room = if degree.is_none() { REPEATABLE * (upper - lower) } else { 0.0 };
     Ok([lower - room, upper + room])
 }
