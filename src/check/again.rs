@@ -17,6 +17,9 @@ const UNEXPLAINED: f64 = 0.05;
 /// Relative difference of an approximate method from itself under another tolerance.
 const APPROXIMATE: f64 = 1e-5;
 
+/// What errors of the size of the rounding are themselves rounded by.
+const LAST_DIGITS: f64 = 1e-14;
+
 impl State<'_> {
     pub(super) fn applied_again(&self, scene: &Scene, gap: &AnyGap, found: &mut Verification) {
         let method = match (self.origin.as_str(), self.method.as_str()) {
@@ -135,7 +138,7 @@ impl State<'_> {
         if let Some(error) = self.error() {
             let least = own.force_error.unwrap_or(f64::INFINITY);
             found.require(
-                error >= least * (1.0 - ROUNDING),
+                error >= least * (1.0 - ROUNDING) - LAST_DIGITS,
                 format!("the stated error {error:.1e} is no less than that of {}, {least:.1e}", self.method),
             );
             self.use_up(key!(force_error));
@@ -160,7 +163,7 @@ impl State<'_> {
         ];
         for (key, value) in errors {
             if let (Some(said), Some(least)) = (self.get(key), value) {
-                let holds = said >= least * (1.0 - ROUNDING) && said < 1.0;
+                let holds = said >= least * (1.0 - ROUNDING) - LAST_DIGITS && said < 1.0;
                 let what = format!("{} {said:.1e} is no less than that of {}, {least:.1e}", key.path, self.method);
                 found.require(holds, what);
                 self.use_up(key);

@@ -105,12 +105,13 @@ impl Refined {
         }))
     }
 
-    /// With the bounds: their distance is the error, and the force lies between them; not so close to either that the other is further
-    /// away than the tolerance, where the middle is not.
+    /// With the bounds: their distance is the error, and the force lies between them; where the middle is within the tolerance of both, not so
+    /// close to either that the other is not.
     pub(super) fn within(self, [lower, upper]: [f64; 2], tolerance: f64) -> Self {
         let middle = 0.5 * (lower + upper);
-        let room = ((tolerance * (1.0 - ROUNDING) * middle - 0.5 * (upper - lower)) / (1.0 + tolerance)).max(0.0);
-        let force = self.force.clamp(middle - room, middle + room).clamp(lower, upper);
+        let room = (tolerance * (1.0 - ROUNDING) * middle - 0.5 * (upper - lower)) / (1.0 + tolerance);
+        let force = if room >= 0.0 { self.force.clamp(middle - room, middle + room) } else { self.force };
+        let force = force.clamp(lower, upper);
         Self { force, error: (upper - force).max(force - lower), proved: Some([lower, upper]), ..self }
     }
 
