@@ -65,6 +65,7 @@ impl Wanted {
     }
 
     /// As narrow as the pressure proves, however long that takes, but for a share of `tolerance`.
+    #[cfg(feature = "scene")]
     pub fn narrowest(tolerance: f64) -> Self {
         Self { enough: 0.0, open: OPEN * tolerance }
     }
