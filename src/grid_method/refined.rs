@@ -115,6 +115,25 @@ impl Refined {
         Self { force, error: (upper - force).max(force - lower), proved: Some([lower, upper]), ..self }
     }
 
+    /// The same where bounds that are too wide leave the estimate: one that they have moved is worth no more than it was moved by.
+    pub(super) fn bounded_by(self, bounds: [f64; 2], tolerance: f64) -> Self {
+        let (force, error) = (self.force, self.error);
+        let found = self.within(bounds, tolerance);
+        if found.is_within(tolerance) {
+            return found;
+        }
+        Self { error: found.error.min(error.max((found.force - force).abs())), ..found }
+    }
+
+    /// On a finer grid: with its force, or with the limit of energies where the gap follows a law.
+    pub(super) fn on_finer(self, state: GridState, lawful: bool) -> Self {
+        let own = state.force();
+        let (force, error) =
+            if lawful { (self.force, self.error) } else { (own, self.error.max((own - self.force).abs())) };
+        let sums = self.sums.iter().copied().chain([own]).collect();
+        Self { coarser: Some(Box::new(self.state)), state, force, error, sums, proved: None, ..self }
+    }
+
     /// The nearest force within bounds that others have proved; what it was off by is part of the error. Who prescribes the grid wants the
     /// force of that grid.
     pub(super) fn moved_within(self, [lower, upper]: [f64; 2], prescribed: bool) -> Self {

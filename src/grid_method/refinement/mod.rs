@@ -139,10 +139,13 @@ const FEWEST_BOUNDED: usize = 32;
 
 /// How many times as many cells along a side as an estimate takes a proof is worth, and how many more than the order asks for it is given.
 const FARTHEST: usize = 4;
-const MORE: f64 = 1.05;
+const MORE: f64 = 1.03;
 
 /// The least and the largest order with which bounds are expected to narrow: the root of gamma alone, or with that of the ring that may touch.
 const ORDERS_OF_BOUNDS: [f64; 2] = [1.0, 1.5];
+
+/// The same of a force by its energy: gamma is a square.
+const ORDER_OF_ENERGY: f64 = 2.0;
 
 impl Refinement<'_> {
     fn adaptive(mut self) -> Result<Option<Refined>, Unsolved> {
@@ -243,102 +246,66 @@ impl Refinement<'_> {
                 proved: None,
                 sums,
             };
-            if self.law.is_none() {
-                match self.bounded(found, good, cells)? {
-                    Step::Done(found) => return Ok(Some(found)),
-                    Step::Finer(found) => best = Some(found),
-                }
-                continue;
-            }
-            if !good {
-                best = Some(found);
-                continue;
-            }
-            // Bounds are no narrower than what the energy of this grid leaves: the next grid is one that may leave little enough.
+            // What the energy of this grid leaves is about what its bounds are off by: the next grid may leave little enough. (Of a singular
+            // tip bounds are hardly ever had.)
             let short = match self.law {
-                // Of a singular tip bounds are hardly ever had.
                 None | Some((_, Ends::Tip(_))) => 0.0,
                 Some(_) => self.energies.last().map_or(0.0, |low| value - low),
             };
-            let finer = cells as f64 * (0.5 * short / (tolerance * value)).sqrt();
-            if finer > cells as f64 && finer <= FINEST_PROVED.min(finest) as f64 && self.provable().is_some() {
-                let mut enough = next;
-                while ((coarsest << enough) as f64) < finer {
-                    enough += 1;
-                }
-                if coarsest << enough <= finest {
-                    next = enough;
-                    // Should there be no time for it, this grid stands without bounds: by its energy and by its pressures.
-                    let apart = (found.state.force() - value).abs();
-                    best = Some(Refined { error: error.max(short).max(apart), ..found });
-                    continue;
-                }
+            match self.bounded(found, good, cells, short)? {
+                Step::Done(found) => return Ok(Some(found)),
+                Step::Finer(found) => best = Some(found),
             }
-            let proved = self.proved(&found.state).and_then(Result::ok);
-            if proved.is_none() && matches!(self.provable(), Some(Some(_))) && cells < FINE_ENOUGH {
-                best = Some(found);
-                continue;
-            }
-            let found = proved.map_or_else(|| found.clone(), |bounds| found.clone().within(bounds, tolerance));
-            // Bounds narrow as the square of the cell at least: no further than where they will be narrow enough.
-            let finer = (found.error / (tolerance * found.force)).sqrt();
-            let too_far = !(cells as f64 * finer <= FINEST_PROVED as f64) || found.proved.is_none();
-            if found.is_within(tolerance) && found.proved.is_some() {
-                return Ok(Some(found));
-            }
-            // What stops the next grid leaves the estimate.
-            let estimated = error.max((found.force - value).abs());
-            let found =
-                Refined { error: if found.proved.is_some() { estimated.min(found.error) } else { error }, ..found };
-            if too_far {
-                return Ok(Some(found));
-            }
-            best = Some(found);
         }
         Ok(best)
     }
 
-    /// With proved bounds of a force that follows no law, as far as they can be had: of this grid, else, once the estimate is `good`, of
-    /// those that are expected to be fine enough.
-    fn bounded(&mut self, found: Refined, good: bool, cells: usize) -> Result<Step, Unsolved> {
-        let tolerance = self.settings.tolerance;
-        let farthest = FINEST_PROVED.min(self.finest).min(FARTHEST * cells);
-        let (mut found, mut cells) = (found, cells);
+    /// With proved bounds of the force, as far as they can be had: of this grid, else, once the estimate is `good`, of those that are
+    /// expected to be fine enough. `short`: what the energy of this grid leaves of a force that follows a law.
+    fn bounded(&mut self, mut found: Refined, good: bool, mut cells: usize, short: f64) -> Result<Step, Unsolved> {
+        let (tolerance, lawful) = (self.settings.tolerance, self.law.is_some());
+        let step = |found: Refined, last: bool| Ok(if last { Step::Done(found) } else { Step::Finer(found) });
+        let wanted = if lawful { good } else { cells >= FEWEST_BOUNDED };
+        if !wanted || self.provable().is_none() {
+            return step(found, good);
+        }
+        let finest = FINEST_PROVED.min(self.finest).min(if lawful { usize::MAX } else { FARTHEST * cells });
+        let finer = |cells: usize, times: f64, order: f64| {
+            let finer = (MORE * cells as f64 * times.powf(1.0 / order) / 8.0).ceil() * 8.0;
+            (finer <= finest as f64).then_some(finer as usize)
+        };
+        let expected = short / (tolerance * found.force);
+        let mut next = finer(cells, expected, ORDER_OF_ENERGY).filter(|_| expected > 1.0);
+        // Should there be no time for the next grid, this one stands by its energy and by its pressures.
+        let mut alone = found.error.max(short).max((found.state.force() - found.force).abs());
         loop {
-            let next = |found: Refined| if good { Step::Done(found) } else { Step::Finer(found) };
-            if cells < FEWEST_BOUNDED {
-                return Ok(next(found));
-            }
-            let Some(bounds) = self.proved(&found.state) else { return Ok(next(found)) };
-            let times = match bounds {
-                Ok(bounds @ [lower, upper]) => {
-                    let Refined { force, error, .. } = found;
-                    found = found.within(bounds, tolerance);
-                    if found.is_within(tolerance) {
-                        return Ok(Step::Done(found));
+            if next.is_none() {
+                let times = match self.proved(&found.state) {
+                    Some(Ok(bounds)) => {
+                        found = found.bounded_by(bounds, tolerance);
+                        (bounds[1] - bounds[0]) / (tolerance * (bounds[1] + bounds[0]))
                     }
-                    // An estimate that the bounds have moved is worth no more than it was moved by.
-                    let estimated = error.max((found.force - force).abs());
-                    found.error = found.error.min(estimated);
-                    (upper - lower) / (tolerance * (lower + upper))
+                    Some(Err(NoBounds { times })) if !lawful => times,
+                    // An estimate stands without bounds on a fine grid.
+                    _ => return step(found, good && (!lawful || cells >= FINE_ENOUGH)),
+                };
+                if times <= 1.0 {
+                    return Ok(Step::Done(found));
                 }
-                Err(NoBounds { times }) => times,
-            };
-            let order = self.order_of_bounds(cells, times);
-            let finer = (MORE * cells as f64 * times.powf(1.0 / order) / 16.0).ceil() * 16.0;
-            if !good || finer > farthest as f64 {
-                return Ok(next(found));
+                let order = if lawful { ORDER_OF_ENERGY } else { self.order_of_bounds(cells, times) };
+                (next, alone) = (finer(cells, times, order), found.error);
             }
-            cells = finer as usize;
+            let Some(n) = next.take().filter(|_| good) else { return step(found, good) };
+            cells = n;
             let state = match self.grid(|window| shape(window, cells), PRECISE[0], None) {
-                // The coarser grid stands without them.
-                Err(e) if matches!(e.verdict, Verdict::TooLarge | Verdict::TimeLimit) => return Ok(Step::Done(found)),
+                Err(e) if matches!(e.verdict, Verdict::TooLarge | Verdict::TimeLimit) => {
+                    let found = Refined { error: alone, ..found };
+                    let stopped = if found.is_within(tolerance) { None } else { Some(e) };
+                    return Ok(Step::Done(Refined { stopped, ..found }));
+                }
                 other => other?,
             };
-            let force = state.force();
-            let error = found.error.max((force - found.force).abs());
-            let sums = found.sums.iter().copied().chain([force]).collect();
-            found = Refined { coarser: Some(Box::new(found.state)), state, force, error, sums, proved: None, ..found };
+            found = found.on_finer(state, lawful);
         }
     }
 
