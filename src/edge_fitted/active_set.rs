@@ -43,8 +43,17 @@ pub(crate) fn solve(s: &Compliance, rhs: &[f64]) -> Vec<f64> {
 
 /// The same on some of the cells.
 pub(crate) fn solve_within(s: &Compliance, rhs: &[f64], set: &[bool]) -> Vec<f64> {
-    let allowed = |i: usize| set[i] && rhs[i] > 0.0;
-    let mut contact: Vec<bool> = (0..s.n).map(allowed).collect();
+    settled(s, rhs, set.to_vec(), |i| set[i])
+}
+
+/// The same, beginning with the cells where `p` is positive.
+pub(crate) fn solve_from(s: &Compliance, rhs: &[f64], p: &[f64]) -> Vec<f64> {
+    settled(s, rhs, p.iter().map(|p| *p > 0.0).collect(), |_| true)
+}
+
+fn settled(s: &Compliance, rhs: &[f64], mut contact: Vec<bool>, within: impl Fn(usize) -> bool) -> Vec<f64> {
+    let allowed = |i: usize| within(i) && rhs[i] > 0.0;
+    contact.iter_mut().enumerate().for_each(|(i, c)| *c &= allowed(i));
     let mut best: Option<(f64, Vec<f64>)> = None;
     let mut careful = false;
     for _ in 0..ROUNDS {
@@ -89,15 +98,17 @@ pub(crate) fn solve_within(s: &Compliance, rhs: &[f64], set: &[bool]) -> Vec<f64
 /// The pressure p >= 0 with given integrals of p, p x and p y (`weights`: of 1, x, y over each cell), and the plane g that it balances
 /// at: S p >= g . weights, equal where p > 0. On a set of cells the pressure is the combination of those of three unit planes that has the
 /// integrals; negative ones are dropped, penetrating cells added, all at once while that lowers their number, one by one else (Judice &
-/// Pires 1994). `None` where no pressure balances, as far as it was looked, and once the time is used up.
+/// Pires 1994). The first set is where `p` is positive. `None` where no pressure balances, as far as it was looked, and once the time is
+/// used up.
 pub(crate) fn balance(
     s: &Compliance,
     weights: &[Vec<f64>; 3],
     wanted: Vector3<f64>,
+    p: &[f64],
     deadline: Deadline,
 ) -> Option<(Vec<f64>, Vector3<f64>)> {
     let n = s.n;
-    let mut contact = vec![true; n];
+    let mut contact: Vec<bool> = p.iter().map(|p| *p > 0.0).collect();
     // The least number of wrong cells so far, and rounds that may pass without a lower one.
     let (mut fewest, mut patience) = (n + 1, PATIENCE);
     for _ in 0..ROUNDS {

@@ -2,8 +2,14 @@
 
 use crate::numeric::simd::{Kernel, vectorised};
 
-/// Columns of a block: three rows of 64 doubles and an 8 x 8 tile stay in the first cache.
+/// Columns of a block.
 const BLOCK: usize = 64;
+
+/// Columns before it that are taken off at a time: a strip of 8 of them and the rows of a tile stay in the first cache.
+const DEEP: usize = 256;
+
+/// Rows of a tile: with 8 columns its sums are twelve vectors, which leaves registers for what they are made of.
+const HIGH: usize = 6;
 
 /// The lower factor, row by row.
 #[derive(Debug, Clone)]
@@ -91,58 +97,49 @@ fn product(a: &[f64], b: &[f64]) -> f64 {
     tail + sums.iter().sum::<f64>()
 }
 
-/// Subtracts from the block of columns what the columns before it contribute.
+/// Subtracts from the block of columns what the columns before it contribute, [`DEEP`] of those at a time.
 #[inline(always)]
 fn update(rows: &mut [f64], n: usize, start: usize, end: usize) {
-    if start == 0 {
-        return;
-    }
     let width = end - start;
-    // The block's own rows, transposed: column k of the packed array is L[start.., k].
-    let mut packed = vec![0.0; start * BLOCK];
-    for (c, i) in (start..end).enumerate() {
-        for k in 0..start {
-            packed[k * BLOCK + c] = rows[i * n + k];
+    // The block's own rows, transposed, by strips of 8: row k of strip s is L[start + 8 s.., from + k].
+    let mut packed = vec![[0.0; 8]; BLOCK / 8 * DEEP];
+    for from in (0..start).step_by(DEEP) {
+        let deep = DEEP.min(start - from);
+        for (c, i) in (start..end).enumerate() {
+            for (k, l) in rows[i * n + from..][..deep].iter().enumerate() {
+                packed[c / 8 * DEEP + k][c % 8] = *l;
+            }
         }
-    }
-    let mut i = start;
-    while i < n {
-        let count = (n - i).min(4);
-        let mut c = 0;
-        while c < width {
-            let mut sums = [[0.0; 8]; 4];
-            if count == 4 {
-                let (r0, r1) = (&rows[i * n..i * n + start], &rows[(i + 1) * n..(i + 1) * n + start]);
-                let (r2, r3) = (&rows[(i + 2) * n..(i + 2) * n + start], &rows[(i + 3) * n..(i + 3) * n + start]);
-                for k in 0..start {
-                    let l = &packed[k * BLOCK + c..k * BLOCK + c + 8];
-                    for m in 0..8 {
-                        sums[0][m] += r0[k] * l[m];
-                        sums[1][m] += r1[k] * l[m];
-                        sums[2][m] += r2[k] * l[m];
-                        sums[3][m] += r3[k] * l[m];
-                    }
-                }
-            } else {
-                for (r, sum) in sums.iter_mut().enumerate().take(count) {
-                    let row = &rows[(i + r) * n..(i + r) * n + start];
-                    for k in 0..start {
-                        let l = &packed[k * BLOCK + c..k * BLOCK + c + 8];
-                        for m in 0..8 {
-                            sum[m] += row[k] * l[m];
-                        }
-                    }
+        let mut i = start;
+        while i < n {
+            let count = HIGH.min(n - i);
+            for (c, strip) in (0..width).step_by(8).zip(packed.chunks_exact(DEEP)) {
+                // Rows of less than a tile: the last one again.
+                let row = |r: usize| &rows[(i + r.min(count - 1)) * n + from..][..deep];
+                let sums = tile(std::array::from_fn(row), &strip[..deep]);
+                for (r, sum) in sums.iter().enumerate().take(count) {
+                    let to = &mut rows[(i + r) * n + start + c..][..8.min(width - c)];
+                    to.iter_mut().zip(sum).for_each(|(l, sum)| *l -= sum);
                 }
             }
-            for (r, sum) in sums.iter().enumerate().take(count) {
-                for m in 0..8.min(width - c) {
-                    rows[(i + r) * n + start + c + m] -= sum[m];
-                }
-            }
-            c += 8;
+            i += count;
         }
-        i += count;
     }
+}
+
+/// Products of rows with the columns of a strip.
+#[inline(always)]
+fn tile(rows: [&[f64]; HIGH], strip: &[[f64; 8]]) -> [[f64; 8]; HIGH] {
+    let rows = rows.map(|row| &row[..strip.len()]);
+    let mut sums = [[0.0; 8]; HIGH];
+    for (k, l) in strip.iter().enumerate() {
+        for r in 0..HIGH {
+            for m in 0..8 {
+                sums[r][m] += rows[r][k] * l[m];
+            }
+        }
+    }
+    sums
 }
 
 /// Factors the block of columns, whose earlier columns have been taken off.

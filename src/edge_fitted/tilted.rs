@@ -14,15 +14,18 @@
 //! **From below.** P >= P_A for every A: m_0 of A displaces by at most 1 everywhere, so that P >= <S m_0, p> = <m_0, S p> >= <m_0, f>
 //! (Barber 1974; Shield 1967).
 //!
-//! **From above.** Where the computed p_h is positive on all of the material, m_h <= tau p_h with a known tau. With u = S p, the least
-//! energy gamma above U_low, a'' = a(1 - S m_h, 1 - S m_h) and X = <u - f, p_h>, U - U_low = |p - p_h|^2/2 + X and
+//! **From above.** Where the computed p_h is positive on all of the material, take any tau > 0, q = max(m_h - tau p_h, 0) and
+//! m' = m_h - q <= tau p_h. With u = S p, the least energy gamma above U_low, a'' = a(1 - S m_h, 1 - S m_h) and X = <u - f, p_h>,
+//! U - U_low = |p - p_h|^2/2 + X. On Galerkin cells 1 - S m_h and f - S p_h are orthogonal to all pressures of the mesh, so that
+//! <p_h, S q> = <f, q>, <f, m_h> = P_h, a(1 - S m', 1 - S m') = a'' + <q, S q>, and
 //!
 //! ```text
-//! P = <u, m_h> + <p_h, 1 - S m_h> + <p - p_h, 1 - S m_h> <= P_h + max over X in [0, gamma] of tau X + sqrt(2 (gamma - X) a''),
+//! P = <u, m'> + <p_h, 1 - S m'> + <p - p_h, 1 - S m'>
+//!   <= P_h + max over X in [0, gamma] of tau X + sqrt(2 (gamma - X) (a'' + <q, S q>)):
 //! ```
 //!
-//! since <p_h, 1 - S m_h> = 0 and <f, m_h> = P_h on Galerkin cells: sqrt(2 gamma a'') where tau is at most sqrt(a''/(2 gamma)), else
-//! tau gamma + a''/(2 tau).
+//! sqrt(2 gamma a) with a = a'' + <q, S q> where tau is at most sqrt(a/(2 gamma)), else tau gamma + a/(2 tau). Where p_h all but vanishes in
+//! a corner, q takes it out.
 //!
 //! Where the punch lifts off, nothing is proved: U_low rises to U as n^-3 and tells its own error from two meshes; the force of A is
 //! stationary in A (Barber 1974), so that it errs by no more, and is held against its own change.
@@ -32,13 +35,13 @@ use nalgebra::{Matrix3, Vector3};
 use super::Limits;
 use super::flat::AIM;
 use super::outline::{COARSEST, Outline};
-use super::tilted_mesh::{Given, Punch, Tilted};
+use super::tilted_mesh::{FINEST, Given, Punch, Tilted};
 
 /// Constant pressures on cells of size h leave of a pressure that varies by the share v of itself over a length l an energy of the order
 /// of v^2 (h/l)^3: cells are at most this times l v^(-2/3)/n, which leaves as much as the edges do.
 const FINE: f64 = 0.9;
 
-/// n that is mostly enough for an error of 1e-3: of a level punch, and more by the share that f varies by.
+/// n that is mostly enough for an error of 1e-3 where it lifts off: of a level punch, and more by the share that f varies by.
 const ENOUGH: [f64; 2] = [5.6, 1.6];
 
 /// The mesh before the first one, where it lifts off, over that.
@@ -71,13 +74,14 @@ pub(crate) fn tilted(outline: &Outline, given: Given, limits: &Limits) -> Option
         return Some(found);
     }
     let mut size = first.size;
-    let enough = ENOUGH[0] + ENOUGH[1] * first.varies;
-    let mut n = (enough * (1e-3 / limits.tolerance).cbrt()).round().clamp(COARSEST as f64, 64.0) as usize;
+    let mut n = if first.lifts() {
+        let enough = (ENOUGH[0] + ENOUGH[1] * first.varies) * (1e-3 / limits.tolerance).cbrt();
+        ((BEFORE * enough.round().min(FINEST as f64)).round() as usize).max(COARSEST)
+    } else {
+        look.enough(&first, AIM * limits.tolerance)
+    };
     // An estimate takes two meshes.
     let last = |n: usize| if first.lifts() { (n as f64 / BEFORE) as usize } else { n };
-    if first.lifts() {
-        n = ((BEFORE * n as f64).round() as usize).max(COARSEST);
-    }
     let fits = |n: usize, size: f64| {
         let most = FINE * size / n as f64;
         outline.mesh_within(n, most).is_some_and(|fitted| fitted.mesh.loaded <= unknowns)
@@ -87,12 +91,22 @@ pub(crate) fn tilted(outline: &Outline, given: Given, limits: &Limits) -> Option
     }
     let mut best: Option<(usize, Tilted)> = None;
     let mut before = limits.deadline.remaining();
+    // The look that tells how fine a mesh proves enough: a coarse one may see no contact in a corner.
+    let mut told = !first.lifts();
     loop {
-        let found = punch(n, FINE * size / n as f64).and_then(|punch| {
-            let pressed = punch.pressed(given)?;
+        let found = punch(n, FINE * size / n as f64).and_then(|punch| Some((punch.pressed(given)?, punch)));
+        if let Some((pressed, punch)) = &found {
             size = pressed.size;
-            punch.bounded(&pressed, outline.displaced())
-        });
+            if !pressed.lifts() && !told {
+                told = true;
+                let wanted = punch.enough(pressed, AIM * limits.tolerance);
+                if let Some(finer) = (n + 1..=wanted).rev().find(|n| fits(*n, size)) {
+                    n = finer;
+                    continue;
+                }
+            }
+        }
+        let found = found.and_then(|(pressed, punch)| punch.bounded(&pressed, outline.displaced()));
         // Too many cells: one that is not as fine as it should be is better than none.
         let found = found.or_else(|| {
             if best.is_some() { None } else { punch(n, f64::INFINITY)?.answer(given, outline.displaced()) }
