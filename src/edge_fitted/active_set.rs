@@ -95,6 +95,28 @@ fn settled(s: &Compliance, rhs: &[f64], mut contact: Vec<bool>, within: impl Fn(
     best.map_or_else(|| vec![0.0; s.n], |b| b.1)
 }
 
+/// The pressures m_j that displace some of the cells by (1, x, y)_j.
+pub(crate) struct Planes(pub [Vec<f64>; 3]);
+
+impl Planes {
+    /// `weights`: the integrals of 1, x, y over each cell.
+    pub fn on(s: &Compliance, weights: &[Vec<f64>; 3], contact: &[bool]) -> Option<Self> {
+        let own = factor(s, contact)?;
+        Some(Self([0, 1, 2].map(|k| solve_on(&own, contact, &weights[k]))))
+    }
+
+    /// K_ij = <(1, x, y)_i, m_j>.
+    pub fn stiffness(&self, weights: &[Vec<f64>; 3]) -> Matrix3<f64> {
+        Matrix3::from_fn(|i, j| self.0[j].iter().zip(&weights[i]).map(|(m, w)| m * w).sum::<f64>())
+    }
+
+    /// The pressure that displaces them by g . (1, x, y).
+    pub fn combined(&self, g: &Vector3<f64>) -> Vec<f64> {
+        let [one, x, y] = &self.0;
+        (0..one.len()).map(|i| g[0] * one[i] + g[1] * x[i] + g[2] * y[i]).collect()
+    }
+}
+
 /// The pressure p >= 0 with given integrals of p, p x and p y (`weights`: of 1, x, y over each cell), and the plane g that it balances
 /// at: S p >= g . weights, equal where p > 0. On a set of cells the pressure is the combination of those of three unit planes that has the
 /// integrals; negative ones are dropped, penetrating cells added, all at once while that lowers their number, one by one else (Judice &
@@ -115,11 +137,9 @@ pub(crate) fn balance(
         if deadline.has_passed() {
             return None;
         }
-        let own = factor(s, &contact)?;
-        let each = [0, 1, 2].map(|k| solve_on(&own, &contact, &weights[k]));
-        let matrix = Matrix3::from_fn(|i, j| each[j].iter().zip(&weights[i]).map(|(m, w)| m * w).sum::<f64>());
-        let g = matrix.try_inverse()? * wanted;
-        let p: Vec<f64> = (0..n).map(|i| g[0] * each[0][i] + g[1] * each[1][i] + g[2] * each[2][i]).collect();
+        let planes = Planes::on(s, weights, &contact)?;
+        let g = planes.stiffness(weights).try_inverse()? * wanted;
+        let p = planes.combined(&g);
         let u = s.product(&p);
         let f = |i: usize| g[0] * weights[0][i] + g[1] * weights[1][i] + g[2] * weights[2][i];
         let size =

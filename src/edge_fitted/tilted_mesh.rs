@@ -1,8 +1,8 @@
 //! One mesh of a tilted punch: its pressure, and what that proves (`tilted` has the formulas).
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 
-use super::active_set::{balance, factor, solve_from, solve_on};
+use super::active_set::{Planes, balance, solve, solve_from};
 use super::compliance::Compliance;
 use super::integrand::Sums;
 use super::line_potential::Lines;
@@ -58,8 +58,8 @@ pub(crate) struct Tilted {
 /// The pressure on a mesh.
 pub(super) struct Pressed {
     pressure: Vec<f64>,
-    /// The pressures m_j for (1, x, y)_j on the cells in contact.
-    each: [Vec<f64>; 3],
+    /// Of the cells in contact.
+    planes: Planes,
     /// f = plane . (1, x, y) in the mesh's axes.
     plane: Vector3<f64>,
     contact: Vec<bool>,
@@ -116,31 +116,40 @@ impl Punch {
     /// The pressure that is >= 0 and its plane.
     pub fn pressed(&self, given: Given) -> Option<Pressed> {
         let map = self.fitted.basis();
-        let all = vec![true; self.compliance.n];
-        let each = self.each(&all)?;
-        let combined = |g: &Vector3<f64>| -> Vec<f64> {
-            (0..all.len()).map(|i| g[0] * each[0][i] + g[1] * each[1][i] + g[2] * each[2][i]).collect()
-        };
-        let everywhere = |p: &[f64]| p.iter().all(|p| *p > 0.0);
-        let (pressure, plane) = match given {
+        let everywhere = || Planes::on(&self.compliance, &self.weights, &vec![true; self.compliance.n]);
+        let positive = |p: &[f64]| p.iter().all(|p| *p > 0.0);
+        let (pressure, plane, whole) = match given {
             Given::Plane(plane) => {
                 let g = map.transpose() * Vector3::from(plane);
-                let p = combined(&g);
-                if everywhere(&p) { (p, g) } else { (solve_from(&self.compliance, &self.integrals(&g), &p), g) }
+                let integrals = self.integrals(&g);
+                // S p is positive: where f is not, it does not touch.
+                if positive(&integrals) {
+                    let whole = everywhere()?;
+                    let p = whole.combined(&g);
+                    let p = if positive(&p) { p } else { solve_from(&self.compliance, &integrals, &p) };
+                    (p, g, Some(whole))
+                } else {
+                    (solve(&self.compliance, &integrals), g, None)
+                }
             }
             Given::Load(load) => {
                 let wanted = map.try_inverse()? * Vector3::from(load);
-                let g = self.stiffness(&each).try_inverse()? * wanted;
-                let p = combined(&g);
-                if everywhere(&p) {
+                let whole = everywhere()?;
+                let g = whole.stiffness(&self.weights).try_inverse()? * wanted;
+                let p = whole.combined(&g);
+                let (p, g) = if positive(&p) {
                     (p, g)
                 } else {
                     balance(&self.compliance, &self.weights, wanted, &p, self.deadline)?
-                }
+                };
+                (p, g, Some(whole))
             }
         };
         let contact: Vec<bool> = pressure.iter().map(|p| *p > 0.0).collect();
-        let each = if contact == all { each } else { self.each(&contact)? };
+        let planes = match whole.filter(|_| positive(&pressure)) {
+            Some(whole) => whole,
+            None => Planes::on(&self.compliance, &self.weights, &contact)?,
+        };
         let corners = || (0..contact.len()).filter(|&i| contact[i]).flat_map(|i| self.mesh().corners(i));
         let extent = |k: usize| {
             let (low, high) =
@@ -152,29 +161,20 @@ impl Punch {
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), f| (a.min(f), b.max(f)));
         let varies = ((high - low) / high).clamp(1e-3, 1.0);
         let size = 0.5 * extent(0).max(extent(1)) * varies.powf(-2.0 / 3.0);
-        (high > 0.0 && size > 0.0).then_some(Pressed { pressure, each, plane, contact, varies, size })
-    }
-
-    /// The pressures m_j for (1, x, y)_j on some of the cells.
-    fn each(&self, contact: &[bool]) -> Option<[Vec<f64>; 3]> {
-        let own = factor(&self.compliance, contact)?;
-        Some([0, 1, 2].map(|k| solve_on(&own, contact, &self.weights[k])))
-    }
-
-    /// K.
-    fn stiffness(&self, each: &[Vec<f64>; 3]) -> Matrix3<f64> {
-        Matrix3::from_fn(|i, j| each[j].iter().zip(&self.weights[i]).map(|(m, w)| m * w).sum::<f64>())
+        (high > 0.0 && size > 0.0).then_some(Pressed { pressure, planes, plane, contact, varies, size })
     }
 
     /// The n for which the error of the force may be within the tolerance, where it touches everywhere: gamma and a'' are about [`LEFT`]
     /// n^-3 of Q and K.
     pub fn enough(&self, pressed: &Pressed, tolerance: f64) -> usize {
-        let (k, g, unit) = (self.stiffness(&pressed.each), &pressed.plane, &pressed.each[0]);
-        let [form, load] = [g.dot(&(k * g)), self.load(&pressed.pressure)[0]];
+        let Pressed { pressure: p, planes, plane: g, .. } = pressed;
+        let k = planes.stiffness(&self.weights);
+        let [form, load] = [g.dot(&(k * g)), self.load(p)[0]];
+        let cuts = self.cuts(&planes.0[0], p, k[(0, 0)] / form);
         let width = |n: usize| {
             let left = LEFT * (n as f64).powi(-3);
             let [gamma, rest] = [left * form, left * k[(0, 0)]];
-            0.5 * (self.missed(unit, &pressed.pressure, [gamma, rest]) + (2.0 * gamma * rest).sqrt()) / load
+            0.5 * (missed(&cuts, gamma, rest) + (2.0 * gamma * rest).sqrt()) / load
         };
         (COARSEST..FINEST).find(|n| width(*n) <= tolerance).unwrap_or(FINEST)
     }
@@ -192,10 +192,10 @@ impl Punch {
     /// What the pressure proves, and what it leaves open; `displaced`: see `Outline::displaced`.
     pub fn bounded(&self, pressed: &Pressed, displaced: f64) -> Option<Tilted> {
         let map = self.fitted.basis();
-        let Pressed { pressure: p, each, plane: g, contact, .. } = pressed;
+        let Pressed { pressure: p, planes, plane: g, contact, .. } = pressed;
         let everywhere = !pressed.lifts();
-        let matrix = self.stiffness(each);
-        let unit = &each[0];
+        let matrix = planes.stiffness(&self.weights);
+        let unit = &planes.0[0];
         // t that makes both parts of one size.
         let energy = g.dot(&(matrix * g));
         let t2 = (energy / matrix[(0, 0)]).sqrt();
@@ -226,7 +226,8 @@ impl Punch {
             // By at most the rests of products gamma and a'' are larger.
             let gamma = 0.5 * of_p + self.compliance.uncertainty(p, p) + off;
             let rest = of_unit + 2.0 * self.compliance.uncertainty(unit, unit) + off;
-            let more = self.missed(unit, p, [gamma, rest]) + self.compliance.uncertainty(p, unit);
+            let cuts = self.cuts(unit, p, rest / gamma);
+            let more = missed(&cuts, gamma, rest) + self.compliance.uncertainty(p, unit);
             force = [0.25 * (above - below) - rounding, load[0] + more + 2.0 * rounding];
             energy[1] = low + 2.0 * gamma;
             stiffness_error = 0.5 * rest / matrix[(0, 0)];
@@ -256,26 +257,19 @@ impl Punch {
         })
     }
 
-    /// max over X in [0, gamma] of tau X + sqrt(2 (gamma - X) (a'' + <q, S q>)), q = max(m_h - tau p_h, 0), with the best tau of some.
-    fn missed(&self, unit: &[f64], p: &[f64], [gamma, rest]: [f64; 2]) -> f64 {
-        let with = |tau: f64| {
+    /// tau and <q, S q> from above, q = max(m_h - tau p_h, 0): from q = 0 down to where a smaller tau gains nothing; `ratio`: a'' over gamma.
+    fn cuts(&self, unit: &[f64], p: &[f64], ratio: f64) -> Vec<[f64; 2]> {
+        let left = |tau: f64| {
             let q: Vec<f64> = unit.iter().zip(p).map(|(m, p)| (m - tau * p).max(0.0)).collect();
             let products = q.iter().zip(self.compliance.product(&q)).zip(&self.weights[0]);
             let [work, load] = products.fold([0.0; 2], |[work, load], ((q, u), area)| [work + q * u, load + q * area]);
             // <q, 1 - S m_h> = 0 but for what the solution and the products are rounded by.
             let rounding = 4e-12 * load + 2.0 * self.compliance.uncertainty(&q, unit);
-            let rest = rest + work + rounding + self.compliance.uncertainty(&q, &q);
-            let balance = (rest / (2.0 * gamma)).sqrt();
-            if tau <= balance { (2.0 * gamma * rest).sqrt() } else { tau * gamma + rest / (2.0 * tau) }
+            [tau, work + rounding + self.compliance.uncertainty(&q, &q)]
         };
-        let mut tau = unit.iter().zip(p).map(|(m, p)| m / p).fold(0.0, f64::max);
-        let mut best = with(tau);
-        // Below this tau nothing is gained.
-        while tau * tau * gamma > 0.5 * rest {
-            tau *= 0.5;
-            best = best.min(with(tau));
-        }
-        best
+        let largest = unit.iter().zip(p).map(|(m, p)| m / p).fold(0.0, f64::max);
+        let halved = std::iter::successors(Some(largest), |tau| (tau * tau > 0.5 * ratio).then_some(0.5 * tau));
+        halved.map(left).collect()
     }
 
     /// 2 <f, p> - <p, S p>, from below.
@@ -285,4 +279,14 @@ impl Punch {
         let product: f64 = p.iter().zip(self.compliance.product(p)).map(|(p, u)| p * u).sum();
         2.0 * work - product - self.compliance.uncertainty(p, p) - 4e-12 * size
     }
+}
+
+/// max over X in [0, gamma] of tau X + sqrt(2 (gamma - X) (a'' + <q, S q>)), with the best of `cuts`; `rest`: a''.
+fn missed(cuts: &[[f64; 2]], gamma: f64, rest: f64) -> f64 {
+    let with = |[tau, left]: &[f64; 2]| {
+        let rest = rest + left;
+        let balance = (rest / (2.0 * gamma)).sqrt();
+        if *tau <= balance { (2.0 * gamma * rest).sqrt() } else { tau * gamma + rest / (2.0 * tau) }
+    };
+    cuts.iter().map(with).fold(f64::INFINITY, f64::min)
 }
