@@ -57,6 +57,7 @@ mod pressed;
 mod quarter;
 mod residual;
 mod rest;
+mod square_cells;
 mod stiffness;
 mod tables;
 mod touching;

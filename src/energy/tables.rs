@@ -16,6 +16,7 @@ use super::basis::{CLASSES, DEGREES, NODES, legendre, slopes, through};
 use super::potential::Corners;
 use super::quarter::Rule;
 use super::rest::{beyond, norms, supremum};
+use super::square_cells::NUMBERS;
 use super::touching::{FIRSTS, SINGULAR, Touching};
 use crate::grid::Kernel;
 use crate::influence::InfluenceTable;
@@ -39,6 +40,9 @@ pub(super) const MOST_SLENDER: f64 = 2.0;
 
 /// Largest half side of a near block: that of the most slender cells.
 pub(super) const WIDEST: usize = 8;
+
+/// Weights of each class for square cells.
+const SQUARE_WEIGHTS: [usize; 4] = [225, 120, 120, 64];
 
 /// Tables that are kept.
 const MOST_KEPT: usize = 8;
@@ -98,12 +102,19 @@ impl Tables {
     }
 
     fn new(h: [f64; 2]) -> Self {
-        let near = h.map(|side| (NEAR / side).ceil() as usize);
-        let far = h.map(|side| (FAR / side).ceil() as usize);
-        let means = Means::new(h, far);
-        let mut tables = Self {
+        if h == [1.0; 2] {
+            return Self::square();
+        }
+        let (mut tables, projections) = Self::computed(h);
+        tables.rule = Rule::new(h, &projections);
+        tables
+    }
+
+    /// Without functions.
+    fn empty(h: [f64; 2]) -> Self {
+        Self {
             h,
-            near,
+            near: h.map(|side| (NEAR / side).ceil() as usize),
             weights: Default::default(),
             values: [[0.0; 3]; 8],
             gradients: [[0.0; 3]; 8],
@@ -111,7 +122,15 @@ impl Tables {
             rest: Rest::default(),
             most: [0.0; 2],
             rule: Rule::empty(h),
-        };
+        }
+    }
+
+    /// All but the rule, and the projections of the cells (1, 0), (0, 1), (1, 1) that it takes.
+    fn computed(h: [f64; 2]) -> (Self, [[[f64; 5]; 5]; 3]) {
+        let far = h.map(|side| (FAR / side).ceil() as usize);
+        let means = Means::new(h, far);
+        let mut tables = Self::empty(h);
+        let near = tables.near;
         let mut block = vec![[[0.0; 5]; 5]; (near[0] + 1) * (near[1] + 1)];
         tables.smooth::<8>(&means, near, [1; 2], &mut block);
         tables.smooth::<6>(&means, far, near, &mut block);
@@ -121,9 +140,30 @@ impl Tables {
             tables.rest.value[m] += value;
         }
         tables.most[1] += value;
-        let touching = tables.singular(&means);
+        let (touching, projections) = tables.singular(&means);
         tables.collect(&block, &touching);
+        (tables, projections)
+    }
+
+    /// For square cells: the numbers of [`super::square_cells`] in place of their computation.
+    fn square() -> Self {
+        let mut tables = Self::empty([1.0; 2]);
+        for (class, weights) in tables.weights.iter_mut().enumerate() {
+            weights.resize(SQUARE_WEIGHTS[class], 0.0);
+        }
+        let mut projections = [[[0.0; 5]; 5]; 3];
+        tables.numbers(&mut projections).zip(NUMBERS).for_each(|(to, number)| *to = number);
+        tables.rule = Rule::new(tables.h, &projections);
         tables
+    }
+
+    /// All that is computed, in the order of [`super::square_cells`].
+    fn numbers<'a>(&'a mut self, projections: &'a mut [[[f64; 5]; 5]; 3]) -> impl Iterator<Item = &'a mut f64> {
+        let forms = self.values.iter_mut().flatten().chain(self.gradients.iter_mut().flatten());
+        let mixed = self.mixed.iter_mut().flatten();
+        let rest = self.rest.gradient.iter_mut().chain(&mut self.rest.value).chain(&mut self.most);
+        let projections = projections.iter_mut().flatten().flatten();
+        self.weights.iter_mut().flatten().chain(forms).chain(mixed).chain(rest).chain(projections)
     }
 
     /// Puts the weights of each class together.
@@ -209,8 +249,8 @@ impl Tables {
         }
     }
 
-    /// Cells that touch; the polynomials that go with the singular functions.
-    fn singular(&mut self, means: &Means) -> [[f64; 9]; 8] {
+    /// Cells that touch: the polynomials that go with the singular functions, and the projections of the three cells.
+    fn singular(&mut self, means: &Means) -> ([[f64; 9]; 8], [[[f64; 5]; 5]; 3]) {
         let h = self.h;
         let fine = graded(FINE);
         let places: Vec<f64> = fine.iter().map(|(s, _)| *s).collect();
@@ -269,8 +309,7 @@ impl Tables {
                 }
             }
         }
-        self.rule = Rule::new(h, &projections);
-        touching_polynomials
+        (touching_polynomials, projections)
     }
 }
 
@@ -330,5 +369,41 @@ impl<const N: usize> Projection<N> {
         let dot = |a: &[f64; N], b: &[f64; N]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let along = values.map(|row| self.0.map(|weights| dot(&weights, &row)));
         std::array::from_fn(|b| std::array::from_fn(|a| (0..N).map(|l| self.0[b][l] * along[l][a]).sum::<f64>()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn computed() -> Vec<f64> {
+        let (mut tables, mut projections) = Tables::computed([1.0; 2]);
+        assert_eq!(tables.weights.each_ref().map(Vec::len), SQUARE_WEIGHTS);
+        tables.numbers(&mut projections).map(|number| *number).collect()
+    }
+
+    #[test]
+    fn numbers_of_square_cells_are_those_that_are_computed() {
+        let computed = computed();
+        assert_eq!(computed.len(), NUMBERS.len());
+        // Sums of terms up to 1, on machines whose logarithms differ in the last digit.
+        for (k, (computed, kept)) in computed.into_iter().zip(NUMBERS).enumerate() {
+            assert!((computed - kept).abs() < 1e-13, "{k}: {computed:e} {kept:e}");
+        }
+    }
+
+    #[test]
+    #[ignore = "writes the file anew"]
+    fn numbers_of_square_cells_are_written() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/src/energy/square_cells.rs");
+        let head = std::fs::read_to_string(path).unwrap();
+        let head = head.split("pub(super) const").next().unwrap();
+        let numbers = computed();
+        let mut text = format!("{head}pub(super) const NUMBERS: [f64; {}] = [\n", numbers.len());
+        for line in numbers.chunks(5) {
+            let line: Vec<String> = line.iter().map(|number| format!("{number:e},")).collect();
+            text += &format!("    {}\n", line.join(" "));
+        }
+        std::fs::write(path, text + "];\n").unwrap();
     }
 }
