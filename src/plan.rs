@@ -15,7 +15,7 @@ use crate::loading::equilibrium::overlap_of_size;
 use crate::numeric::geometry::Rect;
 use crate::overlap::{Overlap, Scaled, least};
 use crate::problem::{Contact, Load, Method, Settings};
-use crate::solution::Unsolved;
+use crate::solution::{Unsolved, Verdict};
 
 /// The decision and its reasons.
 #[derive(Debug, Clone, PartialEq)]
@@ -71,7 +71,10 @@ pub fn plan(contact: &Contact, settings: &Settings) -> Result<Plan, Unsolved> {
         return Ok(Plan { method: None, steps, left_out: vec!["everything".to_owned()] });
     };
     // The formula itself decides, as in the solve.
-    let closed = select::of(&overlap, contact.modulus(), Deadline::NEVER);
+    let mut closed = select::of(&overlap, contact.modulus(), Deadline::NEVER);
+    if by_edges::lifts_off(&gap, loads[0]) {
+        closed = Err(Unsolved::new(Verdict::NoClosedForm, "a part of the edge of the flat ellipse lifts off"));
+    }
     match &closed {
         Ok(form) => steps.push(format!("the gap is {}", form.found)),
         Err(why) => steps.push(format!("no closed form: {}", why.reason)),

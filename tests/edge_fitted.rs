@@ -152,6 +152,58 @@ fn lift_off_is_that_of_a_grid() {
     }
 }
 
+/// Ellipses past lift-off, however they are placed: what a grid says, what finer cells say, the same in other units, and one state there and
+/// back.
+#[test]
+fn ellipses_past_lift_off() {
+    let cases =
+        [([1.0, 1.0], [0.9, 0.3]), ([1.0, 0.4], [0.6, -1.4]), ([0.15, 1.0], [3.0, 1.1]), ([1.0, 0.7], [-6.0, 4.0])];
+    for (semi_axes, tilt) in cases {
+        let punch = |l: f64| Flat::new(Outline::ellipse(semi_axes.map(|a| a * l)).unwrap());
+        let load = Load::Tilted { depth: 0.5, tilt };
+        let state = fitted(1.0, punch(1.0), load, &Settings::default());
+        let full = std::f64::consts::PI * semi_axes[0] * semi_axes[1];
+        assert!(state.patch.area < 0.95 * full && state.bracket.is_none() && state.force_error.unwrap() <= 1e-3);
+        let fine = fitted(1.0, punch(1.0), load, &Settings { tolerance: 2e-4, ..Settings::default() });
+        within(&state, fine.force, fine.force_error.unwrap());
+        let settings = Settings { method: Method::Fft, tolerance: 1e-2, ..Settings::default() };
+        let grid = solve(&contact(1.0, punch(1.0), Loading::Single(load)), &settings).remove(0).unwrap();
+        within(&state, grid.force, grid.force_error.unwrap());
+        // Turned and moved, lengths in thousandths.
+        let (sin, cos) = 0.7f64.sin_cos();
+        let [a, b] = [cos * tilt[0] - sin * tilt[1], sin * tilt[0] + cos * tilt[1]];
+        let at = [2e-3, -1e-3];
+        let placed = Load::Tilted { depth: 0.5e-3 - a * at[0] - b * at[1], tilt: [a, b] };
+        let turned = fitted(3e9, punch(1e-3).placed(at, 0.7).unwrap(), placed, &Settings::default());
+        within(&turned, 3e3 * fine.force, fine.force_error.unwrap());
+        // Under the force that it bears, through where that acts.
+        let [mx, my] = state.moment.unwrap();
+        let back = Load::ForceMoment { force: state.force, moment: [mx, my] };
+        let back = fitted(1.0, punch(1.0), back, &Settings { tolerance: 1e-2, ..Settings::default() });
+        let allowed = back.depth_error.unwrap() + 4.0 * state.force_error.unwrap();
+        assert!((back.depth / 0.5 - 1.0).abs() < allowed, "{semi_axes:?} {} {allowed:e}", back.depth);
+    }
+}
+
+#[test]
+fn an_ellipse_lifts_off_where_its_force_passes_a_third_of_it() {
+    let punch = || Flat::new(Outline::ellipse([1.0, 0.5]).unwrap());
+    let under = |share: f64| {
+        let at = [share * 0.8, share * 0.3];
+        let load = Load::ForceMoment { force: 2.0, moment: [2.0 * at[1], -2.0 * at[0]] };
+        solve(&contact(1.0, punch(), Loading::Single(load)), &Settings::default()).remove(0)
+    };
+    let full = std::f64::consts::FRAC_PI_2;
+    let inside = under(0.332).unwrap();
+    assert!(inside.method == Method::ClosedForm && (inside.patch.area / full - 1.0).abs() < 1e-9);
+    // Just past it the depth goes on as before.
+    let beyond = under(0.336).unwrap();
+    assert_eq!(beyond.method, Method::EdgeFitted);
+    assert!((beyond.depth / inside.depth - 1.0).abs() < beyond.depth_error.unwrap() + 1e-3);
+    assert!(under(0.8).unwrap().patch.area < 0.6 * full);
+    assert_eq!(under(1.01).unwrap_err().verdict, Verdict::NoEquilibrium);
+}
+
 #[test]
 fn a_punch_free_to_tilt_finds_its_plane() {
     let (e_star, force) = (5e10, 40.0);

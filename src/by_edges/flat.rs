@@ -49,6 +49,18 @@ impl Flat {
         Self::polygon(face.outline.corners(), face.at, [cos, sin], face.value)
     }
 
+    /// A face in an ellipse, whatever its slope: for tilts past lift-off, which no formula reaches.
+    pub(super) fn ellipse(face: &Face) -> Option<Self> {
+        let semi_axes = face.outline.semi_axes()?;
+        let length = semi_axes[0].max(semi_axes[1]);
+        let (sin, cos) = face.turn.sin_cos();
+        let outline = Outline::ellipse(semi_axes.map(|a| a / length));
+        let mut flat =
+            Self { outline, corners: Vec::new(), origin: face.at, turn: [cos, sin], length, value: face.value };
+        flat.corners = flat.outline.corners().iter().map(|p| flat.outward(*p)).collect();
+        Some(flat)
+    }
+
     /// The polygon with these corners in axes about `at`, turned by the angle with this cosine and sine.
     pub fn polygon(corners: &[[f64; 2]], at: [f64; 2], turn: [f64; 2], value: f64) -> Option<Self> {
         if corners.len() > MOST_CORNERS {

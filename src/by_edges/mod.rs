@@ -4,6 +4,7 @@
 //! |---|---|---|
 //! | a level face in a polygon, nothing outside | the flat punch | E* K d, the bracket of K |
 //! | a tilted face in a polygon | the cells that stay in contact | the bracket of its own, where it touches everywhere |
+//! | a tilted face in an ellipse that lifts off | the cells that stay in contact | an estimate |
 //! | the highest of several planes, one of them level | the flat punch under that one | E* K d to E* K d (1 + s/2): see [`layer`] |
 //! | the same, where the contact passes it by more | the flat and a strip of its flanks | the bracket of its own, else an estimate |
 //! | an axis, bounds along the radius | rings | the bracket of the force |
@@ -22,7 +23,7 @@ use crate::gap::{AnyGap, Gap};
 use crate::grid::{Grid, Kernel, Pressure, shape};
 use crate::numeric::geometry::Rect;
 use crate::overlap::Overlap;
-use crate::problem::{Contact, Method, Settings};
+use crate::problem::{Contact, Load, Method, Settings};
 use crate::solution::{
     Cost, ForceBracket, Origin, Patch, Piece, PressureSummary, Singular, Solution, TouchesEdge, Unsolved, Validity,
     Verdict,
@@ -209,6 +210,13 @@ pub(crate) fn solution(
     Some(judged(in_users_units(contact, &overlap.gap, found, (depth, tilt), settings), settings))
 }
 
+/// Whether a flat ellipse lifts off under this load: what its formula, which is for a level one, does not reach.
+pub(crate) fn lifts_off(gap: &AnyGap, load: Load) -> bool {
+    let Load::ForceMoment { force, moment } = load else { return false };
+    let ellipse = gap.known().face.as_ref().filter(|face| force > 0.0 && face.outline.semi_axes().is_some());
+    ellipse.and_then(tilted::Tilting::of).is_some_and(|tilting| !tilting.is_core(force, moment))
+}
+
 /// The state under a force and moments (Mx, My) about the origin; `None` where the gap is no face in a polygon.
 ///
 /// # Errors
@@ -249,7 +257,7 @@ fn judged(state: Solution, settings: &Settings) -> Result<Solution, Unsolved> {
 
 /// The verdict where this method is prescribed and does not apply.
 pub(crate) fn not_applicable() -> Unsolved {
-    let reason = "the gap is not known to be a flat polygon, planes with a level one among them, of revolution, upright, or an oval ring";
+    let reason = "the gap is not known to be a flat polygon or ellipse, planes with a level one among them, of revolution, upright, or an oval ring";
     Unsolved::new(Verdict::NotApplicable, reason)
 }
 

@@ -18,13 +18,29 @@ pub(crate) struct Tilting {
 }
 
 impl Tilting {
-    /// `None` where the face is no polygon, or cells cannot be fitted to it.
+    /// `None` where cells cannot be fitted to the face.
     pub fn of(face: &Face) -> Option<Self> {
-        Some(Self { flat: Flat::outlined(face)?, slope: face.slope, at: face.at })
+        let flat = Flat::outlined(face).or_else(|| Flat::ellipse(face))?;
+        Some(Self { flat, slope: face.slope, at: face.at })
     }
 
     pub fn found(&self) -> String {
+        if self.flat.outline.is_curved() {
+            return "a flat ellipse with a sharp edge, tilted or free to tilt".to_owned();
+        }
         format!("a flat polygon of {} corners with sharp edges, tilted or free to tilt", self.flat.corners.len())
+    }
+
+    /// Where the line of action meets the surface, in the outline's axes.
+    fn through(&self, force: f64, moment: [f64; 2]) -> [f64; 2] {
+        let Flat { origin, turn: [cos, sin], length, .. } = self.flat;
+        let [x, y] = [-moment[1] / force - origin[0], moment[0] / force - origin[1]];
+        [(cos * x + sin * y) / length, (cos * y - sin * x) / length]
+    }
+
+    /// Whether it is known to touch everywhere under this force: an ellipse, which then has a formula.
+    pub(super) fn is_core(&self, force: f64, moment: [f64; 2]) -> bool {
+        self.flat.outline.touches_everywhere(self.through(force, moment))
     }
 
     /// (1, x, y) of the user's frame as combinations of those of the outline's.
@@ -53,10 +69,12 @@ impl Tilting {
         settings: &Settings,
         limits: &Limits,
     ) -> Option<(Found, f64, [f64; 2])> {
+        if self.is_core(force, moment) {
+            return None;
+        }
         let Flat { origin, turn: [cos, sin], length, value, .. } = self.flat;
-        let [x, y] = [-moment[1] / force - origin[0], moment[0] / force - origin[1]];
-        let load = [1.0, (cos * x + sin * y) / length, (cos * y - sin * x) / length];
-        let state = tilted(&self.flat.outline, Given::Load(load), limits)?;
+        let [x, y] = self.through(force, moment);
+        let state = tilted(&self.flat.outline, Given::Load([1.0, x, y]), limits)?;
         // Forces are E* length depth. The middle of the bounds is taken for the force of the plane, and all is linear.
         let unit = force / (contact.modulus().e_star() * length) / (0.5 * (state.force[0] + state.force[1]));
         let [centre, u, v] = state.plane.map(|c| c * unit);
@@ -134,13 +152,17 @@ impl Tilting {
 }
 
 /// # Errors
-/// `NoEquilibrium` where the line of action meets the surface outside of the convex hull of a polygon: no pressure acts there.
+/// `NoEquilibrium` where the line of action meets the surface outside of the convex hull of the face: no pressure acts there.
 pub(super) fn balances(face: &Face, force: f64, moment: [f64; 2]) -> Result<(), Unsolved> {
     let [x, y] = [-moment[1] / force, moment[0] / force];
     let (sin, cos) = face.turn.sin_cos();
     let [u, v] = [x - face.at[0], y - face.at[1]];
-    let corners = face.outline.corners();
-    if corners.is_empty() || contains(&convex_hull(corners.to_vec()), [cos * u + sin * v, cos * v - sin * u]) {
+    let at = [cos * u + sin * v, cos * v - sin * u];
+    let inside = match face.outline.semi_axes() {
+        Some([a, b]) => (at[0] / a).hypot(at[1] / b) < 1.0,
+        None => contains(&convex_hull(face.outline.corners().to_vec()), at),
+    };
+    if inside {
         return Ok(());
     }
     let reason =

@@ -29,6 +29,9 @@ const UNDER_FORCE: f64 = 0.5;
 /// What the last, linear step of depth and tilts leaves of the energy, relative.
 const LAST_STEP: f64 = 1e-7;
 
+/// Of the error of an estimated energy: by how much it may move with the coarser cells that it was told by.
+const COARSER: f64 = 0.01;
+
 impl State<'_> {
     pub(super) fn applied_again(&self, scene: &Scene, gap: &AnyGap, found: &mut Verification) {
         let method = match (self.origin.as_str(), self.method.as_str()) {
@@ -119,7 +122,8 @@ impl State<'_> {
             share.max(both)
         };
         let stepped = if self.tilt == [0.0; 2] { 0.0 } else { LAST_STEP };
-        let of_energy = both_err(key!(energy_error), own.energy_error).max(stepped);
+        let coarser = if own.bracket.is_none() { COARSER * own.energy_error.unwrap_or(0.0) } else { 0.0 };
+        let of_energy = both_err(key!(energy_error), own.energy_error).max(stepped).max(coarser);
         let of_stiffness = both_err(key!(stiffness_error), own.stiffness_error);
         let of_area = both_err(key!(area_error), own.area_error);
         let numbers: [(Key<f64>, Option<f64>, f64); 8] = [

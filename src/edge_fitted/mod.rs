@@ -31,6 +31,7 @@ mod cholesky;
 mod compliance;
 mod discrete;
 mod edge_lanes;
+mod ellipse;
 mod estimated;
 mod fade;
 mod far;

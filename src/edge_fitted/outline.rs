@@ -3,6 +3,7 @@
 use nalgebra::Matrix3;
 
 use super::Limits;
+use super::ellipse;
 use super::kites;
 use super::mesh::{Mesh, Point, dot};
 use super::polygon::{STRAIGHT, cleaned, convex_pieces, rectilinear_frame, symmetries};
@@ -17,16 +18,28 @@ const EXPONENT: f64 = 4.0;
 /// The cells per half side of the first mesh.
 pub(crate) const COARSEST: usize = 4;
 
-/// A simple polygon, where the material ends.
+/// A simple polygon where the material ends, or an ellipse.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Outline {
+    /// Of an ellipse, those of a polygon that stands for it.
     corners: Vec<Point>,
+    curve: Option<Curve>,
     /// The direction of its sides, where all lie along two perpendicular lines.
     frame: Option<Point>,
     pieces: Vec<Vec<Point>>,
     /// By how much more or less a punch displaces whose edge lies elsewhere by the rounding of the meshes, relative.
     displaced: f64,
 }
+
+/// An ellipse about the origin, and the half-plane in which cells of it are wanted: plane . (1, x, y) > 0.
+#[derive(Debug, Clone, PartialEq)]
+struct Curve {
+    semi_axes: Point,
+    reach: Option<[f64; 3]>,
+}
+
+/// Corners of the polygon that stands for an ellipse.
+const CHORDS: usize = 96;
 
 /// A mesh in the frame of its outline.
 #[derive(Debug, Clone)]
@@ -68,7 +81,37 @@ impl Outline {
         let pieces: Vec<Vec<Point>> = convex_pieces(&corners)?.iter().map(|p| cleaned(p)).collect();
         let frame = rectilinear_frame(&corners);
         let displaced = displaced(&corners, &pieces)?;
-        (area(&corners) > 0.0 && displaced < 1e-3).then_some(Self { corners, frame, pieces, displaced })
+        let curve = None;
+        (area(&corners) > 0.0 && displaced < 1e-3).then_some(Self { corners, curve, frame, pieces, displaced })
+    }
+
+    /// The ellipse with these semi-axes along x and y. Cells fit it but for chords: nothing is proved on them.
+    #[must_use]
+    pub fn ellipse(semi_axes: Point) -> Self {
+        Self::within(semi_axes, None, ellipse::chords(semi_axes, CHORDS))
+    }
+
+    fn within(semi_axes: Point, reach: Option<[f64; 3]>, corners: Vec<Point>) -> Self {
+        let curve = Some(Curve { semi_axes, reach });
+        Self { corners, curve, frame: None, pieces: Vec::new(), displaced: 0.0 }
+    }
+
+    /// Whether an ellipse under a force through this point is known to touch everywhere: its pressure there is
+    /// (1 + 3 x x_0/a^2 + 3 y y_0/b^2)/sqrt(1 - x^2/a^2 - y^2/b^2) but for a factor (Green & Sneddon 1950), positive for x_0 within a third
+    /// of the ellipse.
+    pub(crate) fn touches_everywhere(&self, through: Point) -> bool {
+        let of = |curve: &Curve| (through[0] / curve.semi_axes[0]).hypot(through[1] / curve.semi_axes[1]);
+        self.curve.as_ref().is_some_and(|curve| 3.0 * of(curve) <= 1.0)
+    }
+
+    /// Whether it is an ellipse with all its cells.
+    pub(crate) fn is_whole_curve(&self) -> bool {
+        self.curve.as_ref().is_some_and(|curve| curve.reach.is_none())
+    }
+
+    /// Whether cells fit it but for chords.
+    pub(crate) fn is_curved(&self) -> bool {
+        self.curve.is_some()
     }
 
     /// Whether the coarsest mesh leaves room for a finer one.
@@ -104,7 +147,11 @@ impl Outline {
         if changes != 2 {
             return None;
         }
-        Self::polygon(&clip(&self.corners, -a, -b, -c))
+        let left = clip(&self.corners, -a, -b, -c);
+        match &self.curve {
+            Some(curve) => Some(Self::within(curve.semi_axes, Some(plane), left)),
+            None => Self::polygon(&left),
+        }
     }
 
     /// Whether f = plane . (1, x, y) is positive somewhere outside of a part that a line cut off.
@@ -131,6 +178,12 @@ impl Outline {
     /// The same with cells no longer than about `most`.
     #[must_use]
     pub fn mesh_within(&self, n: usize, most: f64) -> Option<Fitted> {
+        if let Some(Curve { semi_axes, reach }) = &self.curve {
+            let above = |[c, a, b]: &[f64; 3], p: &Point| c + a * p[0] + b * p[1] > 0.0;
+            let keep = |cell: &[Point; 4]| reach.is_none_or(|plane| cell.iter().any(|p| above(&plane, p)));
+            let mesh = ellipse::mesh(*semi_axes, n, EXPONENT, most, &keep)?;
+            return Some(Fitted { mesh, frame: [1.0, 0.0], origin: [0.0; 2], group: Vec::new() });
+        }
         match self.frame {
             Some(frame) => Some(self.tensor(frame, n, most)),
             None => {

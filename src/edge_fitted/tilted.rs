@@ -50,7 +50,7 @@ const BEFORE: f64 = 0.67;
 /// The least order that the error is taken to fall with.
 const SLOWEST: f64 = 0.5;
 
-/// Cells of the first look, over the size of the outline.
+/// Cells of the first look, over half the size of the outline.
 const LOOK: f64 = 0.4;
 
 /// Meshes of rising n until the error of the force is within the tolerance. `None` where the outline has no mesh that can be solved on, the
@@ -64,7 +64,7 @@ pub(crate) fn tilted(outline: &Outline, given: Given, limits: &Limits) -> Option
         Punch::new(fitted, limits.deadline)
     };
     // A look at what is in contact, for the size of the cells.
-    let look = punch(COARSEST, LOOK).or_else(|| punch(COARSEST, f64::INFINITY))?;
+    let look = punch(COARSEST, 0.5 * LOOK * outline.extent()).or_else(|| punch(COARSEST, f64::INFINITY))?;
     let first = look.pressed(given)?;
     if let Some(part) = in_reach(outline, look.outer_plane(&first)?, given)
         && let Some(mut found) = tilted(&part, given, limits)
@@ -74,14 +74,16 @@ pub(crate) fn tilted(outline: &Outline, given: Given, limits: &Limits) -> Option
         return Some(found);
     }
     let mut size = first.size;
-    let mut n = if first.lifts() {
+    // Nothing is proved on chords.
+    let lifts = first.lifts() || outline.is_curved();
+    let mut n = if lifts {
         let enough = (ENOUGH[0] + ENOUGH[1] * first.varies) * (1e-3 / limits.tolerance).cbrt();
         ((BEFORE * enough.round().min(FINEST as f64)).round() as usize).max(COARSEST)
     } else {
         look.enough(&first, AIM * limits.tolerance)
     };
     // An estimate takes two meshes.
-    let last = |n: usize| if first.lifts() { (n as f64 / BEFORE) as usize } else { n };
+    let last = |n: usize| if lifts { (n as f64 / BEFORE) as usize } else { n };
     let fits = |n: usize, size: f64| {
         let most = FINE * size / n as f64;
         outline.mesh_within(n, most).is_some_and(|fitted| fitted.mesh.loaded <= unknowns)
@@ -92,7 +94,7 @@ pub(crate) fn tilted(outline: &Outline, given: Given, limits: &Limits) -> Option
     let mut best: Option<(usize, Tilted)> = None;
     let mut before = limits.deadline.remaining();
     // The look that tells how fine a mesh proves enough: a coarse one may see no contact in a corner.
-    let mut told = !first.lifts();
+    let mut told = !lifts || outline.is_curved();
     loop {
         let found = punch(n, FINE * size / n as f64).and_then(|punch| Some((punch.pressed(given)?, punch)));
         if let Some((pressed, punch)) = &found {
@@ -106,13 +108,12 @@ pub(crate) fn tilted(outline: &Outline, given: Given, limits: &Limits) -> Option
                 }
             }
         }
-        let found = found.and_then(|(pressed, punch)| punch.bounded(&pressed, outline.displaced()));
+        let found = found.and_then(|(pressed, punch)| punch.bounded(&pressed, outline));
         // Too many cells: one that is not as fine as it should be is better than none.
-        let found = found.or_else(|| {
-            if best.is_some() { None } else { punch(n, f64::INFINITY)?.answer(given, outline.displaced()) }
-        });
+        let found =
+            found.or_else(|| if best.is_some() { None } else { punch(n, f64::INFINITY)?.answer(given, outline) });
         let Some(mut found) = found else { return best.map(|(_, best)| best) };
-        if !found.everywhere {
+        if !found.proved {
             found.estimate(n, best.as_ref().map(|(n, best)| (*n, best)));
         }
         let width = found.width();
@@ -134,11 +135,11 @@ pub(crate) fn tilted(outline: &Outline, given: Given, limits: &Limits) -> Option
         let left = limits.deadline.remaining();
         let too_many = next <= n;
         let last = width <= limits.tolerance || too_many || (before - left) * growth > left;
-        if last && width > limits.tolerance && found.everywhere {
+        if last && width > limits.tolerance && found.proved {
             // More than can be proved can be told.
             let again = || {
                 let coarser = ((BEFORE * n as f64) as usize).max(COARSEST);
-                let other = punch(coarser, FINE * size / coarser as f64)?.answer(given, outline.displaced())?;
+                let other = punch(coarser, FINE * size / coarser as f64)?.answer(given, outline)?;
                 Some((coarser, other))
             };
             if let Some((coarser, other)) = best.take().or_else(again).filter(|(coarser, _)| *coarser < n) {
@@ -158,7 +159,7 @@ pub(crate) fn tilted(outline: &Outline, given: Given, limits: &Limits) -> Option
     }
 }
 
-/// What of an outline can touch where that is but a small part of it: nothing does where f <= 0; where f is not given, with room for what
+/// What of an outline can touch where that is but a small part of it, or of an ellipse any part: nothing does where f <= 0; where f is not given, with room for what
 /// the look at it leaves open.
 fn in_reach(outline: &Outline, plane: [f64; 3], given: Given) -> Option<Outline> {
     let room = match given {
@@ -167,7 +168,9 @@ fn in_reach(outline: &Outline, plane: [f64; 3], given: Given) -> Option<Outline>
     };
     let [c, a, b] = plane;
     let most = outline.corners().iter().map(|[x, y]| c + a * x + b * y).fold(0.0, f64::max);
-    outline.part([c + room * most, a, b]).filter(|part| part.extent() <= SMALL * outline.extent())
+    // Of an ellipse cells are left out, and no mesh has to be made anew.
+    let worth_it = if outline.is_whole_curve() { f64::INFINITY } else { SMALL };
+    outline.part([c + room * most, a, b]).filter(|part| part.extent() <= worth_it * outline.extent())
 }
 
 /// Of the largest f.
@@ -191,9 +194,12 @@ impl Tilted {
             return;
         };
         let ratio = n as f64 / coarser as f64;
-        // Under a load what changes is the plane.
+        // Under a load what changes is the plane: the load that this takes, its moments about where it acts over the size of the contact.
         let moved = Vector3::from(self.plane) - Vector3::from(before.plane);
-        let moved = (Matrix3::from_fn(|i, j| self.matrix[i][j]) * moved)[0].abs();
+        let moved = Matrix3::from_fn(|i, j| self.matrix[i][j]) * moved;
+        let about = |k: usize| moved[k] - self.load[k] / self.load[0] * moved[0];
+        let size = (self.area() / std::f64::consts::PI).sqrt();
+        let moved = moved[0].abs().max(about(1).hypot(about(2)) / size);
         let changed = (self.load[0] - before.load[0]).abs().max(moved) / self.load[0];
         // At one plane: U is homogeneous of degree 2 in it.
         let turned =
@@ -207,9 +213,13 @@ impl Tilted {
         self.stiffness_error = error.max(stiffer).max(0.5 * self.area_error());
     }
 
+    fn area(&self) -> f64 {
+        self.regions.iter().map(|region| region.area).sum()
+    }
+
     /// What the line of lift-off leaves of the area, relative.
     pub fn area_error(&self) -> f64 {
         let off: f64 = self.regions.iter().map(|region| 0.5 * region.doubt).sum();
-        off / self.regions.iter().map(|region| region.area).sum::<f64>()
+        off / self.area()
     }
 }

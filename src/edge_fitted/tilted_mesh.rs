@@ -7,7 +7,7 @@ use super::compliance::Compliance;
 use super::integrand::Sums;
 use super::line_potential::Lines;
 use super::mesh::{Bilinear, Mesh, Point};
-use super::outline::{COARSEST, Fitted};
+use super::outline::{COARSEST, Fitted, Outline};
 use super::region::{Region, regions};
 use super::residual_norm::{Overlap, Target, decay_lengths, norms};
 use super::symmetry::Orbits;
@@ -41,7 +41,7 @@ pub(crate) struct Tilted {
     pub stiffness_error: f64,
     /// Bounds of the force at the plane; within its error where it is not proved.
     pub force: [f64; 2],
-    /// Whether these are proved: contact everywhere.
+    /// Whether these are proved: contact everywhere in a polygon.
     pub proved: bool,
     /// Bounds of the stored energy.
     pub energy: [f64; 2],
@@ -185,15 +185,16 @@ impl Punch {
     }
 
     /// Both.
-    pub fn answer(&self, given: Given, displaced: f64) -> Option<Tilted> {
-        self.bounded(&self.pressed(given)?, displaced)
+    pub fn answer(&self, given: Given, outline: &Outline) -> Option<Tilted> {
+        self.bounded(&self.pressed(given)?, outline)
     }
 
-    /// What the pressure proves, and what it leaves open; `displaced`: see `Outline::displaced`.
-    pub fn bounded(&self, pressed: &Pressed, displaced: f64) -> Option<Tilted> {
+    /// What the pressure proves, and what it leaves open.
+    pub fn bounded(&self, pressed: &Pressed, outline: &Outline) -> Option<Tilted> {
         let map = self.fitted.basis();
         let Pressed { pressure: p, planes, plane: g, contact, .. } = pressed;
-        let everywhere = !pressed.lifts();
+        let displaced = outline.displaced();
+        let proved = !pressed.lifts() && !outline.is_curved();
         let matrix = planes.stiffness(&self.weights);
         let unit = &planes.0[0];
         // t that makes both parts of one size.
@@ -208,7 +209,7 @@ impl Punch {
         let off = displaced * (energy / t2 + matrix[(0, 0)] * g.norm_squared());
         let low = self.form_below(p, g) - off;
         let (mut force, mut energy, mut stiffness_error) = ([load[0]; 2], [low, low], 0.0);
-        if everywhere {
+        if proved {
             let mixed = |sign: f64| -> (Vec<f64>, Vector3<f64>) {
                 let pressure = unit.iter().zip(p).map(|(m, p)| t * m + sign * p / t).collect();
                 (pressure, Vector3::new(t, 0.0, 0.0) + g * (sign / t))
@@ -248,11 +249,11 @@ impl Punch {
             matrix: [0, 1, 2].map(|i| [0, 1, 2].map(|j| outer[(i, j)])),
             stiffness_error,
             force,
-            proved: everywhere,
+            proved,
             energy: energy.map(|q| 0.5 * q),
             cells: cells.collect(),
             regions,
-            everywhere,
+            everywhere: !pressed.lifts(),
             unknowns: self.compliance.n,
         })
     }
