@@ -58,6 +58,13 @@ impl Mesh {
         Self { nodes, cells, loaded: count, edges, cell_edges, known }
     }
 
+    /// Some of the loaded cells, by their corners, without a strip; `None` where there are none.
+    pub(crate) fn with(&self, kept: impl Fn(&[Point; 4]) -> bool) -> Option<Self> {
+        let cells: Vec<[usize; 4]> =
+            (0..self.loaded).filter(|&cell| kept(&self.corners(cell))).map(|cell| self.cells[cell]).collect();
+        (!cells.is_empty()).then(|| Self::new(self.nodes.clone(), cells, Vec::new()))
+    }
+
     /// The edge between two nodes.
     pub(crate) fn edge_between(&self, a: usize, b: usize) -> Option<usize> {
         self.known.get(&[a.min(b), a.max(b)]).copied()

@@ -23,19 +23,15 @@ pub(crate) const COARSEST: usize = 4;
 pub(crate) struct Outline {
     /// Of an ellipse, those of a polygon that stands for it.
     corners: Vec<Point>,
-    curve: Option<Curve>,
+    /// Of an ellipse about the origin.
+    semi_axes: Option<Point>,
+    /// The half-plane in which cells are wanted: plane . (1, x, y) > 0.
+    reach: Option<[f64; 3]>,
     /// The direction of its sides, where all lie along two perpendicular lines.
     frame: Option<Point>,
     pieces: Vec<Vec<Point>>,
     /// By how much more or less a punch displaces whose edge lies elsewhere by the rounding of the meshes, relative.
     displaced: f64,
-}
-
-/// An ellipse about the origin, and the half-plane in which cells of it are wanted: plane . (1, x, y) > 0.
-#[derive(Debug, Clone, PartialEq)]
-struct Curve {
-    semi_axes: Point,
-    reach: Option<[f64; 3]>,
 }
 
 /// Corners of the polygon that stands for an ellipse.
@@ -81,37 +77,37 @@ impl Outline {
         let pieces: Vec<Vec<Point>> = convex_pieces(&corners)?.iter().map(|p| cleaned(p)).collect();
         let frame = rectilinear_frame(&corners);
         let displaced = displaced(&corners, &pieces)?;
-        let curve = None;
-        (area(&corners) > 0.0 && displaced < 1e-3).then_some(Self { corners, curve, frame, pieces, displaced })
+        let outline = Self { corners, semi_axes: None, reach: None, frame, pieces, displaced };
+        (area(&outline.corners) > 0.0 && displaced < 1e-3).then_some(outline)
     }
 
     /// The ellipse with these semi-axes along x and y. Cells fit it but for chords: nothing is proved on them.
     #[must_use]
     pub fn ellipse(semi_axes: Point) -> Self {
-        Self::within(semi_axes, None, ellipse::chords(semi_axes, CHORDS))
-    }
-
-    fn within(semi_axes: Point, reach: Option<[f64; 3]>, corners: Vec<Point>) -> Self {
-        let curve = Some(Curve { semi_axes, reach });
-        Self { corners, curve, frame: None, pieces: Vec::new(), displaced: 0.0 }
+        let corners = ellipse::chords(semi_axes, CHORDS);
+        Self { corners, semi_axes: Some(semi_axes), reach: None, frame: None, pieces: Vec::new(), displaced: 0.0 }
     }
 
     /// Whether an ellipse under a force through this point is known to touch everywhere: its pressure there is
     /// (1 + 3 x x_0/a^2 + 3 y y_0/b^2)/sqrt(1 - x^2/a^2 - y^2/b^2) but for a factor (Green & Sneddon 1950), positive for x_0 within a third
     /// of the ellipse.
     pub(crate) fn touches_everywhere(&self, through: Point) -> bool {
-        let of = |curve: &Curve| (through[0] / curve.semi_axes[0]).hypot(through[1] / curve.semi_axes[1]);
-        self.curve.as_ref().is_some_and(|curve| 3.0 * of(curve) <= 1.0)
+        self.semi_axes.is_some_and(|[a, b]| 3.0 * (through[0] / a).hypot(through[1] / b) <= 1.0)
     }
 
-    /// Whether it is an ellipse with all its cells.
-    pub(crate) fn is_whole_curve(&self) -> bool {
-        self.curve.as_ref().is_some_and(|curve| curve.reach.is_none())
-    }
-
-    /// Whether cells fit it but for chords.
+    /// Whether it is an ellipse.
     pub(crate) fn is_curved(&self) -> bool {
-        self.curve.is_some()
+        self.semi_axes.is_some()
+    }
+
+    /// Whether cells of it are left out.
+    pub(crate) fn is_limited(&self) -> bool {
+        self.reach.is_some()
+    }
+
+    /// Whether cells cover it, no more and no less: only then they prove anything.
+    pub(crate) fn is_covered(&self) -> bool {
+        self.semi_axes.is_none() && self.reach.is_none()
     }
 
     /// Whether the coarsest mesh leaves room for a finer one.
@@ -139,29 +135,34 @@ impl Outline {
         range(0).max(range(1))
     }
 
-    /// The part where f = plane . (1, x, y) is positive; `None` where that is all of it, nothing, or in several pieces.
+    /// The part where f = plane . (1, x, y) is positive; `None` where that is all of it, nothing, or in several pieces, and where cells
+    /// cannot be fitted to it.
     pub(crate) fn part(&self, plane: [f64; 3]) -> Option<Self> {
-        let [c, a, b] = plane;
-        let f: Vec<f64> = self.corners.iter().map(|[x, y]| c + a * x + b * y).collect();
+        let f: Vec<f64> = self.corners.iter().map(|p| at(&plane, p)).collect();
         let changes = (0..f.len()).filter(|&k| (f[k] > 0.0) != (f[(k + 1) % f.len()] > 0.0)).count();
-        if changes != 2 {
+        if changes != 2 || self.semi_axes.is_some() {
             return None;
         }
-        let left = clip(&self.corners, -a, -b, -c);
-        match &self.curve {
-            Some(curve) => Some(Self::within(curve.semi_axes, Some(plane), left)),
-            None => Self::polygon(&left),
-        }
+        let [c, a, b] = plane;
+        Self::polygon(&clip(&self.corners, -a, -b, -c))
     }
 
-    /// Whether f = plane . (1, x, y) is positive somewhere outside of a part that a line cut off.
+    /// The same outline with cells only where f = plane . (1, x, y) may be positive; `None` where that is so in every corner.
+    pub(crate) fn within(&self, plane: [f64; 3]) -> Option<Self> {
+        let some = self.corners.iter().any(|p| at(&plane, p) <= 0.0);
+        some.then(|| Self { reach: Some(plane), ..self.clone() })
+    }
+
+    /// Whether f = plane . (1, x, y) is positive somewhere outside of a part, which a line cut off.
     pub(crate) fn beyond(&self, part: &Self, plane: [f64; 3]) -> bool {
-        let [c, a, b] = plane;
-        let outside = |p: &Point| !part.corners.contains(p) && !contains(&part.corners, *p);
-        let positive = |p: &Point| c + a * p[0] + b * p[1] > 0.0;
+        let left = match part.reach {
+            Some([c, a, b]) => clip(&self.corners, -a, -b, -c),
+            None => part.corners.clone(),
+        };
+        let outside = |p: &Point| !left.contains(p) && !contains(&left, *p);
         // The corners of the cut are the only ones of the part that are none of the outline.
-        let cut = part.corners.iter().filter(|p| !self.corners.contains(p));
-        self.corners.iter().filter(|p| outside(p)).chain(cut).any(positive)
+        let cut = left.iter().filter(|p| !self.corners.contains(p));
+        self.corners.iter().filter(|p| outside(p)).chain(cut).any(|p| at(&plane, p) > 0.0)
     }
 
     /// What the rounding of the mesh's corners does to the stiffness at most, relative.
@@ -178,19 +179,22 @@ impl Outline {
     /// The same with cells no longer than about `most`.
     #[must_use]
     pub fn mesh_within(&self, n: usize, most: f64) -> Option<Fitted> {
-        if let Some(Curve { semi_axes, reach }) = &self.curve {
-            let above = |[c, a, b]: &[f64; 3], p: &Point| c + a * p[0] + b * p[1] > 0.0;
-            let keep = |cell: &[Point; 4]| reach.is_none_or(|plane| cell.iter().any(|p| above(&plane, p)));
-            let mesh = ellipse::mesh(*semi_axes, n, EXPONENT, most, &keep)?;
-            return Some(Fitted { mesh, frame: [1.0, 0.0], origin: [0.0; 2], group: Vec::new() });
-        }
-        match self.frame {
-            Some(frame) => Some(self.tensor(frame, n, most)),
-            None => {
+        let mut fitted = match (self.semi_axes, self.frame) {
+            (None, Some(frame)) => self.tensor(frame, n, most),
+            (None, None) => {
                 let mesh = kites::mesh(&self.corners, &self.pieces, n, EXPONENT, most)?;
-                Some(Fitted { mesh, frame: [1.0, 0.0], origin: [0.0; 2], group: symmetries(&self.corners) })
+                Fitted { mesh, frame: [1.0, 0.0], origin: [0.0; 2], group: symmetries(&self.corners) }
             }
+            (Some(semi_axes), _) => {
+                let mesh = ellipse::mesh(semi_axes, n, EXPONENT, most);
+                Fitted { mesh, frame: [1.0, 0.0], origin: [0.0; 2], group: Vec::new() }
+            }
+        };
+        if let Some(plane) = self.reach {
+            let reached = |cell: &[Point; 4]| cell.iter().any(|p| at(&plane, &fitted.to_outline(*p)) > 0.0);
+            fitted.mesh = fitted.mesh.with(reached)?;
         }
+        Some(fitted)
     }
 
     /// Lines graded on both sides to every line that holds a side.
@@ -257,6 +261,11 @@ fn displaced(corners: &[Point], pieces: &[Vec<Point>]) -> Option<f64> {
     // Lines that are joined, corners that are left out and turned coordinates move the edge by no more.
     let eps = 8.0 * corners.len() as f64 * STRAIGHT * size;
     pieces.iter().map(|piece| kites::inner_circle(piece).map(|(_, r)| eps / r)).sum()
+}
+
+/// plane . (1, x, y).
+fn at([c, a, b]: &[f64; 3], [x, y]: &Point) -> f64 {
+    c + a * x + b * y
 }
 
 /// Whether a point lies inside a polygon.

@@ -74,8 +74,7 @@ pub(crate) fn tilted(outline: &Outline, given: Given, limits: &Limits) -> Option
         return Some(found);
     }
     let mut size = first.size;
-    // Nothing is proved on chords.
-    let lifts = first.lifts() || outline.is_curved();
+    let lifts = first.lifts() || !outline.is_covered();
     let mut n = if lifts {
         let enough = (ENOUGH[0] + ENOUGH[1] * first.varies) * (1e-3 / limits.tolerance).cbrt();
         ((BEFORE * enough.round().min(FINEST as f64)).round() as usize).max(COARSEST)
@@ -94,7 +93,7 @@ pub(crate) fn tilted(outline: &Outline, given: Given, limits: &Limits) -> Option
     let mut best: Option<(usize, Tilted)> = None;
     let mut before = limits.deadline.remaining();
     // The look that tells how fine a mesh proves enough: a coarse one may see no contact in a corner.
-    let mut told = !lifts || outline.is_curved();
+    let mut told = !lifts || !outline.is_covered();
     loop {
         let found = punch(n, FINE * size / n as f64).and_then(|punch| Some((punch.pressed(given)?, punch)));
         if let Some((pressed, punch)) = &found {
@@ -159,8 +158,8 @@ pub(crate) fn tilted(outline: &Outline, given: Given, limits: &Limits) -> Option
     }
 }
 
-/// What of an outline can touch where that is but a small part of it, or of an ellipse any part: nothing does where f <= 0; where f is not given, with room for what
-/// the look at it leaves open.
+/// What of an outline can touch: nothing does where f <= 0; where f is not given, with room for what the look at it leaves open. A small
+/// part of a polygon is worth a mesh of its own, else cells are left out. `None` where that is all of it, or was done.
 fn in_reach(outline: &Outline, plane: [f64; 3], given: Given) -> Option<Outline> {
     let room = match given {
         Given::Plane(_) => 0.0,
@@ -168,10 +167,12 @@ fn in_reach(outline: &Outline, plane: [f64; 3], given: Given) -> Option<Outline>
     };
     let [c, a, b] = plane;
     let most = outline.corners().iter().map(|[x, y]| c + a * x + b * y).fold(0.0, f64::max);
-    // Of an ellipse cells are left out, and no mesh has to be made anew.
-    let worth_it = if outline.is_whole_curve() { f64::INFINITY } else { SMALL };
-    outline.part([c + room * most, a, b]).filter(|part| part.extent() <= worth_it * outline.extent())
+    let small = outline.part([c + room * most, a, b]).filter(|part| part.extent() <= SMALL * outline.extent());
+    small.or_else(|| outline.within([c + (room + MARGIN) * most, a, b]).filter(|_| !outline.is_limited()))
 }
+
+/// Of the largest f: so that cells in contact have neighbours which are not.
+const MARGIN: f64 = 0.05;
 
 /// Of the largest f.
 const ROOM: f64 = 0.3;

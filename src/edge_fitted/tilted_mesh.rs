@@ -194,7 +194,7 @@ impl Punch {
         let map = self.fitted.basis();
         let Pressed { pressure: p, planes, plane: g, contact, .. } = pressed;
         let displaced = outline.displaced();
-        let proved = !pressed.lifts() && !outline.is_curved();
+        let proved = !pressed.lifts() && outline.is_covered();
         let matrix = planes.stiffness(&self.weights);
         let unit = &planes.0[0];
         // t that makes both parts of one size.
