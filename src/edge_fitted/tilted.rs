@@ -42,7 +42,7 @@ use super::tilted_mesh::{FINEST, Given, Punch, Tilted};
 const FINE: f64 = 0.9;
 
 /// n that is mostly enough for an error of 1e-3 where it lifts off: of a level punch, and more by the share that f varies by.
-const ENOUGH: [f64; 2] = [5.6, 1.6];
+const ENOUGH: [f64; 2] = [4.5, 1.3];
 
 /// The mesh before the first one, where it lifts off, over that.
 const BEFORE: f64 = 0.67;
@@ -75,14 +75,16 @@ pub(crate) fn tilted(outline: &Outline, given: Given, limits: &Limits) -> Option
     }
     let mut size = first.size;
     let lifts = first.lifts() || !outline.is_covered();
+    let enough = (ENOUGH[0] + ENOUGH[1] * first.varies) * (1e-3 / limits.tolerance).cbrt();
+    let enough = enough.round().min(FINEST as f64);
     let mut n = if lifts {
-        let enough = (ENOUGH[0] + ENOUGH[1] * first.varies) * (1e-3 / limits.tolerance).cbrt();
-        ((BEFORE * enough.round().min(FINEST as f64)).round() as usize).max(COARSEST)
+        ((BEFORE * enough).round() as usize).max(COARSEST)
     } else {
         look.enough(&first, AIM * limits.tolerance)
     };
     // An estimate takes two meshes.
-    let last = |n: usize| if lifts { (n as f64 / BEFORE) as usize } else { n };
+    let second = |n: usize| (n as f64 / BEFORE).ceil().min(enough).max(n as f64 + 1.0);
+    let last = |n: usize| if lifts { second(n) as usize } else { n };
     let fits = |n: usize, size: f64| {
         let most = FINE * size / n as f64;
         outline.mesh_within(n, most).is_some_and(|fitted| fitted.mesh.loaded <= unknowns)
@@ -124,7 +126,7 @@ pub(crate) fn tilted(outline: &Outline, given: Given, limits: &Limits) -> Option
         let wanted = if width < 1.0 {
             n as f64 * (width / (AIM * limits.tolerance)).powf(1.0 / order)
         } else {
-            n as f64 / BEFORE
+            second(n)
         };
         let mut next = (wanted.ceil() as usize).max(n + 1).min(2 * n);
         while next > n && !fits(next, size) {
