@@ -67,7 +67,8 @@ fn under_force(contact: &Contact, state: &mut Solution) {
     }
 }
 
-/// A punch free to tilt: the compliance takes the error of the force, wherever in the patch it acts, to the depth. An estimate.
+/// A punch free to tilt: the compliance takes the error of the force, wherever in the patch it acts, to the depth: an estimate, where its
+/// depth has no bounds of its own.
 fn under_moment(contact: &Contact, state: &mut Solution) {
     let error = state.force_error;
     state.force_error = Some(0.0);
@@ -88,7 +89,9 @@ fn under_moment(contact: &Contact, state: &mut Solution) {
     };
     let deeper = deeper().filter(|deeper| deeper.is_finite());
     let overlap = state.depth - least(&contact.tilted_gap(state.tilt)).1;
-    state.depth_error = deeper.map(|deeper| (deeper / state.depth).abs()).filter(|error| error.is_finite());
+    let bounds = state.depth_bracket.as_ref().and_then(|b| Some([b.lower(), b.upper()?]));
+    let proved = bounds.map(|[lower, upper]| (upper - state.depth).max(state.depth - lower));
+    state.depth_error = proved.or(deeper).map(|off| (off / state.depth).abs()).filter(|error| error.is_finite());
     let work = deeper.zip(state.energy).map(|(deeper, energy)| deeper * state.force / energy);
     err_with_overlap(state, deeper.map(|deeper| deeper / overlap), work);
 }

@@ -23,10 +23,10 @@ use crate::gap::{AnyGap, Gap};
 use crate::grid::{Grid, Kernel, Pressure, shape};
 use crate::numeric::geometry::Rect;
 use crate::overlap::Overlap;
-use crate::problem::{Contact, Load, Method, Settings};
+use crate::problem::{Contact, ErrorBar, Load, Method, Settings};
 use crate::solution::{
-    Cost, ForceBracket, Origin, Patch, Piece, PressureSummary, Singular, Solution, TouchesEdge, Unsolved, Validity,
-    Verdict,
+    Cost, DepthBracket, ForceBracket, Origin, Patch, Piece, PressureSummary, Singular, Solution, TouchesEdge, Unsolved,
+    Validity, Verdict,
 };
 
 /// What the cells are fitted to.
@@ -141,7 +141,7 @@ impl Route {
     }
 
     fn solve(&self, contact: &Contact, depth: f64, settings: &Settings) -> Option<Found> {
-        let limits = Limits { tolerance: settings.tolerance, deadline: settings.deadline, ..Limits::default() };
+        let limits = limits(settings);
         match self {
             Self::Flat(flat) => flat.solve(contact, depth, settings, &limits),
             Self::Tilted(tilting) => tilting.at(contact, depth, settings, &limits),
@@ -155,6 +155,11 @@ impl Route {
             Self::Oval(strip) => strip.solve(contact, settings, &limits),
         }
     }
+}
+
+fn limits(settings: &Settings) -> Limits {
+    let proof = settings.evidence == ErrorBar::Proof || settings.outputs.bracket;
+    Limits { tolerance: settings.tolerance, deadline: settings.deadline, proof, ..Limits::default() }
 }
 
 /// Growth of the contact over the size of its flat that no grid resolves.
@@ -179,7 +184,8 @@ const FEW: usize = 400;
 
 /// Bounds of P/E* by the flat that a gap is known to have, where the contact passes it by little: some hundredths of a second.
 pub(crate) fn force_bounds(overlap: &Overlap, settings: &Settings) -> Option<[f64; 2]> {
-    let limits = Limits { tolerance: FLAT_ERROR, unknowns: FEW, cells: 4 * FEW, deadline: settings.deadline };
+    let (tolerance, deadline) = (FLAT_ERROR, settings.deadline);
+    let limits = Limits { tolerance, unknowns: FEW, cells: 4 * FEW, deadline, ..Limits::default() };
     if let Some(face) = &overlap.known().face {
         let flat = flat::Flat::of(face)?;
         let depth = overlap.depth - flat.value;
@@ -237,11 +243,11 @@ pub(crate) fn balanced(
         return Some(Err(outside));
     }
     let tilting = tilted::Tilting::of(face)?;
-    let limits = Limits { tolerance: settings.tolerance, deadline: settings.deadline, ..Limits::default() };
-    let (found, depth, tilt) = tilting.under(contact, force, moment, settings, &limits)?;
-    let gap = contact.tilted_gap(tilt);
-    let mut state = in_users_units(contact, &gap, found, (depth, tilt), settings);
+    let free = tilting.under(contact, force, moment, settings, &limits(settings))?;
+    let gap = contact.tilted_gap(free.tilt);
+    let mut state = in_users_units(contact, &gap, free.found, (free.depth, free.tilt), settings);
     (state.force, state.moment) = (force, Some(moment));
+    state.depth_bracket = free.bounds.map(DepthBracket::proved);
     Some(judged(state, settings))
 }
 

@@ -17,6 +17,15 @@ pub(crate) struct Tilting {
     at: [f64; 2],
 }
 
+/// A punch free to tilt.
+pub(super) struct Free {
+    pub found: Found,
+    pub depth: f64,
+    pub tilt: [f64; 2],
+    /// Of the depth, proved.
+    pub bounds: Option<[f64; 2]>,
+}
+
 impl Tilting {
     /// `None` where cells cannot be fitted to the face.
     pub fn of(face: &Face) -> Option<Self> {
@@ -68,21 +77,29 @@ impl Tilting {
         moment: [f64; 2],
         settings: &Settings,
         limits: &Limits,
-    ) -> Option<(Found, f64, [f64; 2])> {
+    ) -> Option<Free> {
         if self.is_core(force, moment) {
             return None;
         }
         let Flat { origin, turn: [cos, sin], length, value, .. } = self.flat;
         let [x, y] = self.through(force, moment);
-        let state = tilted(&self.flat.outline, Given::Load([1.0, x, y]), limits)?;
-        // Forces are E* length depth. The middle of the bounds is taken for the force of the plane, and all is linear.
-        let unit = force / (contact.modulus().e_star() * length) / (0.5 * (state.force[0] + state.force[1]));
+        // The depth is that at the user's origin.
+        let at = [-(cos * origin[0] + sin * origin[1]) / length, (sin * origin[0] - cos * origin[1]) / length];
+        let state = tilted(&self.flat.outline, Given::Load { load: [1.0, x, y], at }, limits)?;
+        // Forces are E* length depth, and all is linear.
+        let per = force / (contact.modulus().e_star() * length);
+        // The middle of the bounds is taken for the force of the plane.
+        let unit = per / (0.5 * (state.force[0] + state.force[1]));
         let [centre, u, v] = state.plane.map(|c| c * unit);
         let lean = [(cos * u - sin * v) / length, (sin * u + cos * v) / length];
         let tilt = [0, 1].map(|m| lean[m] + self.slope[m]);
         let back = |m: usize| lean[m] * origin[m] + self.slope[m] * self.at[m];
+        let level = |own: f64| own + value - self.slope[0] * self.at[0] - self.slope[1] * self.at[1];
         let depth = centre + value - back(0) - back(1);
-        Some((self.state(contact, state, unit, settings), depth, tilt))
+        // Of the load itself.
+        let bounds = state.depth.map(|ends| ends.map(|end| level(end * per / state.load[0])));
+        let depth = bounds.map_or(depth, |[low, high]| depth.clamp(low, high));
+        Some(Free { found: self.state(contact, state, unit, settings), depth, tilt, bounds })
     }
 
     /// In the user's units; `unit`: that of the overlap.

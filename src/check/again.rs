@@ -7,6 +7,7 @@ use super::{Verification, close, formula};
 use crate::bracket;
 use crate::gap::AnyGap;
 use crate::problem::{Load, Loading, Method, Outputs, Settings};
+use crate::result;
 use crate::scene::Scene;
 use crate::solution::Solution;
 use crate::solve::solve;
@@ -29,11 +30,8 @@ const UNDER_FORCE: f64 = 0.5;
 /// What the last, linear step of depth and tilts leaves of the energy, relative.
 const LAST_STEP: f64 = 1e-7;
 
-/// Of the error of an estimated energy: by how much it may move with the coarser cells that it was told by.
-const COARSER: f64 = 0.01;
-
 impl State<'_> {
-    pub(super) fn applied_again(&self, scene: &Scene, gap: &AnyGap, found: &mut Verification) {
+    pub(super) fn applied_again(&self, scene: &Scene, gap: &AnyGap, load: Load, found: &mut Verification) {
         let method = match (self.origin.as_str(), self.method.as_str()) {
             ("closed_form", "closed_form") => Method::ClosedForm,
             ("approximate", "ritz") => Method::Ritz,
@@ -50,11 +48,14 @@ impl State<'_> {
             pressure: self.field.is_some(),
             patch: self.get(key!(patch.boundary)).is_some(),
             energy: self.get(key!(energy)).is_some(),
+            bracket: fitted && scene.settings.outputs.bracket,
             ..Outputs::default()
         };
-        let load = match self.tilt {
-            [0.0, 0.0] => Load::Depth(self.depth),
-            tilt => Load::Tilted { depth: self.depth, tilt },
+        let load = match (load, self.tilt) {
+            // The cells depend on what was given.
+            (Load::ForceMoment { .. }, _) if fitted => load,
+            (_, [0.0, 0.0]) => Load::Depth(self.depth),
+            (_, tilt) => Load::Tilted { depth: self.depth, tilt },
         };
         // The tolerance is that of the scene, and the verdict of no concern.
         let settings = Settings { method, cells, outputs, ..scene.settings };
@@ -75,6 +76,9 @@ impl State<'_> {
         self.agrees_with(&own, share, other_cells, found);
         if fitted {
             self.holds_bracket_of(&own, other_cells, found);
+            if let Load::ForceMoment { .. } = load {
+                self.is_tilted_as(&own, share, found);
+            }
         } else if let Some(field) = &self.field {
             let modulus = scene.contact.modulus();
             let (worst, at) = formula::unexplained(gap, modulus, self.depth, field);
@@ -115,6 +119,27 @@ impl State<'_> {
         );
     }
 
+    /// The tilts of a punch that is free to, over the size of its patch, and the bounds of its depth.
+    fn is_tilted_as(&self, own: &Solution, share: f64, found: &mut Verification) {
+        let size = self.area.sqrt();
+        let off = [0, 1].map(|m| (self.tilt[m] - own.tilt[m]).abs() * size);
+        let least = share * (self.depth.abs() + size * self.tilt[0].hypot(self.tilt[1]));
+        found.require(off[0].max(off[1]) <= least, format!("the tilt {:?} is that of {}", self.tilt, self.method));
+        let Some(result::DepthBracket { lower: Some(lower), upper, .. }) = self.get(key!(bracket.depth)) else {
+            return;
+        };
+        let own = own.depth_bracket.as_ref().and_then(|b| Some([b.lower(), b.upper()?]));
+        let holds = own.zip(upper).is_some_and(|([low, high], upper)| {
+            let room = ROUNDING * low.abs().max(high.abs());
+            lower <= low + room && high - room <= upper
+        });
+        found.require(
+            holds,
+            format!("the bounds of the depth, {lower:e} and {upper:?}, hold those that were found again, {own:?}"),
+        );
+        self.use_up(key!(bracket.depth));
+    }
+
     /// Every number is that of the method, applied again.
     fn agrees_with(&self, own: &Solution, share: f64, other_cells: bool, found: &mut Verification) {
         let both_err = |key: Key<f64>, error: Option<f64>| {
@@ -122,8 +147,7 @@ impl State<'_> {
             share.max(both)
         };
         let stepped = if self.tilt == [0.0; 2] { 0.0 } else { LAST_STEP };
-        let coarser = if own.bracket.is_none() { COARSER * own.energy_error.unwrap_or(0.0) } else { 0.0 };
-        let of_energy = both_err(key!(energy_error), own.energy_error).max(stepped).max(coarser);
+        let of_energy = both_err(key!(energy_error), own.energy_error).max(stepped);
         let of_stiffness = both_err(key!(stiffness_error), own.stiffness_error);
         let of_area = both_err(key!(area_error), own.area_error);
         let numbers: [(Key<f64>, Option<f64>, f64); 8] = [

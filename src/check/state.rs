@@ -27,7 +27,7 @@ impl State<'_> {
         self.error_is_allowed(scene, load, &mut found);
         match self.origin.as_str() {
             "no_contact" => self.apart(&gap, &mut found),
-            "closed_form" | "approximate" | "edge_fitted" => self.applied_again(scene, &gap, &mut found),
+            "closed_form" | "approximate" | "edge_fitted" => self.applied_again(scene, &gap, load, &mut found),
             "one_grid" | "many_grids" => self.on_grid(scene, &gap, load, &mut found)?,
             "separate_contacts" => found.require(
                 false,

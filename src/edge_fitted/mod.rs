@@ -85,12 +85,14 @@ pub(crate) struct Limits {
     pub unknowns: usize,
     /// Cells at most.
     pub cells: usize,
+    /// Whether the force of a tilted punch is to be proved where it can be: most of the time goes there.
+    pub proof: bool,
     /// The mesh that is being solved is finished; none is begun that would last longer.
     pub deadline: Deadline,
 }
 
 impl Default for Limits {
     fn default() -> Self {
-        Self { tolerance: 1e-3, unknowns: 1600, cells: 12_000, deadline: Deadline::NEVER }
+        Self { tolerance: 1e-3, unknowns: 1600, cells: 12_000, proof: true, deadline: Deadline::NEVER }
     }
 }

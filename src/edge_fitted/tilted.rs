@@ -27,6 +27,19 @@
 //! sqrt(2 gamma a) with a = a'' + <q, S q> where tau is at most sqrt(a/(2 gamma)), else tau gamma + a/(2 tau). Where p_h all but vanishes in
 //! a corner, q takes it out.
 //!
+//! **The plane under a load w** = (integrals of p, p x, p y): g = K^-1 w of the computed pressure. Let c = K^-1 e, m the pressure of the
+//! plane c, so that its load is e, and rho = c . (1, x, y) - S m. For the exact g* and p*, s = S p* - f* >= 0 on the material,
+//! <s, p*> = 0:
+//!
+//! ```text
+//! <S p*, m> = g* . e + <s, m> = <p*, c . (1, x, y)> - <p*, rho> = c . w - <p*, rho>,   <p_h, rho> = 0,   c . w = g . e
+//! g* . e = g . e - <p* - p_h, rho> - <s, m>.                                                                          (10)
+//! ```
+//!
+//! p* and p_h have one load, so that <S p_h, p_h>/2 - <S p*, p*>/2 = X + |p* - p_h|^2/2 with X = <s, p_h>, and by w . g <= U(g) + U*(w)
+//! both are at most gamma: with -tau' p_h <= m <= tau p_h the depth g* . e, e = (1, x, y) of where it is asked for, is bounded as the force
+//! is, a'' that of rho.
+//!
 //! Where the punch lifts off, nothing is proved: U_low rises to U as n^-3 and tells its own error from two meshes; the force of A is
 //! stationary in A (Barber 1974), so that it errs by no more, and is held against its own change.
 
@@ -67,20 +80,21 @@ pub(crate) fn tilted(outline: &Outline, given: Given, limits: &Limits) -> Option
     let look = punch(COARSEST, 0.5 * LOOK * outline.extent()).or_else(|| punch(COARSEST, f64::INFINITY))?;
     let first = look.pressed(given)?;
     if let Some(part) = in_reach(outline, look.outer_plane(&first)?, given)
-        && let Some(mut found) = tilted(&part, given, limits)
+        && let Some(mut found) = tilted(&part, given, &Limits { proof: false, ..*limits })
         && !outline.beyond(&part, found.plane)
     {
         (found.everywhere, found.proved) = (false, false);
         return Some(found);
     }
     let mut size = first.size;
-    let lifts = first.lifts() || !outline.is_covered();
+    let provable = outline.is_covered() && limits.proof;
+    let lifts = first.lifts() || !provable;
     let enough = (ENOUGH[0] + ENOUGH[1] * first.varies) * (1e-3 / limits.tolerance).cbrt();
     let enough = enough.round().min(FINEST as f64);
     let mut n = if lifts {
         ((BEFORE * enough).round() as usize).max(COARSEST)
     } else {
-        look.enough(&first, AIM * limits.tolerance)
+        look.enough(&first, given, AIM * limits.tolerance)
     };
     // An estimate takes two meshes.
     let second = |n: usize| (n as f64 / BEFORE).ceil().min(enough).max(n as f64 + 1.0);
@@ -95,24 +109,24 @@ pub(crate) fn tilted(outline: &Outline, given: Given, limits: &Limits) -> Option
     let mut best: Option<(usize, Tilted)> = None;
     let mut before = limits.deadline.remaining();
     // The look that tells how fine a mesh proves enough: a coarse one may see no contact in a corner.
-    let mut told = !lifts || !outline.is_covered();
+    let mut told = !lifts || !provable;
     loop {
         let found = punch(n, FINE * size / n as f64).and_then(|punch| Some((punch.pressed(given)?, punch)));
         if let Some((pressed, punch)) = &found {
             size = pressed.size;
             if !pressed.lifts() && !told {
                 told = true;
-                let wanted = punch.enough(pressed, AIM * limits.tolerance);
+                let wanted = punch.enough(pressed, given, AIM * limits.tolerance);
                 if let Some(finer) = (n + 1..=wanted).rev().find(|n| fits(*n, size)) {
                     n = finer;
                     continue;
                 }
             }
         }
-        let found = found.and_then(|(pressed, punch)| punch.bounded(&pressed, outline));
+        let found = found.and_then(|(pressed, punch)| punch.bounded(&pressed, given, outline, provable));
         // Too many cells: one that is not as fine as it should be is better than none.
-        let found =
-            found.or_else(|| if best.is_some() { None } else { punch(n, f64::INFINITY)?.answer(given, outline) });
+        let found = found
+            .or_else(|| if best.is_some() { None } else { punch(n, f64::INFINITY)?.answer(given, outline, provable) });
         let Some(mut found) = found else { return best.map(|(_, best)| best) };
         if !found.proved {
             found.estimate(n, best.as_ref().map(|(n, best)| (*n, best)));
@@ -123,11 +137,8 @@ pub(crate) fn tilted(outline: &Outline, given: Given, limits: &Limits) -> Option
             let seen = (before.width() / width).ln() / (n as f64 / *coarser as f64).ln();
             seen.clamp(SLOWEST, 3.0)
         });
-        let wanted = if width < 1.0 {
-            n as f64 * (width / (AIM * limits.tolerance)).powf(1.0 / order)
-        } else {
-            second(n)
-        };
+        let wanted =
+            if width < 1.0 { n as f64 * (width / (AIM * limits.tolerance)).powf(1.0 / order) } else { second(n) };
         let mut next = (wanted.ceil() as usize).max(n + 1).min(2 * n);
         while next > n && !fits(next, size) {
             next -= 1;
@@ -140,13 +151,13 @@ pub(crate) fn tilted(outline: &Outline, given: Given, limits: &Limits) -> Option
             // More than can be proved can be told.
             let again = || {
                 let coarser = ((BEFORE * n as f64) as usize).max(COARSEST);
-                let other = punch(coarser, FINE * size / coarser as f64)?.answer(given, outline)?;
+                let other = punch(coarser, FINE * size / coarser as f64)?.answer(given, outline, false)?;
                 Some((coarser, other))
             };
             if let Some((coarser, other)) = best.take().or_else(again).filter(|(coarser, _)| *coarser < n) {
                 let mut told = found.clone();
                 told.estimate(n, Some((coarser, &other)));
-                told.proved = false;
+                (told.proved, told.depth) = (false, None);
                 if told.force[1] - told.force[0] <= limits.tolerance * (told.force[0] + told.force[1]) {
                     return Some(told);
                 }
@@ -165,7 +176,7 @@ pub(crate) fn tilted(outline: &Outline, given: Given, limits: &Limits) -> Option
 fn in_reach(outline: &Outline, plane: [f64; 3], given: Given) -> Option<Outline> {
     let room = match given {
         Given::Plane(_) => 0.0,
-        Given::Load(_) => ROOM,
+        Given::Load { .. } => ROOM,
     };
     let [c, a, b] = plane;
     let most = outline.corners().iter().map(|[x, y]| c + a * x + b * y).fold(0.0, f64::max);

@@ -13,8 +13,9 @@ use super::residual_norm::{Overlap, Target, decay_lengths, norms};
 use super::symmetry::Orbits;
 use crate::clock::Deadline;
 
-/// gamma over Q, and a'' over K, times n^3: 0.20 to 0.27 for outlines of 4 to 60 corners. It chooses the first mesh, no more.
-const LEFT: f64 = 0.18;
+/// gamma over Q, and a'' over K, times n^3: 0.20 to 0.27 for outlines of 4 to 60 corners; less where the lower bound of the force, at a
+/// given plane, is sharper than that. It chooses the first mesh, no more.
+const LEFT: [f64; 2] = [0.18, 0.25];
 
 /// The n that no mesh goes beyond.
 pub(super) const FINEST: usize = 64;
@@ -24,8 +25,8 @@ pub(super) const FINEST: usize = 64;
 pub(crate) enum Given {
     /// f = g . (1, x, y).
     Plane([f64; 3]),
-    /// The integrals of p, p x and p y.
-    Load([f64; 3]),
+    /// The integrals of p, p x and p y, and where the depth is asked for.
+    Load { load: [f64; 3], at: Point },
 }
 
 /// A tilted punch in contact, E* = 1, in the outline's axes.
@@ -43,6 +44,8 @@ pub(crate) struct Tilted {
     pub force: [f64; 2],
     /// Whether these are proved: contact everywhere in a polygon.
     pub proved: bool,
+    /// Proved bounds of plane . (1, x, y) at the place where it is asked for, under exactly the load.
+    pub depth: Option<[f64; 2]>,
     /// Bounds of the stored energy.
     pub energy: [f64; 2],
     /// Corners and pressure of all cells.
@@ -132,7 +135,7 @@ impl Punch {
                     (solve(&self.compliance, &integrals), g, None)
                 }
             }
-            Given::Load(load) => {
+            Given::Load { load, .. } => {
                 let wanted = map.try_inverse()? * Vector3::from(load);
                 let whole = everywhere()?;
                 let g = whole.stiffness(&self.weights).try_inverse()? * wanted;
@@ -166,13 +169,14 @@ impl Punch {
 
     /// The n for which the error of the force may be within the tolerance, where it touches everywhere: gamma and a'' are about [`LEFT`]
     /// n^-3 of Q and K.
-    pub fn enough(&self, pressed: &Pressed, tolerance: f64) -> usize {
+    pub fn enough(&self, pressed: &Pressed, given: Given, tolerance: f64) -> usize {
+        let of_form = LEFT[usize::from(matches!(given, Given::Load { .. }))];
         let Pressed { pressure: p, planes, plane: g, .. } = pressed;
         let k = planes.stiffness(&self.weights);
         let [form, load] = [g.dot(&(k * g)), self.load(p)[0]];
         let cuts = self.cuts(&planes.0[0], p, k[(0, 0)] / form);
         let width = |n: usize| {
-            let left = LEFT * (n as f64).powi(-3);
+            let left = of_form * (n as f64).powi(-3);
             let [gamma, rest] = [left * form, left * k[(0, 0)]];
             0.5 * (missed(&cuts, gamma, rest) + (2.0 * gamma * rest).sqrt()) / load
         };
@@ -185,16 +189,16 @@ impl Punch {
     }
 
     /// Both.
-    pub fn answer(&self, given: Given, outline: &Outline) -> Option<Tilted> {
-        self.bounded(&self.pressed(given)?, outline)
+    pub fn answer(&self, given: Given, outline: &Outline, proof: bool) -> Option<Tilted> {
+        self.bounded(&self.pressed(given)?, given, outline, proof)
     }
 
-    /// What the pressure proves, and what it leaves open.
-    pub fn bounded(&self, pressed: &Pressed, outline: &Outline) -> Option<Tilted> {
+    /// What the pressure proves, where that is wanted, and what it leaves open.
+    pub fn bounded(&self, pressed: &Pressed, given: Given, outline: &Outline, proof: bool) -> Option<Tilted> {
         let map = self.fitted.basis();
         let Pressed { pressure: p, planes, plane: g, contact, .. } = pressed;
         let displaced = outline.displaced();
-        let proved = !pressed.lifts() && outline.is_covered();
+        let proved = proof && !pressed.lifts() && outline.is_covered();
         let matrix = planes.stiffness(&self.weights);
         let unit = &planes.0[0];
         // t that makes both parts of one size.
@@ -208,32 +212,56 @@ impl Punch {
         // What the place of the edges leaves open, of the sizes of both parts.
         let off = displaced * (energy / t2 + matrix[(0, 0)] * g.norm_squared());
         let low = self.form_below(p, g) - off;
-        let (mut force, mut energy, mut stiffness_error) = ([load[0]; 2], [low, low], 0.0);
+        let (mut force, mut bounds_of_energy, mut stiffness_error, mut depth) = ([load[0]; 2], [low, low], 0.0, None);
         if proved {
-            let mixed = |sign: f64| -> (Vec<f64>, Vector3<f64>) {
-                let pressure = unit.iter().zip(p).map(|(m, p)| t * m + sign * p / t).collect();
-                (pressure, Vector3::new(t, 0.0, 0.0) + g * (sign / t))
+            let (third, of_third) = match given {
+                // t e - g/t.
+                Given::Plane(_) => {
+                    let pressure = unit.iter().zip(p).map(|(m, p)| t * m - p / t).collect();
+                    (pressure, Vector3::new(t, 0.0, 0.0) - g / t)
+                }
+                // c = K^-1 e.
+                Given::Load { at, .. } => {
+                    let asked = map.try_inverse()? * Vector3::new(1.0, at[0], at[1]);
+                    let c = matrix.try_inverse()? * asked;
+                    (planes.combined(&c), c)
+                }
             };
-            let ((plus, over), (minus, under)) = (mixed(1.0), mixed(-1.0));
             let target = |pressure, g: &Vector3<f64>| Target { pressure, overlap: Overlap::Plane([g[0], g[1], g[2]]) };
-            let targets = [target(unit, &Vector3::x()), target(p, g), target(&minus, &under)];
+            let targets = [target(unit, &Vector3::x()), target(p, g), target(&third, &of_third)];
             let decay = decay_lengths(self.mesh());
             let sums = norms(self.mesh(), &self.lines, &self.orbits, &decay, contact, targets, self.deadline)?;
-            let [of_unit, of_p, of_minus] = sums.map(|s: Sums| s.bound());
-            let (above, below) = (self.form_below(&plus, &over), self.form_below(&minus, &under));
-            let rounding = 1e-12 * (load[0] + above) + off + self.compliance.uncertainty(p, unit);
-            // Q of the difference from above: its rounding and the uncertainty of its products counted the other way.
-            let below = below + 2.0 * self.compliance.uncertainty(&minus, &minus) + rounding + of_minus;
+            let [rest_of_unit, rest_of_p, rest_of_third] = sums.map(|s: Sums| s.bound());
             // By at most the rests of products gamma and a'' are larger.
-            let gamma = 0.5 * of_p + self.compliance.uncertainty(p, p) + off;
-            let rest = of_unit + 2.0 * self.compliance.uncertainty(unit, unit) + off;
-            let cuts = self.cuts(unit, p, rest / gamma);
-            let more = missed(&cuts, gamma, rest) + self.compliance.uncertainty(p, unit);
-            force = [0.25 * (above - below) - rounding, load[0] + more + 2.0 * rounding];
-            energy[1] = low + 2.0 * gamma;
+            let gamma = 0.5 * rest_of_p + self.compliance.uncertainty(p, p) + off;
+            let rest = rest_of_unit + 2.0 * self.compliance.uncertainty(unit, unit) + off;
+            let rounding =
+                1e-12 * (load[0] + t2 * matrix[(0, 0)] + energy / t2) + off + self.compliance.uncertainty(p, unit);
+            let room = 2.0 * rounding + self.compliance.uncertainty(p, unit);
+            let below = match given {
+                Given::Plane(_) => {
+                    let plus: Vec<f64> = unit.iter().zip(p).map(|(m, p)| t * m + p / t).collect();
+                    let over = Vector3::new(t, 0.0, 0.0) + g / t;
+                    let (above, below) = (self.form_below(&plus, &over), self.form_below(&third, &of_third));
+                    // Q of the difference from above: its rounding and the uncertainty of its products counted the other way.
+                    let below = below + 2.0 * self.compliance.uncertainty(&third, &third) + rounding + rest_of_third;
+                    0.25 * (above - below) - rounding
+                }
+                Given::Load { .. } => {
+                    let less: Vec<f64> = unit.iter().map(|m| -m).collect();
+                    load[0] - missed(&self.cuts(&less, p, rest / gamma), gamma, rest) - room
+                }
+            };
+            force = [below, load[0] + missed(&self.cuts(unit, p, rest / gamma), gamma, rest) + room];
+            if let Given::Load { .. } = given {
+                let rest = rest_of_third + 2.0 * self.compliance.uncertainty(&third, &third);
+                depth = Some(self.depth_bounds((p, g), (&third, &of_third), [gamma, rest], displaced));
+            }
+            bounds_of_energy[1] = low + 2.0 * gamma;
             stiffness_error = 0.5 * rest / matrix[(0, 0)];
         }
-        let finite = force.iter().chain(&energy).all(|x| x.is_finite()) && force[1] >= force[0] && energy[0] > 0.0;
+        let finite = force.iter().chain(&bounds_of_energy).all(|x| x.is_finite());
+        let finite = finite && force[1] >= force[0] && bounds_of_energy[0] > 0.0;
         if !(finite && load[0] > 0.0) {
             return None;
         }
@@ -250,12 +278,33 @@ impl Punch {
             stiffness_error,
             force,
             proved,
-            energy: energy.map(|q| 0.5 * q),
+            depth: depth.filter(|ends: &[f64; 2]| ends.iter().all(|end| end.is_finite())),
+            energy: bounds_of_energy.map(|q| 0.5 * q),
             cells: cells.collect(),
             regions,
             everywhere: !pressed.lifts(),
             unknowns: self.compliance.n,
         })
+    }
+
+    /// (10): bounds of g* . e under the load of p, m the pressure of the plane c = K^-1 e.
+    fn depth_bounds(
+        &self,
+        (p, g): (&[f64], &Vector3<f64>),
+        (m, c): (&[f64], &Vector3<f64>),
+        [gamma, rest]: [f64; 2],
+        displaced: f64,
+    ) -> [f64; 2] {
+        let (load, asked) = (self.load(p), self.load(m));
+        let size: f64 = (0..3).map(|k| (c[k] * load[k]).abs() + (g[k] * asked[k]).abs()).sum();
+        // One load, and orthogonality, but for rounding and what the products are known to.
+        let gamma = gamma + 1e-11 * g.iter().zip(&load).map(|(g, w)| (g * w).abs()).sum::<f64>();
+        let rest = rest + displaced * c.iter().zip(&asked).map(|(c, e)| (c * e).abs()).sum::<f64>();
+        let room = (1e-11 + displaced) * size + self.compliance.uncertainty(p, m);
+        let largest = |sign: f64| m.iter().zip(p).map(|(m, p)| sign * m / p).fold(0.0, f64::max);
+        let off = |sign: f64| missed(&[[largest(sign), 0.0]], gamma, rest) + room;
+        let middle = g.dot(&asked);
+        [middle - off(1.0), middle + off(-1.0)]
     }
 
     /// tau and <q, S q> from above, q = max(m_h - tau p_h, 0): from q = 0 down to where a smaller tau gains nothing; `ratio`: a'' over gamma.

@@ -260,6 +260,11 @@ pub struct DepthBracket {
 }
 
 impl DepthBracket {
+    /// Bounds that are proved.
+    pub(crate) fn proved([lower, upper]: [f64; 2]) -> Self {
+        Self { lower, upper: Some(upper), evidence: Evidence::Proved }
+    }
+
     /// Lower bound.
     #[must_use]
     pub fn lower(&self) -> f64 {
