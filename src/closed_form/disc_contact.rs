@@ -46,12 +46,12 @@ impl DiscContact {
                 return Err(format!("the contact is not a disc: at r = {r:e} its pressure would be negative"));
             }
         }
-        // Outside, up to where the gap reaches the depth: no point there can touch any more.
+        // Outside, up to where the overlap ends, or the gap reaches the depth: no point there can touch any more.
         let mut r = a;
         let mut checked = vec![];
         for k in 0.. {
             r *= 1.0 + 0.01 * f64::from(k.min(100));
-            if r > g.radius || (k > 0 && g.gap(r) >= d) {
+            if r > g.radius.min(g.overlap) || (k > 0 && g.overlap == f64::INFINITY && g.gap(r) >= d) {
                 break;
             }
             if k > 400 {
@@ -60,6 +60,9 @@ impl DiscContact {
             checked.push(r);
         }
         checked.extend(g.kinks.iter().flat_map(|b| [*b, b * 1.0001]).filter(|&b| b > a && b < r.min(g.radius)));
+        if g.overlap < f64::INFINITY {
+            checked.retain(|&r| g.gap(r) < d);
+        }
         let closed = |r: f64| {
             // r^2 - s^2 = (r sin t)^2: h = (2/pi) int (D(s) - d) dt.
             let end = ((r - a) * (r + a)).sqrt().atan2(a);

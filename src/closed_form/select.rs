@@ -140,6 +140,7 @@ fn revolution(
     // The rectangle holds a disc about the axis.
     let sides = [overlap.reach.min, overlap.reach.max];
     let farthest = sides.into_iter().flat_map(|c| [(c[0] - x).abs(), (c[1] - y).abs()]).fold(0.0, f64::max);
+    let farthest = end_of_overlap(overlap, axis.at, &mut kinks, farthest)?;
     let rim = end_of_material(gap, axis.at, farthest);
     let own = gap.clone();
     let has_slope = (1..8).all(|k| gap.gradient(x + farthest * 0.1 * f64::from(k), y).is_some());
@@ -154,6 +155,52 @@ fn revolution(
     let found = "a gap of revolution whose contact is a disc (Sneddon 1965)".to_owned();
     let left_out = "the surface grid: two integrals along the radius are enough";
     Ok(formula(contact.placed(axis.at, 0.0), depth, found, left_out))
+}
+
+/// Halvings of a stretch of radii in which the gap may reach the depth.
+const HALVINGS: u32 = 10;
+
+/// How far from a kink, where the gap may jump, a stretch of radii ends, relative.
+const BESIDE: f64 = 1e-12;
+
+/// The radius up to which the bodies overlap around the axis.
+///
+/// # Errors
+/// `NoClosedForm` where they may overlap again further out: whether they touch there no disc about the axis tells.
+fn end_of_overlap(overlap: &Overlap, [x, y]: [f64; 2], kinks: &mut Vec<f64>, farthest: f64) -> Result<f64, Unsolved> {
+    kinks.sort_by(f64::total_cmp);
+    let (gap, depth) = (&overlap.gap, overlap.depth);
+    let bounds = |[a, b]: [f64; 2]| {
+        let along = Rect { min: [x + a, y], max: [x + b, y] };
+        // Not enclosed: a look in the middle and at both ends.
+        gap.bounds(&along, [0.0; 2]).unwrap_or_else(|| {
+            let looks = [0.0, 0.5, 1.0].map(|share| gap.gap(x + a + share * (b - a), y));
+            [looks.into_iter().fold(f64::INFINITY, f64::min), looks.into_iter().fold(f64::NEG_INFINITY, f64::max)]
+        })
+    };
+    let inner = kinks.iter().copied().filter(|r| *r < farthest);
+    let ends: Vec<f64> = std::iter::once(0.0).chain(inner).chain([farthest]).collect();
+    let mut end: Option<f64> = None;
+    for pair in ends.windows(2) {
+        let between = [pair[0] * (1.0 + BESIDE), pair[1] * (1.0 - BESIDE)];
+        let mut left = if between[0] < between[1] { vec![(between, HALVINGS)] } else { Vec::new() };
+        while let Some(([a, b], halvings)) = left.pop() {
+            let [low, high] = bounds([a, b]);
+            if low >= depth {
+                end = end.or(Some(a));
+            } else if high >= depth && halvings > 0 {
+                let middle = 0.5 * (a + b);
+                left.push(([middle, b], halvings - 1));
+                left.push(([a, middle], halvings - 1));
+            } else if end.is_some() {
+                return Err(refused(format!(
+                    "the bodies overlap again at r = {b:e}, beyond r = {:e}",
+                    end.unwrap_or(a)
+                )));
+            }
+        }
+    }
+    Ok(end.unwrap_or(farthest))
 }
 
 /// Radius at which the material ends, infinite when it does not within the reach.
