@@ -178,8 +178,8 @@ pub(crate) fn on_shared_grid(
     shared.sharp = sharp_edges::boundary_type(&scaled, &state) == Some(Edge::End);
     let [spacing, lost] = sharp_edges::measure(&scaled, &state);
     shared.measure = [spacing * scaled.units.length, lost * scaled.units.length * scaled.units.length];
-    let error = if shared.needs_error { single_grid::other_kernel(&scaled, &state)? - state.force() } else { 0.0 };
-    let refined = Refined::of(state, error.abs());
+    let error = if shared.needs_error { single_grid::load_by_other_kernel(&scaled, &state)? } else { 0.0 };
+    let refined = Refined::of(state, error);
     let solution = dimensional(contact, &scaled, &refined, None, depth, tilt, settings)?;
     with_stiffness_matrix(contact, &scaled, &refined, solution)
 }

@@ -116,10 +116,31 @@ pub(crate) fn laid(
 
 /// The force on the same grid by the other kernel.
 pub(crate) fn other_kernel(scaled: &Scaled, state: &GridState) -> Result<f64, Unsolved> {
+    Ok(by_other_kernel(scaled, state)?.iter().sum::<f64>() * state.problem.grid.cell_area())
+}
+
+fn by_other_kernel(scaled: &Scaled, state: &GridState) -> Result<Vec<f64>, Unsolved> {
     let problem = Discrete::sample(&scaled.gap, scaled.depth, state.problem.grid, state.problem.kernel.other());
     let settings = matrix_free::Settings { tolerance: 1e-5, ..matrix_free::Settings::default() };
-    let solution = matrix_free::solve(&problem, Some(&state.solution.pressure), &settings)?;
-    Ok(solution.pressure.iter().sum::<f64>() * problem.grid.cell_area())
+    Ok(matrix_free::solve(&problem, Some(&state.solution.pressure), &settings)?.pressure)
+}
+
+/// By how much the load differs on the same grid by the other kernel: the force, or its moments about where it acts over the size of the
+/// contact, which may differ where the force by chance does not.
+pub(crate) fn load_by_other_kernel(scaled: &Scaled, state: &GridState) -> Result<f64, Unsolved> {
+    let (grid, own) = (&state.problem.grid, &state.solution.pressure);
+    let other = by_other_kernel(scaled, state)?;
+    let at = |k: usize| grid.centre_of(k);
+    let total: f64 = own.iter().sum();
+    let centre = [0, 1].map(|m| own.iter().enumerate().map(|(k, p)| p * at(k)[m]).sum::<f64>() / total);
+    let mut off = [0.0; 3];
+    for (k, more) in other.iter().zip(own).map(|(a, b)| a - b).enumerate() {
+        let [x, y] = at(k);
+        off = [off[0] + more, off[1] + more * (x - centre[0]), off[2] + more * (y - centre[1])];
+    }
+    let loaded = own.iter().filter(|p| **p > 0.0).count() as f64;
+    let size = (loaded * grid.cell_area() / std::f64::consts::PI).sqrt();
+    Ok(off[0].abs().max(off[1].hypot(off[2]) / size) * grid.cell_area())
 }
 
 /// One grid by one method.

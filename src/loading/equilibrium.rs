@@ -317,6 +317,11 @@ pub(crate) fn under_moment(
         }
         (state, short) = (next, lacks);
     }
-    let reason = format!("force and moments are not balanced after {MOST_STEPS} steps");
-    Err(Unsolved::new(Verdict::IterationLimit, reason))
+    let missing = match state.moment {
+        Some([mx, my]) => (target - Vector3::new(state.force, -my, mx)).component_div(&unit).amax(),
+        None => f64::INFINITY,
+    };
+    let reason = format!("force and moments are balanced to {missing:.1e} of the force after {MOST_STEPS} steps");
+    Err(Unsolved::new(Verdict::IterationLimit, reason)
+        .with_best(off_by(missing, balanced(state, None, force, moment_wanted))))
 }

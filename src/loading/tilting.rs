@@ -61,7 +61,8 @@ pub(crate) fn under_moment(
     let mut state = balance(&mut engine, untilted)?;
     let short =
         |state: &Solution| state.force_error.filter(|&error| settings.cells.is_none() && error > settings.tolerance);
-    if short(&state).is_some() && engine.shared.sharp {
+    // What one grid tells of its error at sharp edges, whose cells err by the first power, may be small by chance.
+    if settings.cells.is_none() && engine.shared.sharp {
         return at_sharp_edges(&mut engine, state, settings, &balance);
     }
     while let Some(error) = short(&state) {
@@ -84,7 +85,7 @@ fn or_coarser(finer: Result<Solution, Unsolved>, coarser: &Solution) -> Result<S
     })
 }
 
-/// A punch balanced on many grids, and the limit of what they give; see [`edges`].
+/// A punch balanced on many grids, and the limit of what they give; see [`sharp_edges`].
 fn at_sharp_edges(
     engine: &mut Engine,
     mut state: Solution,
@@ -94,44 +95,68 @@ fn at_sharp_edges(
     // The grids tell the error together.
     engine.shared.needs_error = false;
     let (mut grids, mut found) = (Vec::new(), Vec::new());
-    let mut reached = f64::INFINITY;
+    let mut limited: Option<Solution> = None;
+    // A grid alone says nothing of its error.
+    let untold = |state: &Solution| Solution { force_error: None, ..state.clone() };
     for cells in (0..).map(sharp_edges::cells).take_while(|&n| n <= sharp_edges::FINEST / 2) {
         engine.cells = cells;
-        state = or_coarser(balance(engine, state.clone()), &state)?;
+        state = balance(engine, state.clone()).map_err(|e| match e.verdict {
+            Verdict::TimeLimit => e.with_best(limited.take().unwrap_or_else(|| untold(&state))),
+            _ => e,
+        })?;
         grids.push(engine.shared.measure);
-        let matrix = state.stiffness_matrix.unwrap_or([[f64::NAN; 3]; 3]);
-        let scalars = [state.depth, state.tilt[0], state.tilt[1], state.energy.unwrap_or(f64::NAN), state.patch.area];
-        found.push(scalars.into_iter().chain(matrix.into_iter().flatten()).collect::<Vec<f64>>());
+        found.push(numbers(&state));
         let Some(line) = Intercept::new(&grids) else { continue };
-        let limit = |of: &dyn Fn(&[f64]) -> f64| line.of(&found.iter().map(|values| of(values)).collect::<Vec<_>>());
-        // To first order, the force at any depth and tilts is off by as much as this is.
-        let [k, kx, ky] = matrix[0];
-        reached = limit(&|values| k * values[0] + kx * values[1] + ky * values[2]).error / state.force;
-        if reached > settings.tolerance {
-            continue;
+        let limit = at_limit(&line, &found, state.clone());
+        if limit.force_error.is_some_and(|reached| reached <= settings.tolerance) {
+            return Ok(limit);
         }
-        let at = |n: usize| limit(&|values| values[n]).value;
-        (state.depth, state.tilt, state.energy) = (at(0), [at(1), at(2)], Some(at(3)));
-        let wider = at(4) / state.patch.area;
-        state.patch.pieces.iter_mut().for_each(|piece| piece.area *= wider);
-        state.patch.area = at(4);
-        let share = |n: usize| {
-            let limit = limit(&|values| values[n]);
-            Some((limit.error / limit.value).abs()).filter(|error| error.is_finite())
-        };
-        (state.energy_error, state.area_error, state.stiffness_error) = (share(3), share(4), share(5));
-        state.pressure.mean = Some(state.force / state.patch.area);
-        let matrix = [0, 1, 2].map(|i| [0, 1, 2].map(|j| at(5 + 3 * i + j)));
-        (state.stiffness, state.stiffness_matrix) = (matrix[0][0], Some(matrix));
-        state.force_error = Some(reached);
-        state.origin = Origin::ManyGrids { grids: grids.len() };
-        state.remarks.push(sharp_edges::remark(grids.len()));
-        return Ok(state);
+        limited = Some(limit);
     }
     let reason = sharp_edges::most(engine.cells);
-    // The finest grid, with what the line through all of them leaves open.
-    state.force_error = reached.is_finite().then_some(reached);
-    Err(Unsolved::short_of(settings.tolerance, reached, &reason).with_best(state))
+    let best = limited.unwrap_or_else(|| untold(&state));
+    let reached = best.force_error.unwrap_or(f64::INFINITY);
+    Err(Unsolved::short_of(settings.tolerance, reached, &reason).with_best(best))
+}
+
+/// What is taken to the limit: depth, tilts, energy, area and the stiffness matrix.
+fn numbers(state: &Solution) -> Vec<f64> {
+    let matrix = state.stiffness_matrix.unwrap_or([[f64::NAN; 3]; 3]);
+    let scalars = [state.depth, state.tilt[0], state.tilt[1], state.energy.unwrap_or(f64::NAN), state.patch.area];
+    scalars.into_iter().chain(matrix.into_iter().flatten()).collect()
+}
+
+/// The state of the finest grid with its numbers at the limit of the line through all grids, and what that leaves open.
+fn at_limit(line: &Intercept, found: &[Vec<f64>], mut state: Solution) -> Solution {
+    let limit = |of: &dyn Fn(&[f64]) -> f64| line.of(&found.iter().map(|values| of(values)).collect::<Vec<_>>());
+    // To first order, the load at any depth and tilts is off by as much as this is: the force, and its moments about where it acts over the
+    // size of the contact.
+    let matrix = state.stiffness_matrix.unwrap_or([[f64::NAN; 3]; 3]);
+    let [mx, my] = state.moment.unwrap_or([f64::NAN; 2]);
+    let arm = [0.0, -my / state.force, mx / state.force];
+    let off = |n: usize| {
+        let row = [0, 1, 2].map(|j| matrix[n][j] - arm[n] * matrix[0][j]);
+        limit(&|values| row[0] * values[0] + row[1] * values[1] + row[2] * values[2]).error / state.force
+    };
+    let size = (state.patch.area / std::f64::consts::PI).sqrt();
+    let reached = off(0).max(off(1).hypot(off(2)) / size);
+    let at = |n: usize| limit(&|values| values[n]).value;
+    (state.depth, state.tilt, state.energy) = (at(0), [at(1), at(2)], Some(at(3)));
+    let wider = at(4) / state.patch.area;
+    state.patch.pieces.iter_mut().for_each(|piece| piece.area *= wider);
+    state.patch.area = at(4);
+    let share = |n: usize| {
+        let limit = limit(&|values| values[n]);
+        Some((limit.error / limit.value).abs()).filter(|error| error.is_finite())
+    };
+    (state.energy_error, state.area_error, state.stiffness_error) = (share(3), share(4), share(5));
+    state.pressure.mean = Some(state.force / state.patch.area);
+    let matrix = [0, 1, 2].map(|i| [0, 1, 2].map(|j| at(5 + 3 * i + j)));
+    (state.stiffness, state.stiffness_matrix) = (matrix[0][0], Some(matrix));
+    state.force_error = Some(reached).filter(|reached| reached.is_finite());
+    state.origin = Origin::ManyGrids { grids: found.len() };
+    state.remarks.push(sharp_edges::remark(found.len()));
+    state
 }
 
 /// Cells along the longer side of the last grid that is tried for a tilting punch.
