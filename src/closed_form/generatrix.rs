@@ -57,7 +57,8 @@ impl Generatrix {
         let split = first_kink.min(FRAC_PI_4);
         let near = |t: f64| {
             let (sin, cos) = t.sin_cos();
-            f(s * sin, sin, cos)
+            // A slope may be infinite at the axis.
+            f((s * sin).max(f64::MIN_POSITIVE), sin, cos)
         };
         let far = |theta: f64| {
             let (sin, cos) = theta.sin_cos();

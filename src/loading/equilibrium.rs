@@ -25,8 +25,9 @@ const MOST_FULL_STEPS: usize = 8;
 /// Full solves that may go into a state closer than need be.
 const PATIENT_STEPS: usize = 3;
 
-/// Steps after which the balance of a tilting punch may be off by what a force may be.
+/// Steps after which the balance of a tilting punch may be off by what a force may be, and by about as much as was asked for.
 const PATIENCE: usize = 8;
+const LAST_PATIENCE: usize = 20;
 
 /// A state at a depth, quickly or to the full tolerance.
 pub(crate) trait Respond {
@@ -114,10 +115,12 @@ pub(crate) fn under_force(
         let (state, short) = match usable(answer) {
             Ok(found) => found,
             // Deeper than the contact has an end: look above.
-            Err(e) if e.verdict == Verdict::Unbounded && quick => {
+            Err(e) if e.verdict == Verdict::Unbounded => {
                 high = overlap;
-                overlap = if low > 0.0 { (low * high).sqrt() } else { 1e-3 * overlap };
-                if overlap < f64::MIN_POSITIVE || high / low < 1.0 + 1e-9 {
+                let known = nearest.as_ref().map(|(_, state)| state.depth - lowest).filter(|known| *known < high);
+                let below = if low > 0.0 { Some(low) } else { known };
+                overlap = below.map_or(1e-3 * overlap, |below| (below * high).sqrt());
+                if overlap < f64::MIN_POSITIVE || high / below.unwrap_or(0.0) < 1.0 + 1e-9 {
                     return Err(e);
                 }
                 continue;
@@ -269,7 +272,11 @@ pub(crate) fn under_moment(
         let missing = target - Vector3::new(state.force, -moment[1], moment[0]);
         let error = missing.component_div(&unit).amax();
         // Grids that are laid anew at every step leave a noise that no step gets below.
-        let enough = if step < PATIENCE { 1.0 } else { 30.0 };
+        let enough = match step {
+            0..PATIENCE => 1.0,
+            PATIENCE..LAST_PATIENCE => 30.0,
+            _ => 60.0,
+        };
         let matrix = Matrix3::from_fn(|i, j| stiffness[i][j]);
         // In units of the contact: the three unknowns are of one size.
         let scale = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0 / size, 1.0 / size));
@@ -279,6 +286,7 @@ pub(crate) fn under_moment(
         let change = factor.map(|factor| scale * factor.solve(&(scale * missing)));
         if error <= enough * close(state.method) {
             let state = balanced(state, change, force, moment_wanted);
+            let state = if enough > 1.0 { off_by(error, state) } else { state };
             return match short {
                 None => Ok(state),
                 Some(short) => Err(short.with_best(state)),
