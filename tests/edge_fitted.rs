@@ -229,6 +229,47 @@ fn a_punch_free_to_tilt_finds_its_plane() {
     }
 }
 
+/// The depth under a force off the centre, where it touches everywhere: proved, whatever the outline and wherever the origin lies; finer
+/// cells prove less of it.
+#[test]
+fn the_depth_of_a_punch_free_to_tilt_is_proved() {
+    for (corners, place, at) in [
+        (regular(4), [0.03, 0.06], [0.0, 0.0]),
+        (L.to_vec(), [-0.2, -0.3], [0.4, -0.7]),
+        (regular(5), [-0.1, 0.05], [1.0, 2.0]),
+        (rectangle(1.0, 0.3), [0.6, 0.16], [0.0, 0.0]),
+    ] {
+        let punch = || Flat::new(Outline::polygon(&corners).unwrap()).placed(at, 0.3).unwrap();
+        let (sin, cos) = 0.3f64.sin_cos();
+        let [x, y] = [at[0] + cos * place[0] - sin * place[1], at[1] + sin * place[0] + cos * place[1]];
+        let load = Load::ForceMoment { force: 3.0, moment: [3.0 * y, -3.0 * x] };
+        let bounds = |state: &Solution| {
+            let depth = state.depth_bracket.as_ref().unwrap();
+            assert_eq!(state.evidence(), contact_patch::ForceEvidence::Proved);
+            [depth.lower(), depth.upper().unwrap()]
+        };
+        let coarse = fitted(2.0, punch(), load, &Settings { tolerance: 5e-3, ..Settings::default() });
+        let fine = fitted(2.0, punch(), load, &Settings { tolerance: 1e-3, ..Settings::default() });
+        let ([a, b], [c, d]) = (bounds(&coarse), bounds(&fine));
+        assert!(a <= fine.depth && fine.depth <= b && c <= d && c < b && a < d, "{corners:?}: [{a}, {b}] [{c}, {d}]");
+        assert!(d - c < 0.5 * (b - a), "[{a}, {b}] [{c}, {d}]");
+        // Under the depth and tilts that were found the force is the one that was given, within what that proves.
+        let back = fitted(2.0, punch(), Load::Tilted { depth: fine.depth, tilt: fine.tilt }, &Settings::default());
+        within(&back, 3.0, 1e-3);
+    }
+}
+
+#[test]
+fn an_estimate_takes_no_time_for_a_proof() {
+    let punch = || Flat::new(Outline::polygon(&L).unwrap());
+    let load = Load::Tilted { depth: 1.0, tilt: [0.05, -0.03] };
+    let settings = Settings { evidence: contact_patch::ErrorBar::Estimate, ..Settings::default() };
+    let estimated = fitted(1.0, punch(), load, &settings);
+    assert!(estimated.bracket.is_none());
+    let proved = fitted(1.0, punch(), load, &Settings::default());
+    within(&estimated, proved.force, proved.force_error.unwrap());
+}
+
 #[test]
 fn a_line_of_action_beside_the_material_has_no_balance() {
     // In the box of an L, and outside of its hull.

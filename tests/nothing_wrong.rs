@@ -736,3 +736,68 @@ fn tilted_discs_however_large() {
     let (small, large) = (at(1.0), at(1e100));
     assert!((large.force / small.force / 1e100 - 1.0).abs() <= stated(&small) + stated(&large));
 }
+
+/// A tip, a wall around it, and a rim that the bodies overlap at again: the disc at the axis is not all of the contact.
+#[test]
+fn a_rim_beyond_a_wall_is_not_overlooked() {
+    let revolved =
+        json!({"kind": "revolved", "points": [[0, 0], [0.2, 0.4], [0.9, 0.3], [1, 0.05], [1.5, 0.05], [1.6, 0.4]]});
+    let rim = json!({"kind": "revolved", "points": [[1, 0.05], [1.5, 0.05]]});
+    let tip = json!({"kind": "min", "of": [{"kind": "paraboloid", "radii": [0.1, 0.1]}, rim]});
+    // The rim alone is a larger gap: what it carries is proved.
+    let alone = solved(&rim, 0.1);
+    let least = alone.bracket.as_ref().unwrap().lower();
+    for gap in [&revolved, &tip] {
+        let state = solved(gap, 0.1);
+        assert!(state.force * (1.0 + stated(&state)) >= least, "{:e} {least:e}", state.force);
+        assert!(state.force <= 1.1 * least && state.patch.regions == 2);
+    }
+    // Not touched while the depth is less than the rim's.
+    assert_force(&solved(&tip, 0.04), 4.0 / 3.0 * 0.1f64.sqrt() * 0.04f64.powf(1.5), 1e-9);
+    let formula = solved(&json!({"kind": "formula", "expression": "min(r^2*4, 0.2*(r - 2)^2 + 0.02)"}), 0.1);
+    assert!(formula.force > 0.3 && formula.patch.regions == 2);
+}
+
+/// A punch free to tilt on a grid: the error of the depth holds what the moments err by, not only what the force does.
+#[test]
+fn moments_are_in_the_error_of_a_depth() {
+    // 1.021864 from grids to 2e-5.
+    for tolerance in [1e-3, 1e-4] {
+        let scene = json!({"effective_modulus": 0.1708,
+            "gap": {"kind": "formula", "at": [-0.4561, 0.7701], "expression": "abs(x) + abs(y)"},
+            "loading": {"force": 0.06406, "through": [-0.482, 0.6583]}, "solve": {"tolerance": tolerance}});
+        let state = answers(&scene, Path::new(".")).remove(0).unwrap();
+        let off = (state.depth / 1.021_864 - 1.0).abs();
+        assert!(off <= state.depth_error.unwrap() + 2e-6, "{tolerance:e}: {off:e} {:?}", state.depth_error);
+    }
+}
+
+/// Slopes that are infinite at the axis have an energy.
+#[test]
+fn a_sum_of_powers_below_and_above_one() {
+    let power =
+        |coefficient: f64, exponent: f64| json!({"kind": "power", "coefficient": coefficient, "exponent": exponent});
+    let state = solved(&json!({"kind": "sum", "of": [power(1.431, 0.864), power(1.014, 1.82)]}), 0.3073);
+    // E* = 0.1073: 0.00299.
+    assert!((state.force * 0.1073 / 0.002_990_04 - 1.0).abs() < 1e-5, "{:e}", state.force);
+    assert!(state.energy.is_some_and(|energy| energy > 0.25 * state.force * 0.3073));
+}
+
+/// A plane above a punch, which no contact may reach: a force has its depth below it.
+#[test]
+fn a_force_just_below_what_overlaps_without_end() {
+    let disc = json!({"kind": "flat", "outline": {"disc": 0.6}});
+    let stiffness = 2.0 * 0.6;
+    let gap = json!({"kind": "min", "of": [disc, {"kind": "formula", "expression": "0.1485"}]});
+    let state = solved_in(&gap, &json!({"force": stiffness * 0.145}), Path::new(".")).remove(0);
+    assert!((state.depth / 0.145 - 1.0).abs() <= state.depth_error.unwrap() + 1e-9, "{:e}", state.depth);
+}
+
+/// What just meets the tolerance meets it at every depth.
+#[test]
+fn a_list_of_one_pyramid_is_solved_as_its_states_are() {
+    let scene = json!({"effective_modulus": 0.3355, "solve": {"tolerance": 1e-4},
+        "gap": {"kind": "pyramid", "faces": 4, "inclination": 21.52, "at": [0.8908, -0.4986]},
+        "loading": {"depths": [0.1735, 0.2698, 0.2726]}});
+    assert!(answers(&scene, Path::new(".")).iter().all(Result::is_ok));
+}
