@@ -167,7 +167,7 @@ const BESIDE: f64 = 1e-12;
 ///
 /// # Errors
 /// `NoClosedForm` where they may overlap again further out: whether they touch there no disc about the axis tells.
-fn end_of_overlap(overlap: &Overlap, [x, y]: [f64; 2], kinks: &mut Vec<f64>, farthest: f64) -> Result<f64, Unsolved> {
+fn end_of_overlap(overlap: &Overlap, [x, y]: [f64; 2], kinks: &mut [f64], farthest: f64) -> Result<f64, Unsolved> {
     kinks.sort_by(f64::total_cmp);
     let (gap, depth) = (&overlap.gap, overlap.depth);
     let bounds = |[a, b]: [f64; 2]| {

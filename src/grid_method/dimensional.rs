@@ -92,6 +92,8 @@ pub(crate) fn in_users_units(
     // U = P (d - g0)/(2 + 1/k), of the best force.
     let (energy, energy_error) = match scaled.gap.known().law {
         Some(law) => (force * scaled.above_lowest() / (2.0 + law.degree.inverse()), Some(error / force)),
+        // The energies of two grids may agree by chance; their error is of the size of that of the force, from which they grow.
+        None if refined.grids <= 1 => (energy, energy_error.map(|change| change.max(error / force))),
         None => (energy, energy_error),
     };
     // The gap itself: beside other contacts the scaled one is displaced by them.
