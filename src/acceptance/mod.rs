@@ -225,14 +225,11 @@ fn as_prescribed(load: Load, state: &Solution) -> bool {
     }
 }
 
-/// What an error that just meets the tolerance may be rounded by, for instance on the way to another depth.
-const LAST_DIGITS: f64 = 1e-12;
-
 /// What the state falls short by; `None` when it is as good as asked for. Approximate methods state no error: they answer what
 /// they define.
 fn short(settings: &Settings, state: &Solution) -> Option<String> {
     match state.force_error {
-        Some(error) if error <= settings.tolerance + LAST_DIGITS => None,
+        Some(error) if error <= settings.tolerance => None,
         Some(error) => {
             let tolerance = settings.tolerance;
             Some(format!("relative error {error:.1e} of the force reached; the tolerance is {tolerance:.1e}"))

@@ -35,6 +35,9 @@ pub(crate) struct Refined {
 /// What the error of a force may be less than the tolerance.
 const ROUNDING: f64 = 1e-9;
 
+/// Several times what the way to another depth of a homogeneous gap adds to an error.
+const OTHER_DEPTH: f64 = 1e-12;
+
 /// |error|/|value| where that is a number.
 fn relative(error: f64, value: f64) -> Option<f64> {
     Some((error / value).abs()).filter(|share| share.is_finite())
@@ -109,7 +112,8 @@ impl Refined {
     /// close to either that the other is not.
     pub(super) fn within(self, [lower, upper]: [f64; 2], tolerance: f64) -> Self {
         let middle = 0.5 * (lower + upper);
-        let room = (tolerance * (1.0 - ROUNDING) * middle - 0.5 * (upper - lower)) / (1.0 + tolerance);
+        let aim = (tolerance * (1.0 - ROUNDING) - OTHER_DEPTH).max(0.0);
+        let room = (aim * middle - 0.5 * (upper - lower)) / (1.0 + tolerance);
         let force = if room >= 0.0 { self.force.clamp(middle - room, middle + room) } else { self.force };
         let force = force.clamp(lower, upper);
         Self { force, error: (upper - force).max(force - lower), proved: Some([lower, upper]), ..self }
