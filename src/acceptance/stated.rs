@@ -44,7 +44,7 @@ fn under_force(contact: &Contact, state: &mut Solution) {
     let proved = match evidence {
         // Bounds of the force that cover its error bound the depth, too.
         ForceEvidence::Proved | ForceEvidence::Sampled => {
-            let bounds = state.depth_bracket.as_ref().and_then(|b| Some([b.lower(), b.upper()?]));
+            let bounds = state.depth_bracket.as_ref().and_then(DepthBracket::ends);
             bounds.map(|[lower, upper]| (upper - state.depth).max(state.depth - lower) / overlap)
         }
         _ => None,
@@ -89,7 +89,7 @@ fn under_moment(contact: &Contact, state: &mut Solution) {
     };
     let deeper = deeper().filter(|deeper| deeper.is_finite());
     let overlap = state.depth - least(&contact.tilted_gap(state.tilt)).1;
-    let bounds = state.depth_bracket.as_ref().and_then(|b| Some([b.lower(), b.upper()?]));
+    let bounds = state.depth_bracket.as_ref().and_then(DepthBracket::ends);
     let proved = bounds.map(|[lower, upper]| (upper - state.depth).max(state.depth - lower));
     state.depth_error = proved.or(deeper).map(|off| (off / state.depth).abs()).filter(|error| error.is_finite());
     let work = deeper.zip(state.energy).map(|(deeper, energy)| deeper * state.force / energy);

@@ -86,6 +86,12 @@ impl Flat {
         [self.origin[0] + self.length * x, self.origin[1] + self.length * y]
     }
 
+    /// A point of the user's frame in the outline's axes.
+    pub(super) fn inward(&self, p: [f64; 2]) -> [f64; 2] {
+        let ([x, y], [cos, sin]) = ([p[0] - self.origin[0], p[1] - self.origin[1]], self.turn);
+        [(cos * x + sin * y) / self.length, (cos * y - sin * x) / self.length]
+    }
+
     pub fn found(&self) -> String {
         format!("a level polygon of {} corners with sharp edges", self.corners.len())
     }

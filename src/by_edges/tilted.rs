@@ -42,9 +42,7 @@ impl Tilting {
 
     /// Where the line of action meets the surface, in the outline's axes.
     fn through(&self, force: f64, moment: [f64; 2]) -> [f64; 2] {
-        let Flat { origin, turn: [cos, sin], length, .. } = self.flat;
-        let [x, y] = [-moment[1] / force - origin[0], moment[0] / force - origin[1]];
-        [(cos * x + sin * y) / length, (cos * y - sin * x) / length]
+        self.flat.inward([-moment[1] / force, moment[0] / force])
     }
 
     /// Whether it is known to touch everywhere under this force: an ellipse, which then has a formula.
@@ -84,7 +82,7 @@ impl Tilting {
         let Flat { origin, turn: [cos, sin], length, value, .. } = self.flat;
         let [x, y] = self.through(force, moment);
         // The depth is that at the user's origin.
-        let at = [-(cos * origin[0] + sin * origin[1]) / length, (sin * origin[0] - cos * origin[1]) / length];
+        let at = self.flat.inward([0.0; 2]);
         let state = tilted(&self.flat.outline, Given::Load { load: [1.0, x, y], at }, limits)?;
         // Forces are E* length depth, and all is linear.
         let per = force / (contact.modulus().e_star() * length);

@@ -4,7 +4,7 @@
 use super::result::{Key, State, key};
 use super::state::ROUNDING;
 use super::{Verification, close, formula};
-use crate::bracket;
+use crate::bracket::{self, DepthBracket};
 use crate::gap::AnyGap;
 use crate::problem::{Load, Loading, Method, Outputs, Settings};
 use crate::result;
@@ -128,7 +128,7 @@ impl State<'_> {
         let Some(result::DepthBracket { lower: Some(lower), upper, .. }) = self.get(key!(bracket.depth)) else {
             return;
         };
-        let own = own.depth_bracket.as_ref().and_then(|b| Some([b.lower(), b.upper()?]));
+        let own = own.depth_bracket.as_ref().and_then(DepthBracket::ends);
         let holds = own.zip(upper).is_some_and(|([low, high], upper)| {
             let room = ROUNDING * low.abs().max(high.abs());
             lower <= low + room && high - room <= upper

@@ -80,7 +80,7 @@ pub(crate) fn in_users_units(
     let (mut patch, peaks) = patch::with_peaks(&state.problem, &state.solution, reference);
     let own_area = patch.area;
     let sums = |state: &GridState, patch: &Patch| {
-        let [x, y] = centre_of_load(state, scaled);
+        let [x, y] = scaled.units.outward(state.centre());
         let highest = state.solution.pressure.iter().copied().fold(0.0, f64::max);
         [state.energy(), x, y, patch.area, patch.max_radius, highest]
     };
@@ -214,16 +214,4 @@ const MOST_LOOKED_AT: usize = 64;
 /// The cell of the largest pressure.
 pub(crate) fn strongest(pressure: &[f64]) -> usize {
     (0..pressure.len()).max_by(|&a, &b| pressure[a].total_cmp(&pressure[b])).unwrap_or(0)
-}
-
-/// Where the resultant of the pressure acts, in the user's units.
-fn centre_of_load(state: &GridState, scaled: &Scaled) -> [f64; 2] {
-    let grid = &state.problem.grid;
-    let pressure = &state.solution.pressure;
-    let total: f64 = pressure.iter().sum();
-    let sums = pressure.iter().enumerate().fold([0.0; 2], |[sx, sy], (k, p)| {
-        let [x, y] = grid.centre_of(k);
-        [sx + p * x, sy + p * y]
-    });
-    scaled.units.outward(sums.map(|s| s / total))
 }

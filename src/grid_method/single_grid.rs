@@ -38,6 +38,17 @@ impl GridState {
         self.solution.pressure.iter().sum::<f64>() * self.problem.grid.cell_area()
     }
 
+    /// Where the resultant of the pressure acts.
+    pub fn centre(&self) -> [f64; 2] {
+        let (grid, pressure) = (&self.problem.grid, &self.solution.pressure);
+        let total: f64 = pressure.iter().sum();
+        let sums = pressure.iter().enumerate().fold([0.0; 2], |[sx, sy], (k, p)| {
+            let [x, y] = grid.centre_of(k);
+            [sx + p * x, sy + p * y]
+        });
+        sums.map(|s| s / total)
+    }
+
     /// The pressure as a trial of the energy; with its displacement where that is the one of means over cells. That of the quadratic
     /// programme comes from a dense matrix, and is worked out anew.
     pub fn trial(&self) -> Trial<'_> {
@@ -130,12 +141,10 @@ fn by_other_kernel(scaled: &Scaled, state: &GridState) -> Result<Vec<f64>, Unsol
 pub(crate) fn load_by_other_kernel(scaled: &Scaled, state: &GridState) -> Result<f64, Unsolved> {
     let (grid, own) = (&state.problem.grid, &state.solution.pressure);
     let other = by_other_kernel(scaled, state)?;
-    let at = |k: usize| grid.centre_of(k);
-    let total: f64 = own.iter().sum();
-    let centre = [0, 1].map(|m| own.iter().enumerate().map(|(k, p)| p * at(k)[m]).sum::<f64>() / total);
+    let centre = state.centre();
     let mut off = [0.0; 3];
     for (k, more) in other.iter().zip(own).map(|(a, b)| a - b).enumerate() {
-        let [x, y] = at(k);
+        let [x, y] = grid.centre_of(k);
         off = [off[0] + more, off[1] + more * (x - centre[0]), off[2] + more * (y - centre[1])];
     }
     let loaded = own.iter().filter(|p| **p > 0.0).count() as f64;

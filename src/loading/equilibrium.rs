@@ -262,6 +262,7 @@ pub(crate) fn under_moment(
     // (P, int p x, int p y) that are wanted, and the unit of each.
     let target = Vector3::new(force, -moment_wanted[1], moment_wanted[0]);
     let unit = Vector3::new(force, force * size, force * size);
+    let missing = |s: &Solution, [mx, my]: [f64; 2]| target - Vector3::new(s.force, -my, mx);
     let (mut state, mut short) = usable(engine.respond(start.depth, start.tilt, false))?;
     let potential =
         |s: &Solution| s.energy.unwrap_or(f64::NAN) - target.dot(&Vector3::new(s.depth, s.tilt[0], s.tilt[1]));
@@ -269,7 +270,7 @@ pub(crate) fn under_moment(
         let (Some(moment), Some(stiffness)) = (state.moment, state.stiffness_matrix) else {
             return Err(Unsolved::new(Verdict::NotApplicable, "the method gives no moments of the pressure here"));
         };
-        let missing = target - Vector3::new(state.force, -moment[1], moment[0]);
+        let missing = missing(&state, moment);
         let error = missing.component_div(&unit).amax();
         // Grids that are laid anew at every step leave a noise that no step gets below.
         let enough = match step {
@@ -325,10 +326,7 @@ pub(crate) fn under_moment(
         }
         (state, short) = (next, lacks);
     }
-    let missing = match state.moment {
-        Some([mx, my]) => (target - Vector3::new(state.force, -my, mx)).component_div(&unit).amax(),
-        None => f64::INFINITY,
-    };
+    let missing = state.moment.map_or(f64::INFINITY, |m| missing(&state, m).component_div(&unit).amax());
     let reason = format!("force and moments are balanced to {missing:.1e} of the force after {MOST_STEPS} steps");
     Err(Unsolved::new(Verdict::IterationLimit, reason)
         .with_best(off_by(missing, balanced(state, None, force, moment_wanted))))

@@ -277,6 +277,11 @@ impl DepthBracket {
         self.upper
     }
 
+    /// Both, where there are both.
+    pub(crate) fn ends(&self) -> Option<[f64; 2]> {
+        Some([self.lower, self.upper?])
+    }
+
     /// How the suprema under it were found.
     #[must_use]
     pub fn evidence(&self) -> Evidence {

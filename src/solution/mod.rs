@@ -171,7 +171,7 @@ impl Solution {
             (self.force, self.bracket.as_ref().map(|b| ([b.lower(), b.upper()], b.evidence())))
         } else {
             let bounds = self.depth_bracket.as_ref();
-            (self.depth, bounds.and_then(|b| Some(([b.lower(), b.upper()?], b.evidence()))))
+            (self.depth, bounds.and_then(|b| Some((b.ends()?, b.evidence()))))
         };
         let Some(([lower, upper], evidence)) = bounds else { return ForceEvidence::Estimated };
         let room = error * value.abs() * (1.0 + 1e-9);
