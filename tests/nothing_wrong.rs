@@ -801,3 +801,74 @@ fn a_list_of_one_pyramid_is_solved_as_its_states_are() {
         "loading": {"depths": [0.1735, 0.2698, 0.2726]}});
     assert!(answers(&scene, Path::new(".")).iter().all(Result::is_ok));
 }
+
+/// A paraboloid free to tilt: the contact goes to where the line of action meets it, a = H (t - c), however many contacts away.
+#[test]
+fn a_paraboloid_far_from_the_line_of_action() {
+    let (radii, at) = ([0.036_470_809_752_961_14, 5.160_017_768_794_646e-4], [3.705e-4, 2.809e-4]);
+    let (force, through) = (0.2449, [-7.987e-4, -1.045_2e-3]);
+    let gap = json!({"kind": "paraboloid", "radii": radii, "at": at});
+    let scene = |loading: Value| json!({"effective_modulus": 2e11, "gap": gap, "loading": loading});
+    let state = answers(&scene(json!({"force": force, "through": through})), Path::new(".")).remove(0).unwrap();
+    let upright = answers(&scene(json!({"force": force})), Path::new(".")).remove(0).unwrap();
+    let tilt = [0, 1].map(|m| (through[m] - at[m]) / radii[m]);
+    let own: f64 = (0..2).map(|m: usize| 0.5 * f64::powi(through[m] - at[m], 2) / radii[m]).sum();
+    let depth = upright.depth + own - tilt[0] * through[0] - tilt[1] * through[1];
+    assert!((state.depth / depth - 1.0).abs() <= state.depth_error.unwrap() + 1e-12, "{:e} {depth:e}", state.depth);
+    assert!((0..2).all(|m| (state.tilt[m] / tilt[m] - 1.0).abs() < 1e-9), "{:?} {tilt:?}", state.tilt);
+    assert!((state.patch.area / upright.patch.area - 1.0).abs() <= state.area_error.unwrap() + 1e-12);
+}
+
+/// A punch free to tilt on a prescribed grid, or on the grids that it is given: what is stated of it holds what finer cells find.
+#[test]
+fn one_grid_under_a_load_off_its_centre_states_its_error() {
+    let square = json!({"kind": "flat", "outline": {"polygon": [[-1, -1], [1, -1], [1, 1], [-1, 1]]}});
+    let steep = json!({"kind": "pyramid", "faces": 4, "inclination": 80.0, "flat": 1.0});
+    let bowl = json!({"kind": "formula", "expression": "0.1*(x^2+y^2)",
+        "region": {"polygon": [[-1, -1], [1, -1], [1, 1], [-1, 1]]}});
+    // Depths from edge-fitted cells, and from grids to 1e-4.
+    let cases =
+        [(square, [0.3, 0.2], 0.433_93, 7e-5), (steep, [0.4, 0.2], 0.431_32, 1e-4), (bowl, [0.3, 0.2], 0.521_25, 1e-4)];
+    let settings = [
+        json!({"method": "fft", "kernel": "collocation", "cells": 32}),
+        json!({"method": "fft", "cells": 45}),
+        json!({"method": "fft", "cells": 64}),
+        json!({"method": "fft", "tolerance": 1e-2}),
+        json!({"method": "fft", "tolerance": 3e-3, "kernel": "collocation"}),
+    ];
+    for (gap, through, depth, uncertain) in cases {
+        for settings in &settings {
+            let scene = json!({"effective_modulus": 1.0, "gap": gap, "loading": {"force": 1.0, "through": through}, "solve": settings});
+            let answer = answers(&scene, Path::new(".")).remove(0);
+            let state = answer.unwrap_or_else(|e| *e.best.expect("a number comes with its verdict"));
+            let off = (state.depth / depth - 1.0).abs();
+            assert!(off <= state.depth_error.unwrap() + uncertain, "{scene}: {off:e} {:?}", state.depth_error);
+            assert!(state.area_error.is_some() && state.energy_error.is_some());
+        }
+    }
+}
+
+/// A gap of revolution off the origin is its closed form with as few evaluations as at the origin, and has the same digits.
+#[test]
+fn revolution_off_the_origin() {
+    let formula = |at: [f64; 2]| json!({"kind": "formula", "expression": "1e-3*(sqrt(1+(r/1e-3)^2)-1)", "at": at});
+    let here = solved(&formula([0.0; 2]), 0.003);
+    let before = cpu_seconds();
+    let there = solved(&formula([0.0023, -0.0017]), 0.003);
+    assert!(cpu_seconds() - before < 3);
+    assert!(here.force_error.unwrap() < 1e-11 && there.force_error.unwrap() < 1e-11);
+    assert!((here.force / there.force - 1.0).abs() < 1e-11);
+}
+
+/// Grids under a load off the centre of a pyramid: the energy that they balance is that whose derivatives force and moments are.
+#[test]
+fn a_pyramid_off_its_centre_is_balanced() {
+    for (faces, inclination) in [(3, 45.0), (4, 30.0)] {
+        for settings in [json!({}), json!({"method": "fft", "kernel": "collocation"})] {
+            let scene = json!({"effective_modulus": 1.0, "loading": {"force": 1.0, "through": [0.3, 0.15]}, "solve": settings,
+                "gap": {"kind": "pyramid", "faces": faces, "inclination": inclination, "rotate": 20.0}});
+            let state = answers(&scene, Path::new(".")).remove(0).unwrap_or_else(|e| panic!("{e}: {scene}"));
+            assert!(state.cost.iterations < 2000, "{}", state.cost.iterations);
+        }
+    }
+}

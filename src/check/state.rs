@@ -60,6 +60,14 @@ impl State<'_> {
                 format!("the error is {word}: there is a bracket of the {what}, within the stated error"),
             );
         }
+        if self.said.evidence.one().is_some_and(|word| word == "exact") {
+            let formula = matches!(self.origin.as_str(), "closed_form" | "no_contact");
+            found.require(formula, format!("only a formula is exact, and {} is none", self.origin));
+        }
+        if let Some(said) = self.said.bracket.one() {
+            let known = matches!(said.evidence.as_ref(), "proved" | "sampled");
+            found.require(known, format!("a bracket is proved or sampled; it is said to be {}", said.evidence));
+        }
         if let Some(claimed) = &self.bracket {
             let under_force = matches!(load, Load::Force(_));
             self.bracketed(claimed, &gap, scene, load, &mut found);

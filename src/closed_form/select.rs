@@ -130,25 +130,26 @@ fn revolution(
         }
         Generatrix::General => {}
     }
-    let lowest = gap.gap(x, y);
+    // Drawn about its axis, radii keep their digits.
+    let own = gap.about(axis.at);
+    let lowest = own.gap(0.0, 0.0);
     if !(lowest < depth) {
         return Err(refused("the contact does not begin at the axis"));
     }
     let mut kinks = Vec::new();
-    gap.ray_kinks(axis.at, [1.0, 0.0], &mut kinks);
+    own.ray_kinks([0.0; 2], [1.0, 0.0], &mut kinks);
     kinks.retain(|&r| r.is_finite() && r > 0.0);
     // The rectangle holds a disc about the axis.
     let sides = [overlap.reach.min, overlap.reach.max];
     let farthest = sides.into_iter().flat_map(|c| [(c[0] - x).abs(), (c[1] - y).abs()]).fold(0.0, f64::max);
-    let farthest = end_of_overlap(overlap, axis.at, &mut kinks, farthest)?;
-    let rim = end_of_material(gap, axis.at, farthest);
-    let own = gap.clone();
-    let has_slope = (1..8).all(|k| gap.gradient(x + farthest * 0.1 * f64::from(k), y).is_some());
+    let farthest = end_of_overlap(&own, depth, &mut kinks, farthest)?;
+    let rim = end_of_material(&own, farthest);
+    let has_slope = (1..8).all(|k| own.gradient(farthest * 0.1 * f64::from(k), 0.0).is_some());
     let sneddon = if has_slope {
-        let slope = move |r: f64| own.gradient(x + r, y).map_or(f64::NAN, |g| g[0]);
+        let slope = move |r: f64| own.gradient(r, 0.0).map_or(f64::NAN, |g| g[0]);
         Sneddon::new(modulus, slope, &kinks, rim)
     } else {
-        Sneddon::of_gap(modulus, move |r: f64| own.gap(x + r, y) - lowest, &kinks, rim)
+        Sneddon::of_gap(modulus, move |r: f64| own.gap(r, 0.0) - lowest, &kinks, rim)
     };
     let sneddon = sneddon.map_err(refused)?.overlapping_within(farthest).before(deadline);
     let contact = sneddon.at_depth(depth - lowest).map_err(|e| refused(e.reason))?;
@@ -163,18 +164,17 @@ const HALVINGS: u32 = 10;
 /// How far from a kink, where the gap may jump, a stretch of radii ends, relative.
 const BESIDE: f64 = 1e-12;
 
-/// The radius up to which the bodies overlap around the axis.
+/// The radius up to which the bodies overlap around the axis, the origin.
 ///
 /// # Errors
 /// `NoClosedForm` where they may overlap again further out: whether they touch there no disc about the axis tells.
-fn end_of_overlap(overlap: &Overlap, [x, y]: [f64; 2], kinks: &mut [f64], farthest: f64) -> Result<f64, Unsolved> {
+fn end_of_overlap(gap: &AnyGap, depth: f64, kinks: &mut [f64], farthest: f64) -> Result<f64, Unsolved> {
     kinks.sort_by(f64::total_cmp);
-    let (gap, depth) = (&overlap.gap, overlap.depth);
     let bounds = |[a, b]: [f64; 2]| {
-        let along = Rect { min: [x + a, y], max: [x + b, y] };
+        let along = Rect { min: [a, 0.0], max: [b, 0.0] };
         // Not enclosed: a look in the middle and at both ends.
         gap.bounds(&along, [0.0; 2]).unwrap_or_else(|| {
-            let looks = [0.0, 0.5, 1.0].map(|share| gap.gap(x + a + share * (b - a), y));
+            let looks = [0.0, 0.5, 1.0].map(|share| gap.gap(a + share * (b - a), 0.0));
             [looks.into_iter().fold(f64::INFINITY, f64::min), looks.into_iter().fold(f64::NEG_INFINITY, f64::max)]
         })
     };
@@ -203,9 +203,9 @@ fn end_of_overlap(overlap: &Overlap, [x, y]: [f64; 2], kinks: &mut [f64], farthe
     Ok(end.unwrap_or(farthest))
 }
 
-/// Radius at which the material ends, infinite when it does not within the reach.
-fn end_of_material(gap: &AnyGap, [x, y]: [f64; 2], farthest: f64) -> f64 {
-    let solid = |r: f64| gap.gap(x + r, y) < f64::INFINITY;
+/// Radius around the origin at which the material ends, infinite when it does not within the reach.
+fn end_of_material(gap: &AnyGap, farthest: f64) -> f64 {
+    let solid = |r: f64| gap.gap(r, 0.0) < f64::INFINITY;
     let outside = 1.001 * farthest;
     if solid(outside) { f64::INFINITY } else { bisected(solid, [0.0, outside], TO_THE_LAST_DIGIT)[0] }
 }

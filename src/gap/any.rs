@@ -101,10 +101,19 @@ impl AnyGap {
     /// Turned about the origin, counter-clockwise, by an angle in radians; a gap of several parts part by part, so that those that are
     /// drawn along the axes afterwards are known to be.
     pub(crate) fn turned(&self, angle: f64) -> Self {
-        let each = |parts: Vec<Self>| parts.iter().map(|part| part.turned(angle)).collect();
+        self.put([0.0; 2], quarter_exact(angle))
+    }
+
+    /// Moved, with this point of it at the origin; part by part as well, so that what was put there is where it was drawn.
+    pub(crate) fn about(&self, [x, y]: [f64; 2]) -> Self {
+        self.put([-x, -y], Rotation2::identity())
+    }
+
+    fn put(&self, at: [f64; 2], turn: Rotation2<f64>) -> Self {
+        let each = |parts: Vec<Self>| parts.iter().map(|part| part.put(at, turn)).collect();
         let sum = self.addends().and_then(|parts| super::Sum::new(each(parts)).ok()).map(Self::new);
         let least = || self.alternatives().and_then(|parts| super::Minimum::new(each(parts)).ok()).map(Self::new);
-        sum.or_else(least).unwrap_or_else(|| self.through(&Transform::place([0.0; 2], quarter_exact(angle))))
+        sum.or_else(least).unwrap_or_else(|| self.through(&Transform::place(at, turn)))
     }
 
     /// The same gap seen through a transform, its own one before it.

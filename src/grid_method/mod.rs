@@ -171,16 +171,21 @@ pub(crate) fn on_shared_grid(
         Some(rect) => scaled.units.rect_inward(rect),
         None => domain::locate(&scaled)?.scaled(ROOM),
     };
-    // Cells end where the material does.
-    let mut window = window.intersection(&scaled.reach).unwrap_or(window);
+    // Cells end where the material does, the same at any depth and tilt.
+    let material = shared.material.map(|material| scaled.units.rect_inward(&material));
+    let mut window = material.and_then(|material| window.intersection(&material)).unwrap_or(window);
     let state = single_grid::at_resolution(&scaled, &mut window, cells, settings, method)?;
     shared.window = Some(scaled.units.rect_outward(&window));
-    shared.sharp = sharp_edges::boundary_type(&scaled, &state) == Some(Edge::End);
+    shared.edge = sharp_edges::boundary_type(&scaled, &state);
     let [spacing, lost] = sharp_edges::measure(&scaled, &state);
     shared.measure = [spacing * scaled.units.length, lost * scaled.units.length * scaled.units.length];
+    shared.rim = unresolved::boundary(&state.problem.grid, &state.solution.pressure);
     let error = if shared.needs_error { single_grid::load_by_other_kernel(&scaled, &state)? } else { 0.0 };
+    // The energy of these cells themselves, whose derivatives force and moments are, whatever law the gap follows.
+    let energy = state.energy() * contact.modulus().e_star() * scaled.units.height.powi(2) * scaled.units.length;
     let refined = Refined::of(state, error);
     let solution = dimensional(contact, &scaled, &refined, None, depth, tilt, settings)?;
+    let solution = Solution { energy: Some(energy), ..solution };
     with_stiffness_matrix(contact, &scaled, &refined, solution)
 }
 
@@ -189,10 +194,14 @@ pub(crate) fn on_shared_grid(
 pub(crate) struct SharedGrid {
     /// Its box, once it is known.
     pub window: Option<Rect>,
-    /// Whether the last contact on it ended at sharp edges.
-    pub sharp: bool,
+    /// A box around everything that can touch at any depth, where it is known.
+    pub material: Option<Rect>,
+    /// The edge that the last contact on it ran up to, if any.
+    pub edge: Option<Edge>,
     /// The longer side of its cells, and the area of material that they leave out.
     pub measure: [f64; 2],
+    /// Relative error of a number that rests on where the contact ends between cells.
+    pub rim: f64,
     /// Whether a grid has to tell its own error, by the other kernel.
     pub needs_error: bool,
 }
@@ -200,7 +209,7 @@ pub(crate) struct SharedGrid {
 impl SharedGrid {
     /// Not laid yet.
     pub fn new() -> Self {
-        Self { window: None, sharp: false, measure: [0.0; 2], needs_error: true }
+        Self { window: None, material: None, edge: None, measure: [0.0; 2], rim: 0.0, needs_error: true }
     }
 }
 

@@ -27,7 +27,7 @@ pub(crate) struct Engine<'a> {
 impl<'a> Engine<'a> {
     /// `with_matrix`: for a punch that is free to tilt.
     pub fn new(contact: &'a Contact, settings: &'a Settings, with_matrix: bool) -> Self {
-        let coarsest = (2.0 / settings.tolerance.sqrt()).clamp(32.0, 512.0) as usize;
+        let coarsest = (1.0 / settings.tolerance.sqrt()).clamp(24.0, 256.0) as usize;
         let cells = settings.cells.unwrap_or(coarsest);
         Self {
             contact,

@@ -241,17 +241,22 @@ fn balanced(mut state: Solution, change: Option<Vector3<f64>>, force: f64, momen
 }
 
 /// The state of a punch free to tilt under a force and moments (Mx, My) about the origin. `start` is the state under the
-/// force alone, `size` a length of the contact.
+/// force alone, `size` a length of the contact; `guess`: a depth and a tilt that may be closer.
 pub(crate) fn under_moment(
     engine: &mut dyn Respond,
     force: f64,
     moment_wanted: [f64; 2],
     start: Solution,
+    guess: Option<(f64, [f64; 2])>,
     size: f64,
     close: impl Fn(Method) -> f64,
 ) -> Result<Solution, Unsolved> {
+    // About the point t in which the line of action meets the surface, which may be many contacts away from the origin:
+    // d' = d + a t, forces and moments (P, int p (x - tx), int p (y - ty)) = B (P, int p x, int p y).
+    let through = [-moment_wanted[1] / force, moment_wanted[0] / force];
+    let moved = Matrix3::new(1.0, 0.0, 0.0, -through[0], 1.0, 0.0, -through[1], 0.0, 1.0);
+    let at_line = |s: &Solution| s.depth + s.tilt[0] * through[0] + s.tilt[1] * through[1];
     let nowhere = |steps: usize, state: &Solution| {
-        let through = [-moment_wanted[1] / force, moment_wanted[0] / force];
         let reason = format!(
             "no state balances the force {force:e} through ({:e}, {:e}) after {steps} steps, tilt ({:e}, {:e}): \
              the line of action passes outside of what can touch",
@@ -259,13 +264,20 @@ pub(crate) fn under_moment(
         );
         Unsolved::new(Verdict::NoEquilibrium, reason)
     };
-    // (P, int p x, int p y) that are wanted, and the unit of each.
-    let target = Vector3::new(force, -moment_wanted[1], moment_wanted[0]);
+    // The load that is missing, and its units.
     let unit = Vector3::new(force, force * size, force * size);
-    let missing = |s: &Solution, [mx, my]: [f64; 2]| target - Vector3::new(s.force, -my, mx);
+    let missing = |s: &Solution, [mx, my]: [f64; 2]| {
+        Vector3::new(force - s.force, my + through[0] * s.force, -mx + through[1] * s.force)
+    };
     let (mut state, mut short) = usable(engine.respond(start.depth, start.tilt, false))?;
-    let potential =
-        |s: &Solution| s.energy.unwrap_or(f64::NAN) - target.dot(&Vector3::new(s.depth, s.tilt[0], s.tilt[1]));
+    let potential = |s: &Solution| s.energy.unwrap_or(f64::NAN) - force * at_line(s);
+    if let Some((depth, tilt)) = guess
+        && let Ok((guessed, lacks)) = usable(engine.respond(depth, tilt, false))
+        && guessed.force > 0.0
+        && potential(&guessed) < potential(&state)
+    {
+        (state, short) = (guessed, lacks);
+    }
     for step in 0..MOST_STEPS {
         let (Some(moment), Some(stiffness)) = (state.moment, state.stiffness_matrix) else {
             return Err(Unsolved::new(Verdict::NotApplicable, "the method gives no moments of the pressure here"));
@@ -278,13 +290,13 @@ pub(crate) fn under_moment(
             PATIENCE..LAST_PATIENCE => 30.0,
             _ => 60.0,
         };
-        let matrix = Matrix3::from_fn(|i, j| stiffness[i][j]);
+        let matrix = moved * Matrix3::from_fn(|i, j| stiffness[i][j]) * moved.transpose();
         // In units of the contact: the three unknowns are of one size.
         let scale = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0 / size, 1.0 / size));
         let scaled = scale * matrix * scale;
         let ridge = 1e-9 * scaled[(0, 0)].max(f64::MIN_POSITIVE);
         let factor = (scaled + Matrix3::identity() * ridge).cholesky();
-        let change = factor.map(|factor| scale * factor.solve(&(scale * missing)));
+        let change = factor.map(|factor| moved.transpose() * scale * factor.solve(&(scale * missing)));
         if error <= enough * close(state.method) {
             let state = balanced(state, change, force, moment_wanted);
             let state = if enough > 1.0 { off_by(error, state) } else { state };

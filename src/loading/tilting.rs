@@ -3,8 +3,9 @@
 use super::engine::Engine;
 use super::equilibrium;
 use crate::gap::{AnyGap, Gap, Reach};
-use crate::grid_method::extrapolation::Intercept;
-use crate::grid_method::sharp_edges;
+use crate::grid_method::SharedGrid;
+use crate::grid_method::extrapolation::{self, Intercept};
+use crate::grid_method::sharp_edges::{self, Edge};
 use crate::numeric::geometry::Rect;
 use crate::overlap::least;
 use crate::problem::{Contact, Method, Settings};
@@ -38,9 +39,8 @@ pub(crate) fn under_moment(
         };
     }
     let through = [-moment[1] / force, moment[0] / force];
-    if let Some(material) = material(contact.gap(), untilted.depth)
-        && !material.contains(through)
-    {
+    let material = material(contact.gap(), untilted.depth);
+    if let Some(material) = material.filter(|material| !material.contains(through)) {
         let (a, b) = (material.min, material.max);
         let reason = format!(
             "the line of action meets the surface at ({:e}, {:e}), outside of all material, [{:e}, {:e}] x [{:e}, {:e}]",
@@ -51,31 +51,109 @@ pub(crate) fn under_moment(
     let size = (untilted.patch.area / std::f64::consts::PI).sqrt();
     // The last linear step of a force-driven solve has no place here: the state is solved anew at every tilt.
     let mut engine = Engine::new(contact, settings, true);
+    engine.shared.material = material;
     let close = |method: Method| match method {
         // Rounding in the force of a deep state is what is left.
         Method::ClosedForm => 1e-11,
         _ => 0.01 * settings.tolerance,
     };
-    let balance =
-        |engine: &mut Engine, start: Solution| equilibrium::under_moment(engine, force, moment, start, size, close);
+    let mut guess = lowest_at(contact.gap(), through, &untilted, size);
+    let mut balance = |engine: &mut Engine, start: Solution| {
+        let found = equilibrium::under_moment(engine, force, moment, start, guess.take(), size, close);
+        found.map(|state| with_lawful_energy(contact, state))
+    };
     let mut state = balance(&mut engine, untilted)?;
-    let short =
-        |state: &Solution| state.force_error.filter(|&error| settings.cells.is_none() && error > settings.tolerance);
     // What one grid tells of its error at sharp edges, whose cells err by the first power, may be small by chance.
-    if settings.cells.is_none() && engine.shared.sharp {
-        return at_sharp_edges(&mut engine, state, settings, &balance);
+    match (settings.cells, engine.shared.edge) {
+        (Some(cells), Some(_)) => return as_given(&mut engine, cells, state, &mut balance),
+        (None, Some(Edge::End)) => return at_sharp_edges(&mut engine, state, settings, &mut balance),
+        _ => {}
     }
-    while let Some(error) = short(&state) {
+    let mut found = vec![numbers(&state)];
+    // One grid alone tells too little of what it has not resolved.
+    let mut error = f64::INFINITY;
+    while settings.cells.is_none() && error > settings.tolerance {
         if engine.cells >= FINEST {
-            return Err(
-                Unsolved::short_of(settings.tolerance, error, &sharp_edges::most(engine.cells)).with_best(state)
-            );
+            let most = sharp_edges::most(engine.cells);
+            return Err(Unsolved::short_of(settings.tolerance, error, &most).with_best(state));
         }
         engine.cells *= 2;
         state = or_coarser(balance(&mut engine, state.clone()), &state)?;
+        found.push(numbers(&state));
+        state = with_errors_of(&found, state, engine.shared);
+        error = state.force_error.unwrap_or(f64::INFINITY);
     }
     Ok(state)
 }
+
+/// Depth and tilt with which the gap is lowest where the line of action meets it and overlaps as much as without tilt, where that is not in
+/// the contact: for a paraboloid they balance the load.
+fn lowest_at(gap: &AnyGap, through: [f64; 2], untilted: &Solution, size: f64) -> Option<(f64, [f64; 2])> {
+    let [mx, my] = untilted.moment?;
+    let [x, y] = [-my / untilted.force - through[0], mx / untilted.force - through[1]];
+    let tilt = gap.gradient(through[0], through[1]).filter(|tilt| x.hypot(y) > size && *tilt != [0.0; 2])?;
+    let overlap = untilted.depth - least(gap).1;
+    let depth = overlap + gap.gap(through[0], through[1]) - tilt[0] * through[0] - tilt[1] * through[1];
+    depth.is_finite().then_some((depth, tilt))
+}
+
+/// U = P (d - g0)/(2 + 1/k) where the tilted gap follows a law: the balance needed the energy of the cells, which is further off.
+fn with_lawful_energy(contact: &Contact, state: Solution) -> Solution {
+    let law = contact.tilted_gap(state.tilt).known().law;
+    let energy = law.map(|law| state.force * (state.depth - law.lowest) / (2.0 + law.degree.inverse()));
+    Solution { energy: energy.or(state.energy), ..state }
+}
+
+/// A punch balanced on a prescribed grid that ends at edges: coarser ones tell its error.
+fn as_given(engine: &mut Engine, cells: usize, state: Solution, balance: &mut Balance) -> Result<Solution, Unsolved> {
+    let left_out = engine.shared.measure[1];
+    let mut found = Vec::new();
+    for coarser in [cells.div_ceil(4), cells.div_ceil(2)].into_iter().filter(|&n| n >= 6) {
+        engine.cells = coarser;
+        match balance(engine, state.clone()) {
+            Ok(coarse) => found.push(numbers(&coarse)),
+            Err(e) if e.verdict == Verdict::TimeLimit => return Err(e.with_best(state)),
+            // A grid on which nothing is in balance tells nothing.
+            Err(_) => {}
+        }
+    }
+    found.push(numbers(&state));
+    let own = state.force_error;
+    let mut state = with_errors_of(&found, state, engine.shared);
+    if found.len() < 2 {
+        state.force_error = own.map(|error| AS_GIVEN * error);
+    }
+    let cut = (left_out / state.patch.area).abs();
+    state.force_error = state.force_error.map(|error| error.max(cut));
+    state.area_error = state.area_error.map(|error| error.max(cut));
+    Ok(state)
+}
+
+/// The finest of some states with no less error than what changes from one to the next leaves. At edges that is as much again as the last
+/// step, the first power of the cells, and cells that fall differently upon them may make it look like less.
+fn with_errors_of(found: &[Vec<f64>], mut state: Solution, SharedGrid { edge, rim, .. }: SharedGrid) -> Solution {
+    let left = |of: &dyn Fn(&[f64]) -> f64| {
+        let values: Vec<f64> = found.iter().map(|values| of(values)).collect();
+        let elsewhere = extrapolation::of_forces(&values).map_or(f64::INFINITY, |estimate| estimate.error);
+        edge.map_or(elsewhere, |_| elsewhere.max(AS_GIVEN * extrapolation::left_by_first_order(&values)))
+    };
+    let known = |error: f64| Some(error).filter(|error| error.is_finite());
+    // What rests on where the contact ends between cells jumps from grid to grid.
+    let share = |n: usize, jumps: f64| {
+        let values: Vec<f64> = found.iter().map(|values| values[n]).collect();
+        let change = extrapolation::left_by_first_order(&values).max(left(&|values| values[n]));
+        known((change / values[values.len() - 1]).abs().max(jumps))
+    };
+    state.force_error = known(off_load(&state, &left).max(state.force_error.unwrap_or(0.0)));
+    (state.energy_error, state.area_error, state.stiffness_error) = (share(3, 0.0), share(4, rim), share(5, rim));
+    state
+}
+
+/// What is left may be more than two grids tell by this, as for a depth (`grid_method/refinement/error`).
+const AS_GIVEN: f64 = 2.0;
+
+/// A state balanced anew on a grid of as many cells as the engine is at, from another.
+type Balance<'a> = dyn FnMut(&mut Engine, Solution) -> Result<Solution, Unsolved> + 'a;
 
 /// A state on a finer grid; when the time is used up before there is one, the verdict carries the coarser.
 fn or_coarser(finer: Result<Solution, Unsolved>, coarser: &Solution) -> Result<Solution, Unsolved> {
@@ -90,7 +168,7 @@ fn at_sharp_edges(
     engine: &mut Engine,
     mut state: Solution,
     settings: &Settings,
-    balance: &dyn Fn(&mut Engine, Solution) -> Result<Solution, Unsolved>,
+    balance: &mut Balance,
 ) -> Result<Solution, Unsolved> {
     // The grids tell the error together.
     engine.shared.needs_error = false;
@@ -126,20 +204,24 @@ fn numbers(state: &Solution) -> Vec<f64> {
     scalars.into_iter().chain(matrix.into_iter().flatten()).collect()
 }
 
-/// The state of the finest grid with its numbers at the limit of the line through all grids, and what that leaves open.
-fn at_limit(line: &Intercept, found: &[Vec<f64>], mut state: Solution) -> Solution {
-    let limit = |of: &dyn Fn(&[f64]) -> f64| line.of(&found.iter().map(|values| of(values)).collect::<Vec<_>>());
-    // To first order, the load at any depth and tilts is off by as much as this is: the force, and its moments about where it acts over the
-    // size of the contact.
+/// By what share the load is off where depth and tilts are: to first order at any depth and tilts, the force, or its moments about where it
+/// acts over the size of the contact. `error`: that of a number that is made of those of the states.
+fn off_load(state: &Solution, error: &dyn Fn(&dyn Fn(&[f64]) -> f64) -> f64) -> f64 {
     let matrix = state.stiffness_matrix.unwrap_or([[f64::NAN; 3]; 3]);
     let [mx, my] = state.moment.unwrap_or([f64::NAN; 2]);
     let arm = [0.0, -my / state.force, mx / state.force];
     let off = |n: usize| {
         let row = [0, 1, 2].map(|j| matrix[n][j] - arm[n] * matrix[0][j]);
-        limit(&|values| row[0] * values[0] + row[1] * values[1] + row[2] * values[2]).error / state.force
+        error(&|values| row[0] * values[0] + row[1] * values[1] + row[2] * values[2]) / state.force
     };
     let size = (state.patch.area / std::f64::consts::PI).sqrt();
-    let reached = off(0).max(off(1).hypot(off(2)) / size);
+    off(0).max(off(1).hypot(off(2)) / size)
+}
+
+/// The state of the finest grid with its numbers at the limit of the line through all grids, and what that leaves open.
+fn at_limit(line: &Intercept, found: &[Vec<f64>], mut state: Solution) -> Solution {
+    let limit = |of: &dyn Fn(&[f64]) -> f64| line.of(&found.iter().map(|values| of(values)).collect::<Vec<_>>());
+    let reached = off_load(&state, &|of| limit(of).error);
     let at = |n: usize| limit(&|values| values[n]).value;
     (state.depth, state.tilt, state.energy) = (at(0), [at(1), at(2)], Some(at(3)));
     let wider = at(4) / state.patch.area;
