@@ -132,7 +132,7 @@ fn as_given(engine: &mut Engine, cells: usize, state: Solution, balance: &mut Ba
 /// The finest of some states with no less error than what changes from one to the next leaves. At edges that is as much again as the last
 /// step, the first power of the cells, and cells that fall differently upon them may make it look like less.
 fn with_errors_of(found: &[Vec<f64>], mut state: Solution, SharedGrid { edge, rim, .. }: SharedGrid) -> Solution {
-    let left = |of: &dyn Fn(&[f64]) -> f64| {
+    let left = |of: Number| {
         let values: Vec<f64> = found.iter().map(|values| of(values)).collect();
         let elsewhere = extrapolation::of_forces(&values).map_or(f64::INFINITY, |estimate| estimate.error);
         edge.map_or(elsewhere, |_| elsewhere.max(AS_GIVEN * extrapolation::left_by_first_order(&values)))
@@ -204,9 +204,12 @@ fn numbers(state: &Solution) -> Vec<f64> {
     scalars.into_iter().chain(matrix.into_iter().flatten()).collect()
 }
 
+/// A number that is made of those of a state.
+type Number<'a> = &'a dyn Fn(&[f64]) -> f64;
+
 /// By what share the load is off where depth and tilts are: to first order at any depth and tilts, the force, or its moments about where it
 /// acts over the size of the contact. `error`: that of a number that is made of those of the states.
-fn off_load(state: &Solution, error: &dyn Fn(&dyn Fn(&[f64]) -> f64) -> f64) -> f64 {
+fn off_load(state: &Solution, error: &dyn Fn(Number) -> f64) -> f64 {
     let matrix = state.stiffness_matrix.unwrap_or([[f64::NAN; 3]; 3]);
     let [mx, my] = state.moment.unwrap_or([f64::NAN; 2]);
     let arm = [0.0, -my / state.force, mx / state.force];
@@ -220,7 +223,7 @@ fn off_load(state: &Solution, error: &dyn Fn(&dyn Fn(&[f64]) -> f64) -> f64) -> 
 
 /// The state of the finest grid with its numbers at the limit of the line through all grids, and what that leaves open.
 fn at_limit(line: &Intercept, found: &[Vec<f64>], mut state: Solution) -> Solution {
-    let limit = |of: &dyn Fn(&[f64]) -> f64| line.of(&found.iter().map(|values| of(values)).collect::<Vec<_>>());
+    let limit = |of: Number| line.of(&found.iter().map(|values| of(values)).collect::<Vec<_>>());
     let reached = off_load(&state, &|of| limit(of).error);
     let at = |n: usize| limit(&|values| values[n]).value;
     (state.depth, state.tilt, state.energy) = (at(0), [at(1), at(2)], Some(at(3)));
