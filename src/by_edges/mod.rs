@@ -9,6 +9,7 @@
 //! | the same, where the contact passes it by more | the flat and a strip of its flanks | the bracket of its own, else an estimate |
 //! | an axis, bounds along the radius | rings | the bracket of the force |
 //! | two mirrors, one closed strip around them | cells along the strip | an estimate |
+//! | material in a rectangle, a strip from one side to the other | rows of cells across it | an estimate |
 
 mod estimated;
 mod flanked;
@@ -16,6 +17,8 @@ mod flat;
 mod layer;
 mod oval;
 mod rings;
+mod roller;
+mod strip;
 mod tilted;
 
 use crate::edge_fitted::Limits;
@@ -37,6 +40,7 @@ pub(crate) enum Route {
     Flanked { tip: flanked::FlankedTip, tolerance: f64, flat: layer::FlatTip },
     Rings(rings::Section),
     Oval(oval::Strip),
+    Roller(roller::Roller),
 }
 
 /// A state in the user's units.
@@ -108,7 +112,10 @@ impl Route {
         }
         match known.axis {
             Some(axis) => rings::Section::of(overlap, axis).map(Self::Rings),
-            None => oval::Strip::of(overlap).map(Self::Oval),
+            None => {
+                let roller = roller::Roller::of(overlap).map(Self::Roller);
+                roller.or_else(|| oval::Strip::of(overlap).map(Self::Oval))
+            }
         }
     }
 
@@ -121,6 +128,7 @@ impl Route {
             Self::Flanked { tip, .. } => tip.found(),
             Self::Rings(section) => section.found(),
             Self::Oval(strip) => strip.found(),
+            Self::Roller(roller) => roller.found(),
         }
     }
 
@@ -137,6 +145,7 @@ impl Route {
             }
             Self::Rings(_) => "rings about the axis, and the force is proved",
             Self::Oval(_) => "cells along the closed strip, and the error is estimated",
+            Self::Roller(_) => "cells graded to both ends, and the error is estimated",
         }
     }
 
@@ -153,6 +162,7 @@ impl Route {
             }
             Self::Rings(section) => section.solve(contact, settings, &limits),
             Self::Oval(strip) => strip.solve(contact, settings, &limits),
+            Self::Roller(roller) => roller.solve(contact, settings, &limits),
         }
     }
 }
@@ -263,7 +273,7 @@ fn judged(state: Solution, settings: &Settings) -> Result<Solution, Unsolved> {
 
 /// The verdict where this method is prescribed and does not apply.
 pub(crate) fn not_applicable() -> Unsolved {
-    let reason = "the gap is not known to be a flat polygon or ellipse, planes with a level one among them, of revolution, upright, or an oval ring";
+    let reason = "the gap is not known to be a flat polygon or ellipse, planes with a level one among them, of revolution, upright, an oval ring, or a roller that ends at two sides of a rectangle";
     Unsolved::new(Verdict::NotApplicable, reason)
 }
 

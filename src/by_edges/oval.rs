@@ -4,10 +4,10 @@ use std::f64::consts::FRAC_PI_2;
 
 use super::Found;
 use super::estimated::in_users_units;
+use super::strip::{self, ROOM};
 use crate::edge_fitted::{Limits, oval};
 use crate::gap::{AnyGap, Gap};
 use crate::numeric::geometry::{Rect, farthest};
-use crate::numeric::scalar::{bisected, maximum};
 use crate::overlap::{Overlap, Scaled, Units};
 use crate::problem::{Contact, Settings};
 
@@ -22,17 +22,8 @@ pub(crate) struct Strip {
     farthest: f64,
 }
 
-/// Points of a ray at which the lowest gap is looked for.
-const LOOKS: usize = 48;
-
 /// Rays of a quarter between which the strip is taken to be straight.
 const RAYS: usize = 256;
-
-/// What the strip is wider by, where it is shown that the bodies overlap nowhere else.
-const ROOM: f64 = 0.3;
-
-/// Boxes that this may take.
-const MOST_BOXES: usize = 200_000;
 
 /// Strips wider than this share of their distance from the middle are left to a grid.
 const WIDEST: f64 = 0.5;
@@ -71,41 +62,18 @@ impl Strip {
             let [x, y] = self.on_ray(angle, r);
             self.gap.gap(x, y)
         };
-        let lowest = maximum(|r| -gap(r), 0.0, self.farthest, LOOKS).at;
-        if !(gap(lowest) < self.depth) {
-            return None;
-        }
-        let end = |outside: f64| {
-            let own = gap(outside) > self.depth;
-            own.then(|| bisected(|r| gap(r) < self.depth, [lowest, outside], 60)[0])
-        };
-        Some([end(0.0)?, end(1.001 * self.farthest)?])
+        let outside = 1.001 * self.farthest;
+        strip::interval(gap, self.depth, [0.0, outside]).filter(|[a, b]| *a > 0.0 && *b < outside)
     }
 
     /// Whether the bounds of the gap show that the bodies do not overlap outside of the strip, with some room.
     fn nowhere_else(&self, rays: &[[f64; 2]]) -> bool {
         let narrowest = rays.iter().map(|[a, b]| b - a).fold(f64::INFINITY, f64::min);
-        let mut left = vec![Rect { min: [0.0; 2], max: [self.farthest; 2] }];
-        let mut boxes = 0;
-        while let Some(own) = left.pop() {
-            boxes += 1;
-            let at = Rect {
-                min: [0, 1].map(|m| own.min[m] + self.centre[m]),
-                max: [0, 1].map(|m| own.max[m] + self.centre[m]),
-            };
-            if self.gap.bounds(&at, [0.0; 2]).is_some_and(|[low, _]| low > self.depth) || self.in_strip(&own, rays) {
-                continue;
-            }
-            if boxes > MOST_BOXES || own.size()[0] < 0.01 * narrowest {
-                return false;
-            }
-            let middle = own.centre();
-            let [x, y] = [[own.min[0], middle[0], own.max[0]], [own.min[1], middle[1], own.max[1]]];
-            for (i, j) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
-                left.push(Rect { min: [x[i], y[j]], max: [x[i + 1], y[j + 1]] });
-            }
-        }
-        true
+        let quarter = Rect { min: self.centre, max: self.centre.map(|c| c + self.farthest) };
+        strip::overlaps_only_in(&self.gap, self.depth, quarter, 0.01 * narrowest, |own| {
+            let at = |p: [f64; 2]| [0, 1].map(|m| p[m] - self.centre[m]);
+            self.in_strip(&Rect { min: at(own.min), max: at(own.max) }, rays)
+        })
     }
 
     /// Whether a box of the first quarter lies in the strip with its room.

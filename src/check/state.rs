@@ -40,34 +40,7 @@ impl State<'_> {
             }
         }
         self.relations(&mut found);
-        if let Some(word @ ("proved" | "sampled")) = self.said.evidence.one().map(AsRef::as_ref) {
-            let under_force = !matches!(load, Load::Depth(_) | Load::Tilted { .. });
-            let within = |value: f64, error: Option<f64>, [lower, upper]: [f64; 2]| {
-                let room = error.unwrap_or(0.0) * value.abs() * (1.0 + ROUNDING);
-                upper - value <= room && value - lower <= room
-            };
-            let holds = if under_force {
-                let bounds = self.get(key!(bracket.depth));
-                bounds
-                    .and_then(|bounds| bounds.lower.zip(bounds.upper))
-                    .is_some_and(|(lower, upper)| within(self.depth, self.depth_error, [lower, upper]))
-            } else {
-                self.bracket.as_ref().is_some_and(|b| within(self.force, self.force_error, [b.lower, b.upper]))
-            };
-            let what = if under_force { "depth" } else { "force" };
-            found.require(
-                holds,
-                format!("the error is {word}: there is a bracket of the {what}, within the stated error"),
-            );
-        }
-        if self.said.evidence.one().is_some_and(|word| word == "exact") {
-            let formula = matches!(self.origin.as_str(), "closed_form" | "no_contact");
-            found.require(formula, format!("only a formula is exact, and {} is none", self.origin));
-        }
-        if let Some(said) = self.said.bracket.one() {
-            let known = matches!(said.evidence.as_ref(), "proved" | "sampled");
-            found.require(known, format!("a bracket is proved or sampled; it is said to be {}", said.evidence));
-        }
+        self.evidence(load, &mut found);
         if let Some(claimed) = &self.bracket {
             let under_force = matches!(load, Load::Force(_));
             self.bracketed(claimed, &gap, scene, load, &mut found);
@@ -77,6 +50,44 @@ impl State<'_> {
         }
         found.unchecked = self.unused();
         Ok(found)
+    }
+
+    /// What the error is said to be: one of the words for it, and what goes with that.
+    fn evidence(&self, load: Load, found: &mut Verification) {
+        match self.said.evidence.one().map(AsRef::as_ref) {
+            Some("exact") => {
+                let formula = matches!(self.origin.as_str(), "closed_form" | "no_contact");
+                found.require(formula, format!("only a formula is exact, and {} is none", self.origin));
+            }
+            Some(word @ ("proved" | "sampled")) => {
+                let within = |value: f64, error: Option<f64>, [lower, upper]: [f64; 2]| {
+                    let room = error.unwrap_or(0.0) * value.abs() * (1.0 + ROUNDING);
+                    upper - value <= room && value - lower <= room
+                };
+                let (what, holds) = if matches!(load, Load::Depth(_) | Load::Tilted { .. }) {
+                    let own = |b: &Bounds| within(self.force, self.force_error, [b.lower, b.upper]);
+                    ("force", self.bracket.as_ref().is_some_and(own))
+                } else {
+                    let bounds = self.get(key!(bracket.depth)).and_then(|bounds| bounds.lower.zip(bounds.upper));
+                    let own = |(lower, upper)| within(self.depth, self.depth_error, [lower, upper]);
+                    ("depth", bounds.is_some_and(own))
+                };
+                found.require(
+                    holds,
+                    format!("the error is {word}: there is a bracket of the {what}, within the stated error"),
+                );
+            }
+            Some("estimated") | None => {}
+            Some(other) => found
+                .require(false, format!("an error is exact, proved, sampled or estimated; it is said to be {other}")),
+        }
+        if let Some(said) = self.said.bracket.one() {
+            let sides = [&said.below, &said.above].into_iter().flatten().map(|side| side.evidence.as_ref());
+            for word in sides.chain([said.evidence.as_ref()]) {
+                let known = matches!(word, "proved" | "sampled");
+                found.require(known, format!("a bracket is proved or sampled; it is said to be {word}"));
+            }
+        }
     }
 
     /// What was prescribed comes back as it was given.

@@ -28,6 +28,24 @@ pub(crate) struct Estimated {
     pub unknowns: usize,
 }
 
+impl Estimated {
+    /// In other axes.
+    pub fn in_axes(mut self, outward: impl Fn(Point) -> Point) -> Self {
+        self.cells.iter_mut().for_each(|(corners, _)| *corners = corners.map(&outward));
+        self.ends.iter_mut().flatten().for_each(|p| *p = outward(*p));
+        self
+    }
+
+    /// Where the resultant of the pressure acts.
+    pub fn centre(&self) -> Point {
+        let sums = self.cells.iter().fold([0.0; 3], |sums, (corners, p)| {
+            let own = Bilinear::new(*corners).moments();
+            [0, 1, 2].map(|k| sums[k] + p * own[k])
+        });
+        [sums[1] / sums[0], sums[2] / sums[0]]
+    }
+}
+
 /// A mesh with its pressure, E* = 1.
 pub(super) struct Solved {
     pub force: f64,

@@ -2,7 +2,7 @@
 
 use super::flanked::Flat;
 use super::flanked_mesh::Flanked;
-use super::oval::further;
+use super::rows::further;
 
 /// Heights on every flank over shares of its side, from its first corner (0) to its last one (1).
 #[derive(Debug, Clone)]

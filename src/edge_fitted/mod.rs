@@ -55,6 +55,8 @@ mod polygon;
 mod rectilinear;
 mod region;
 mod residual_norm;
+mod roller;
+mod rows;
 mod strip;
 mod subcell;
 mod subdivision;
@@ -71,6 +73,8 @@ pub(crate) use flanked_bounds::{Bounded, flanked_bounds};
 pub(crate) use flat::{FlatStiffness, flat_stiffness};
 pub(crate) use outline::Outline;
 pub(crate) use oval::oval;
+pub(crate) use roller::{Roller, roller};
+pub(crate) use symmetry::mirrors;
 pub(crate) use tilted::tilted;
 pub(crate) use tilted_mesh::{Given, Tilted};
 

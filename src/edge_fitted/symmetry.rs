@@ -20,6 +20,14 @@ impl Isometry {
     }
 }
 
+/// The group of mirrors in the lines x = c (the first) and y = c.
+#[must_use]
+pub(crate) fn mirrors(centre: Point, in_lines: [bool; 2]) -> Vec<Isometry> {
+    let senses = |m: usize| if in_lines[m] { &[1.0, -1.0][..] } else { &[1.0][..] };
+    let all = senses(1).iter().flat_map(|&b| senses(0).iter().map(move |&a| [[a, 0.0], [0.0, b]]));
+    all.map(|matrix| Isometry { centre, matrix }).collect()
+}
+
 /// Orbits of the cells under a group.
 #[derive(Debug, Clone)]
 pub(crate) struct Orbits {

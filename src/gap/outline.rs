@@ -114,6 +114,23 @@ impl Outline {
         }
     }
 
+    /// Whether it is its own image in the lines x = c (the first) and y = c through a point.
+    pub(super) fn mirrors(&self, centre: [f64; 2]) -> [bool; 2] {
+        [0, 1].map(|m| match &self.0 {
+            Shape::Ellipse(_) => centre[m] == 0.0,
+            Shape::Polygon(corners) => {
+                let image = |corner: [f64; 2]| {
+                    let mut image = corner;
+                    image[m] = 2.0 * centre[m] - corner[m];
+                    image
+                };
+                let n = corners.len();
+                // Mirrored, they come in the opposite order.
+                (0..n).any(|first| (0..n).all(|k| image(corners[k]) == corners[(first + n - k) % n]))
+            }
+        })
+    }
+
     /// Whether the point lies inside or on the edge.
     #[must_use]
     pub fn contains(&self, [x, y]: [f64; 2]) -> bool {

@@ -29,12 +29,12 @@ impl Axes {
     /// are the fields that a gap or a bracket is shown by.
     pub fn of(contact: &Contact, settings: &Settings) -> Option<Self> {
         let Outputs { gap, bracket, .. } = settings.outputs;
-        let by_grid = matches!(settings.method, Method::Auto | Method::Fft | Method::Qp);
-        if !by_grid || settings.cells.is_some() || gap || bracket {
+        let by_cells = matches!(settings.method, Method::Auto | Method::EdgeFitted | Method::Fft | Method::Qp);
+        if !by_cells || settings.cells.is_some() || gap || bracket {
             return None;
         }
         let known = contact.gap().known();
-        // Closed forms and cells fitted to edges have axes of their own.
+        // Closed forms and cells fitted to a face have axes of their own.
         if known.axis.is_some() || known.face.is_some() || known.quadratic.is_some() {
             return None;
         }

@@ -180,16 +180,23 @@ fn loads(rings: &Rings, f: &dyn RadialBounds) -> Vec<[f64; 2]> {
         .collect()
 }
 
+/// Distance of the bounds of an integral of f, over what it is: what they leave is part of the bounds of the energy.
+const CLOSE: f64 = 1e-7;
+
 /// Bounds of int f 2 pi r dr over [a, b].
 fn integral(f: &dyn RadialBounds, [a, b]: [f64; 2], depth: u32) -> [f64; 2] {
     let (c, h) = (0.5 * (a + b), 0.5 * (b - a));
     let area = 2.0 * std::f64::consts::PI * 2.0 * h * c;
-    let sum = if let Some(jet) = f.jet([a, b]) {
+    let by_jet = f.jet([a, b]).map(|jet| {
         // With x = r - c: means over 2 pi r dr of 1, x, x^2 are 1, h^2/(3 c), h^2/3.
         let (m1, m2) = (h * h / (3.0 * c), h * h / 3.0);
         let low = |v: [f64; 2], k: f64| [v[0] * k, v[1] * k];
         let parts = [jet.value, low(jet.slope, m1), low(jet.curvature, 0.5 * m2)];
         [0, 1].map(|k| area * parts.iter().map(|p| p[k]).sum::<f64>())
+    });
+    let close = |sum: &[f64; 2]| depth == 0 || sum[1] - sum[0] <= CLOSE * (sum[0].abs() + sum[1].abs());
+    let sum = if let Some(sum) = by_jet.filter(close) {
+        sum
     } else if depth == 0 {
         f.bounds([a, b]).map(|v| area * v)
     } else {
@@ -243,15 +250,17 @@ fn bracket(rings: &Rings, f: &dyn RadialBounds, law: Law) -> Option<Annular> {
         sum
     };
     let dot = |q: &[f64]| q.iter().zip(&rings.areas).map(|(q, a)| q * a).sum::<f64>();
-    let low = work(p)[0] - 0.5 * product(p, &of_p)[1];
-    let low = low - 1e-12 * low.abs();
+    // <f, p> - <p, S p>/2 is known between bounds: the energy is above the lower one, and gamma above the upper one at most.
+    let (given, taken) = (work(p), product(p, &of_p));
+    let [low, high] = [given[0] - 0.5 * taken[1], given[1] - 0.5 * taken[0]].map(|u| (u, 1e-12 * u.abs()));
+    let (low, high) = (low.0 - low.1, high.0 + high.1);
     let mut admissible = of_p.faded;
     admissible.add(1.0, &of_p.added);
     let gamma = 0.5 * admissible.bound();
     if !(low > 0.0 && gamma > 0.0 && gamma < f64::INFINITY) {
         return None;
     }
-    let energy = [low, low + gamma];
+    let energy = [low, high + gamma];
     let (computed, stiffness) = (dot(p), dot(&m));
     let force = if law == Law::Flat {
         let depth = f.value(rings.rings[contact.iter().position(|c| *c)?][1]);
@@ -300,6 +309,8 @@ fn bracket(rings: &Rings, f: &dyn RadialBounds, law: Law) -> Option<Annular> {
 
 #[cfg(test)]
 pub(super) mod tests {
+    use std::f64::consts::PI;
+
     use super::*;
 
     /// f = c0 + c1 r + c2 r^2.
@@ -377,5 +388,52 @@ pub(super) mod tests {
         let e_star = 1.0 / ((1.0 - 0.25) / (2.0 * 75485000.0) + (1.0 - 0.01) / 1e12);
         let exact = 7.69139 / (e_star * radius * depth);
         assert!(a.force[0] <= exact * (1.0 + 2e-5) && a.force[1] >= exact * (1.0 - 2e-5));
+    }
+
+    /// f = 0.6 - (1 + cos pi r) - 0.045 r^2, which no polynomial of second degree is.
+    struct Wave;
+
+    impl RadialBounds for Wave {
+        fn value(&self, r: f64) -> f64 {
+            0.6 - (1.0 + (PI * r).cos()) - 0.045 * r * r
+        }
+
+        fn bounds(&self, [a, b]: [f64; 2]) -> [f64; 2] {
+            let h = 0.5 * (b - a);
+            let (value, slope) = (self.value(0.5 * (a + b)), (PI + 0.09 * b) * h);
+            [value - slope, value + slope]
+        }
+
+        fn jet(&self, [a, b]: [f64; 2]) -> Option<RadialJet> {
+            let (r, h) = (0.5 * (a + b), 0.5 * (b - a));
+            let around = |v: f64, by: f64| [v - by, v + by];
+            Some(RadialJet {
+                value: around(self.value(r), 1e-14),
+                slope: around(PI * (PI * r).sin() - 0.09 * r, 1e-14),
+                curvature: around(PI * PI * (PI * r).cos() - 0.09, PI.powi(3) * h),
+            })
+        }
+    }
+
+    #[test]
+    fn bounds_of_an_energy_hold_those_of_finer_rings() {
+        let root = |from: f64, to: f64| crate::numeric::scalar::root(|r| Wave.value(r), from, to).unwrap().at;
+        let span = |radii: [f64; 2]| Span { radii, edges: [false; 2] };
+        let waves = [span([root(0.1, 1.0), root(1.0, 2.0)]), span([root(2.0, 3.0), root(3.0, 4.0)])];
+        let toroid = [span([0.8, 1.2])];
+        let both: [(&dyn RadialBounds, &[Span]); 2] = [(&Wave, &waves), (&Quadratic([-24.0, 50.0, -25.0]), &toroid)];
+        for (f, spans) in both {
+            let on = |n: usize| {
+                let contact = touching(&mesh(spans, &[], 4 * n), f).unwrap();
+                bracket(&mesh(spans, &contact, n), f, Law::Any).unwrap()
+            };
+            let fine = on(60);
+            for n in [6, 8, 12, 18, 27] {
+                let coarse = on(n);
+                for [a, b] in [[coarse.energy, fine.energy], [coarse.force, fine.force]] {
+                    assert!(a[0] <= b[0] && b[1] <= a[1], "{n}: {a:?} does not hold {b:?}");
+                }
+            }
+        }
     }
 }

@@ -142,15 +142,12 @@ impl Formula {
         let face =
             plane.map(|q| Face { outline: region.clone(), at: [0.0; 2], turn: 0.0, value: q.value, slope: q.gradient });
         let level = face.as_ref().filter(|face| face.slope == [0.0; 2]);
-        let at_origin = known.centre == [0.0; 2];
         let inside = region.contains(known.centre);
         let at = |[x, y]: [f64; 2]| self.value(x, y);
+        let keeps = inside && level.is_none() && at(known.centre) <= at(region.inner_point());
+        let (own, centre) = (region.mirrors(known.centre), if keeps { known.centre } else { region.inner_point() });
         Known {
-            centre: if inside && level.is_none() && at(known.centre) <= at(region.inner_point()) {
-                known.centre
-            } else {
-                region.inner_point()
-            },
+            centre,
             law: level.map(|face| Law { degree: Degree::Flat, lowest: face.value }),
             quadratic: None,
             axis: known
@@ -158,7 +155,7 @@ impl Formula {
                 .filter(|axis| disc && axis.at == [0.0; 2])
                 .map(|axis| Axis { generatrix: Generatrix::General, ..axis }),
             material: Material::Within(region.bounds()),
-            mirrors: if round.is_some() && at_origin { known.mirrors } else { [false; 2] },
+            mirrors: [0, 1].map(|m| centre[m] == known.centre[m] && known.mirrors[m] && own[m]),
             face,
             ends: (round.is_none()).then(|| region.corners().into()),
             drawn_along: region.longest_side(),

@@ -208,11 +208,10 @@ impl Refinement<'_> {
             }
             // One step alone may be small by luck.
             let close = error <= tolerance * value && three;
-            let cut = (edge == Some(Edge::End)).then(|| CutCells::of(self.scaled, &state));
-            let (ends, aligned) = (cut.is_some(), cut.is_some_and(|cut| cut.aligned));
-            let good = close && (aligned || !ends);
-            if !good && ends {
-                return match self.at_sharp_edges(aligned) {
+            let good = close && edge != Some(Edge::End);
+            if edge == Some(Edge::End) {
+                // What falls with the first power of the cells, at edges, and what jumps, at other ends, may cancel on a few grids.
+                return match self.at_sharp_edges(CutCells::of(self.scaled, &state).aligned) {
                     // Without a line this grid stands alone.
                     Err(e) if matches!(e.verdict, Verdict::TooLarge | Verdict::TimeLimit) => {
                         let error = self.error_as_given(&state, Estimate { value, error })?;

@@ -1,0 +1,271 @@
+//! Contacts that are strips: cells in rows across them, the ends of every row moved to where the contact ends.
+//!
+//! On any set A of cells the pressure with S p = f on A has the force P_A, which is the largest, and stationary, where A is the contact
+//! (Barber 1974). Beside an end of A
+//!
+//! ```text
+//! p = C s^(1/2) + K s^(-1/2) + ...,
+//! ```
+//!
+//! and the end of the contact, where K vanishes, lies K > 0: further out, by 2 K/C to first order. The ends of every row of cells are
+//! moved by that until it is small; what is left of it enters P_A squared. What cells across and along the strip leave is told by fewer
+//! of them. An end at which the material ends stays there.
+
+use super::Limits;
+use super::estimated::{Estimated, Solved, Touching};
+use super::mesh::{Mesh, Point};
+use super::rectilinear::{graded, graded_both};
+use super::symmetry::Isometry;
+
+/// Grading of the cells towards ends that move: p is bounded there; and towards those of the material.
+const EXPONENTS: [f64; 2] = [2.0, 4.0];
+
+/// The contact as a share of the strip in which the bodies overlap, to begin with: that of a paraboloid.
+const FIRST: [f64; 2] = [0.15, 0.85];
+
+/// Moves of the ends on one mesh, at most.
+const MOVES: usize = 10;
+
+/// Moves that are small enough, over half the width, for an error of 1e-3: they enter the force squared.
+const CLOSE: f64 = 0.01;
+
+/// Share of the width beside a moving end in which the pressure may be negative where the end is not yet where it should be.
+const BESIDE_END: f64 = 0.05;
+
+/// Moves with which a mesh is not settled.
+const UNSETTLED: f64 = 0.1;
+
+/// Rounds of more cells.
+const ROUNDS: usize = 4;
+
+/// Cells across of the finer of two meshes over those of the coarser, less 1: with forces that converge with the second order what is left
+/// of the finer is less than the change.
+const FINER: f64 = 0.5;
+
+/// Order that the next round relies on, and share of the tolerance that each direction aims at.
+const ORDER: f64 = 2.0;
+const AIM: f64 = 0.35;
+
+/// A strip in which bodies overlap, by its stations: rows lie between two of them.
+pub(super) trait Strip {
+    /// Where the bodies overlap across the strip, at a share of its length.
+    fn overlap(&self, along: f64) -> Option<[f64; 2]>;
+
+    /// Which of both ends the contact ends at by itself; the others are edges of the material.
+    fn moves(&self) -> [bool; 2];
+
+    /// Cells over all rows, whose ends are given at the stations, `shares` of the way from one to the other: rows of `shares.len() - 1`, the
+    /// first ones those between the stations.
+    fn mesh(&self, stations: &[[f64; 2]], shares: &[f64]) -> Mesh;
+
+    /// Where the contact ends: closed lines, contact on the left.
+    fn boundary(&self, stations: &[[f64; 2]]) -> Vec<Vec<Point>>;
+
+    /// Symmetries of strip and overlap.
+    fn group(&self) -> &[Isometry];
+
+    /// Rows of cells in the mesh to one between stations.
+    fn copies(&self) -> usize;
+
+    /// The length of a row over that of the longest.
+    fn length(&self, row: usize, rows: usize) -> f64;
+}
+
+/// Ends of the contact at the stations, as shares of the strip in which the bodies overlap.
+#[derive(Debug, Clone)]
+struct Ends(Vec<[f64; 2]>);
+
+/// A solved mesh.
+struct State {
+    solved: Solved,
+    /// Moves of both ends of each row, over half the width.
+    moves: Vec<[f64; 2]>,
+    /// The largest, that of a short row by the root of what it is shorter by.
+    off: f64,
+    /// Whether there is no gap between both ends.
+    pressed: bool,
+}
+
+/// The contact of an overlap `f` that is positive in the strip and nowhere else, beginning with so many rows and, to each moving end, cells
+/// across. `None` where no such contact is found, and once the time is used up.
+pub(super) fn refined(
+    f: &dyn Fn(Point) -> f64,
+    strip: &dyn Strip,
+    (mut rows, mut half): (usize, usize),
+    limits: &Limits,
+) -> Option<Estimated> {
+    let moves = strip.moves();
+    let first = [0, 1].map(|m| if moves[m] { FIRST[m] } else { m as f64 });
+    let mut ends = Ends(vec![first; rows + 1]);
+    let mut best: Option<Estimated> = None;
+    let problem = Problem { f, strip, limits };
+    let images = strip.group().len().max(1);
+    for _ in 0..ROUNDS {
+        let finer = half + 2.max((FINER * half as f64).ceil() as usize);
+        if rows * strip.copies() * 2 * finer / images > limits.unknowns {
+            return best;
+        }
+        // Fewer rows first: the ends come to rest on them.
+        let fewer = (2 * rows).div_ceil(3);
+        let mut own = ends.resampled(fewer);
+        let Some(shorter) = problem.settled(&mut own, fewer, half) else { return best };
+        ends = own.resampled(rows);
+        let Some(coarse) = problem.settled(&mut ends, rows, half) else { return best };
+        let Some(fine) = problem.settled(&mut ends, rows, finer) else { return best };
+        let own = &fine.solved;
+        let across = |of: fn(&Solved) -> f64| (of(own) / of(&coarse.solved) - 1.0).abs();
+        let along = |of: fn(&Solved) -> f64| (of(&coarse.solved) / of(&shorter.solved) - 1.0).abs();
+        let change = |of: fn(&Solved) -> f64| across(of) + along(of);
+        // What each direction leaves of force and energy.
+        let left = [along(|s| s.force).max(along(|s| s.energy)), across(|s| s.force).max(across(|s| s.energy))];
+        let off = fine.off.max(coarse.off);
+        let found = Estimated {
+            force: own.force,
+            error: change(|s| s.force).max(change(|s| s.energy)) + 2.0 * off * off,
+            energy: own.energy,
+            stiffness: own.stiffness,
+            stiffness_error: change(|s| s.stiffness) + off,
+            area: own.area,
+            area_error: change(|s| s.area) + 2.0 * off,
+            cells: own.cells(Touching::All),
+            ends: strip.boundary(&problem.stations(&ends)?),
+            unknowns: own.unknowns,
+        };
+        let done = found.error <= limits.tolerance;
+        best = Some(found);
+        if done {
+            break;
+        }
+        let wanted = |n: usize, left: f64| {
+            let times = (left / (AIM * limits.tolerance)).max(0.0).powf(1.0 / ORDER).min(2.0);
+            ((times * n as f64).ceil() as usize).max(n)
+        };
+        let more = [wanted(rows, left[0]), wanted(half, left[1])];
+        // What is off by the ends alone falls with both.
+        let more = if more == [rows, half] { [rows + rows / 4, half + 1] } else { more };
+        ends = ends.resampled(more[0]);
+        [rows, half] = more;
+    }
+    best
+}
+
+struct Problem<'a> {
+    f: &'a dyn Fn(Point) -> f64,
+    strip: &'a dyn Strip,
+    limits: &'a Limits,
+}
+
+impl Problem<'_> {
+    /// The mesh whose ends have come to rest, as far as they do.
+    fn settled(&self, ends: &mut Ends, rows: usize, half: usize) -> Option<State> {
+        let mut state = self.solve(ends, rows, half)?;
+        for _ in 0..MOVES {
+            if state.off <= CLOSE * (self.limits.tolerance / 1e-3).min(1.0).sqrt() {
+                break;
+            }
+            ends.moved(&state.moves);
+            state = self.solve(ends, rows, half)?;
+        }
+        let Solved { force, stiffness, .. } = state.solved;
+        (force > 0.0 && stiffness > 0.0 && state.off < UNSETTLED && state.pressed).then_some(state)
+    }
+
+    /// Both ends at the stations.
+    fn stations(&self, ends: &Ends) -> Option<Vec<[f64; 2]>> {
+        let rows = ends.0.len() - 1;
+        let at = |(k, shares): (usize, &[f64; 2])| {
+            let [a, b] = self.strip.overlap(k as f64 / rows as f64)?;
+            Some(shares.map(|share| a + share * (b - a)))
+        };
+        ends.0.iter().enumerate().map(at).collect()
+    }
+
+    fn solve(&self, ends: &Ends, rows: usize, half: usize) -> Option<State> {
+        let free = self.strip.moves();
+        let shares = shares(free, half);
+        let across = shares.len() - 1;
+        let mesh = self.strip.mesh(&self.stations(ends)?, &shares);
+        let solved = Solved::new(mesh, self.strip.group(), self.f, Touching::All, self.limits)?;
+        let pressure = &solved.pressure;
+        let widths = [[shares[1], shares[2]], [1.0 - shares[across - 1], 1.0 - shares[across - 2]]];
+        let moved = |k: usize| {
+            let at = |j: usize| pressure[k * across + j];
+            let last = [[at(0), at(1)], [at(across - 1), at(across - 2)]];
+            [0, 1].map(|m| if free[m] { 2.0 * further(widths[m], last[m]) } else { 0.0 })
+        };
+        let moves: Vec<[f64; 2]> = (0..rows).map(moved).collect();
+        let middle = |j: usize| 0.5 * (shares[j] + shares[j + 1]);
+        let beside = |j: usize| (free[0] && middle(j) < BESIDE_END) || (free[1] && middle(j) > 1.0 - BESIDE_END);
+        let pressed = (0..rows).all(|k| (0..across).all(|j| beside(j) || pressure[k * across + j] > 0.0));
+        let off = (0..rows).map(|k| {
+            let [a, b] = moves[k];
+            a.abs().max(b.abs()) * self.strip.length(k, rows).sqrt()
+        });
+        Some(State { off: off.fold(0.0, f64::max), pressed, solved, moves })
+    }
+}
+
+/// Where cells begin and end across a strip.
+fn shares(moves: [bool; 2], half: usize) -> Vec<f64> {
+    match moves.map(|moves| EXPONENTS[usize::from(!moves)]) {
+        [a, b] if a == b => graded_both(0.0, 1.0, half, a),
+        [a, b] => {
+            let left = graded(0.5, 0.0, half, a);
+            left.into_iter().rev().chain(graded(0.5, 1.0, half, b).into_iter().skip(1)).collect()
+        }
+    }
+}
+
+impl Ends {
+    /// Moved by the mean of the rows on both sides of each station, which are mirrored at the first and the last.
+    fn moved(&mut self, moves: &[[f64; 2]]) {
+        let rows = moves.len();
+        for (k, [a, b]) in self.0.iter_mut().enumerate() {
+            let mean = |m: usize| 0.5 * (moves[k.saturating_sub(1)][m] + moves[k.min(rows - 1)][m]);
+            let half = 0.5 * (*b - *a);
+            // Contact ends where the bodies overlap.
+            *a = (*a - half * mean(0)).max(if mean(0) == 0.0 { 0.0 } else { 1e-6 });
+            *b = (*b + half * mean(1)).min(if mean(1) == 0.0 { 1.0 } else { 1.0 - 1e-6 });
+        }
+    }
+
+    /// At other stations: shares vary slowly.
+    fn resampled(&self, rows: usize) -> Self {
+        let last = self.0.len() - 1;
+        let at = |k: usize| {
+            let t = k as f64 / rows as f64 * last as f64;
+            let i = (t as usize).min(last - 1);
+            [0, 1].map(|m| self.0[i][m] + (t - i as f64) * (self.0[i + 1][m] - self.0[i][m]))
+        };
+        Self((0..=rows).map(at).collect())
+    }
+}
+
+/// 2 K/C of p = C s^(1/2) + K s^(-1/2), from its means over [0, a] and [a, b]; in the unit of a and b.
+pub(super) fn further([a, b]: [f64; 2], [p, q]: [f64; 2]) -> f64 {
+    let root = |from: f64, to: f64| 2.0 / 3.0 * (to.powf(1.5) - from.powf(1.5)) / (to - from);
+    let inverse = |from: f64, to: f64| 2.0 * (to.sqrt() - from.sqrt()) / (to - from);
+    let (r0, i0, r1, i1) = (root(0.0, a), inverse(0.0, a), root(a, b), inverse(a, b));
+    let det = r0 * i1 - r1 * i0;
+    let (c, k) = ((p * i1 - q * i0) / det, (r0 * q - r1 * p) / det);
+    if c > 0.0 { (2.0 * k / c).clamp(-FARTHEST, FARTHEST) } else { FARTHEST * k.signum() }
+}
+
+/// Of the width: what is far is not of first order.
+const FARTHEST: f64 = 0.1;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_end_is_found_from_two_means() {
+        // p = (s + e)^(1/2) about s = 0: the end lies e further. Its expansion in e fails within e of the end: an error of (e/a)^(1/2).
+        let mean = |e: f64, a: f64, b: f64| 2.0 / 3.0 * ((b + e).powf(1.5) - (a + e).powf(1.5)) / (b - a);
+        let found = |e: f64| further([0.3, 0.6], [mean(e, 0.0, 0.3), mean(e, 0.3, 0.6)]);
+        for e in [0.02, 5e-3, 5e-4, 1e-4] {
+            assert!((found(e) / e - 1.0).abs() < (e / 0.3_f64).sqrt(), "{} at {e}", found(e));
+        }
+        assert!(found(0.0).abs() < 1e-12);
+    }
+}
