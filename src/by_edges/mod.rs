@@ -7,7 +7,7 @@
 //! | a tilted face in an ellipse that lifts off | the cells that stay in contact | an estimate |
 //! | the highest of several planes, one of them level | the flat punch under that one | E* K d to E* K d (1 + s/2): see [`layer`] |
 //! | the same, where the contact passes it by more | the flat and a strip of its flanks | the bracket of its own, else an estimate |
-//! | an axis, bounds along the radius | rings | the bracket of the force |
+//! | an axis, bounds along the radius | rings | the bracket of the force, else an estimate |
 //! | two mirrors, one closed strip around them | cells along the strip | an estimate |
 //! | material in a rectangle, a strip from one side to the other | rows of cells across it | an estimate |
 
@@ -143,7 +143,7 @@ impl Route {
             Self::Flanked { .. } => {
                 "cells graded to the edges of the flat and to the contact beyond it, and the force is proved, else estimated"
             }
-            Self::Rings(_) => "rings about the axis, and the force is proved",
+            Self::Rings(_) => "rings about the axis, and the force is proved, else estimated",
             Self::Oval(_) => "cells along the closed strip, and the error is estimated",
             Self::Roller(_) => "cells graded to both ends, and the error is estimated",
         }

@@ -14,8 +14,9 @@ use crate::solution::{Patch, Piece};
 pub(crate) struct Section {
     gap: AnyGap,
     depth: f64,
-    /// Radii at which the slope may jump, rising.
+    /// Radii at which the slope may jump, rising, and those just beyond at which rings may end.
     kinks: Vec<f64>,
+    nodes: Vec<f64>,
     /// Radii between which there is material, rising.
     material: Vec<[f64; 2]>,
     /// Radii between which f may be positive, rising.
@@ -42,11 +43,17 @@ const MOST_KINKS: usize = 64;
 /// Rings at most.
 const MOST_RINGS: usize = 800;
 
+/// Those that a proof is worth where it is not asked for: some tenths of a second.
+const WORTH: usize = 240;
+
 /// Points between two kinks at which it is looked whether there is material: what they show can refuse, and proves nothing.
 const LOOKS: usize = 64;
 
 /// Parts of a span on which the slopes have to be enclosed.
 const PIECES: usize = 16;
+
+/// Distance of a kink from the end of a span, over its width, below which it is that end.
+const APART: f64 = 1e-7;
 
 /// Points of a circle of the boundary.
 const CIRCLE: usize = 128;
@@ -74,9 +81,11 @@ impl Section {
         let floor = overlap.known().floor;
         let law = if floor > f64::NEG_INFINITY { Law::Depth((overlap.depth - floor) / height) } else { Law::Any };
         let (material, spans) = (Vec::new(), Vec::new());
-        let mut section = Self { gap, depth, kinks, material, spans, law, at: axis.at, length, height };
+        let nodes = Vec::new();
+        let mut section = Self { gap, depth, kinks, nodes, material, spans, law, at: axis.at, length, height };
         section.find_material()?;
         section.find_spans()?;
+        section.find_nodes();
         section.flat_law();
         (!section.spans.is_empty() && section.encloses_slopes()).then_some(section)
     }
@@ -160,6 +169,15 @@ impl Section {
         Some(())
     }
 
+    /// Just beyond every kink inside a span: rings end on one side of it.
+    fn find_nodes(&mut self) {
+        let inside = |r: &f64| {
+            let own = |Span { radii: [a, b], .. }: &Span| a + APART * (b - a) < *r && *r < b - APART * (b - a);
+            self.spans.iter().any(own)
+        };
+        self.nodes = self.kinks.iter().map(|r| r * (1.0 + 2.0 * INSET)).filter(inside).collect();
+    }
+
     /// f the same wherever there is material: P d = 2 U.
     fn flat_law(&mut self) {
         let level = |span: &Span| {
@@ -197,9 +215,10 @@ impl Section {
     }
 
     pub(super) fn solve(&self, contact: &Contact, settings: &Settings, limits: &Limits) -> Option<Found> {
-        let limits = Limits { unknowns: MOST_RINGS, ..*limits };
-        let found = annular(self, &self.spans, self.law, &limits).filter(|found| found.proved)?;
-        let Annular { mut force, energy, stiffness, rings, unknowns, .. } = found;
+        let worth = if settings.outputs.bracket { MOST_RINGS } else { WORTH };
+        let limits = Limits { unknowns: MOST_RINGS, worth, ..*limits };
+        let found = annular(self, &self.spans, self.law, &limits)?;
+        let Annular { mut force, energy, stiffness, rings, unknowns, proved, .. } = found;
         force = [force[0] * (1.0 - self.rounding()), force[1] * (1.0 + self.rounding())];
         if !(force[0] > 0.0 && force[1] < f64::INFINITY) {
             return None;
@@ -260,7 +279,7 @@ impl Section {
             unknowns,
             how: format!("the gap is {}", self.found()),
             left_out: "the surface grid: rings along one radius are enough",
-            proved: true,
+            proved,
             tilting: None,
         })
     }
@@ -343,6 +362,10 @@ impl RadialBounds for Section {
         }
     }
 
+    fn kinks(&self) -> &[f64] {
+        &self.nodes
+    }
+
     /// From both sides of a kink.
     fn slopes(&self, [a, b]: [f64; 2]) -> Option<[f64; 2]> {
         let inner = self.kinks.iter().copied().filter(|k| *k > a && *k < b);
@@ -355,11 +378,20 @@ impl RadialBounds for Section {
             if !(part[0] < part[1]) {
                 continue;
             }
-            let jet = self.jet(part)?;
-            let size = jet.curvature[0].abs().max(jet.curvature[1].abs());
-            // What the slope changes by over half of the part, and over what the inset leaves out.
-            let reach = size * (0.5 * (part[1] - part[0]) + 2.0 * INSET * b);
-            all = [all[0].min((jet.slope[0] - reach).next_down()), all[1].max((jet.slope[1] + reach).next_up())];
+            let slopes = match self.jet(part) {
+                Some(jet) => {
+                    let size = jet.curvature[0].abs().max(jet.curvature[1].abs());
+                    // What the slope changes by over half of the part, and over what the inset leaves out.
+                    let reach = size * (0.5 * (part[1] - part[0]) + 2.0 * INSET * b);
+                    [(jet.slope[0] - reach).next_down(), (jet.slope[1] + reach).next_up()]
+                }
+                // At the axis, where the gap may have a tip.
+                None => {
+                    let [along, _] = self.gap.slopes(&along(part))?;
+                    [-along.hi, -along.lo]
+                }
+            };
+            all = [all[0].min(slopes[0]), all[1].max(slopes[1])];
         }
         (all[0] <= all[1]).then_some(all)
     }

@@ -87,6 +87,8 @@ pub(crate) struct Limits {
     pub tolerance: f64,
     /// Unknowns at most, after symmetry.
     pub unknowns: usize,
+    /// Rings that a proof is worth where an estimate is good enough.
+    pub worth: usize,
     /// Cells at most.
     pub cells: usize,
     /// Whether the force of a tilted punch is to be proved where it can be: most of the time goes there.
@@ -97,6 +99,6 @@ pub(crate) struct Limits {
 
 impl Default for Limits {
     fn default() -> Self {
-        Self { tolerance: 1e-3, unknowns: 1600, cells: 12_000, proof: true, deadline: Deadline::NEVER }
+        Self { tolerance: 1e-3, unknowns: 1600, worth: 400, cells: 12_000, proof: true, deadline: Deadline::NEVER }
     }
 }

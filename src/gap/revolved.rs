@@ -151,11 +151,13 @@ impl Gap for Revolved {
         if !(r.lo >= r0 && r.hi <= r1) {
             return None;
         }
+        let level = z0 == z1;
         let [r0, z0, r1, z1] = [r0, z0, r1, z1].map(Interval::point);
         let slope = (z1 - z0) / (r1 - r0);
         radial::taylor(rect, |r| Profile {
             value: z0 + slope * (r - r0),
-            slope_over_r: slope / r,
+            // Level at the axis, too.
+            slope_over_r: if level { Interval::ZERO } else { slope / r },
             curvature: Interval::ZERO,
         })
     }

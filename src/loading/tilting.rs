@@ -11,6 +11,9 @@ use crate::overlap::least;
 use crate::problem::{Contact, Method, Settings};
 use crate::solution::{Origin, Solution, Unsolved, Verdict};
 
+/// Several times the rounding of a depth.
+const DIGITS: f64 = 32.0 * f64::EPSILON;
+
 /// A box around everything that can touch at any tilt: where the gap is less than a depth beyond all measure.
 fn material(gap: &AnyGap, depth: f64) -> Option<Rect> {
     let (_, least) = least(gap);
@@ -52,9 +55,12 @@ pub(crate) fn under_moment(
     // The last linear step of a force-driven solve has no place here: the state is solved anew at every tilt.
     let mut engine = Engine::new(contact, settings, true);
     engine.shared.material = material;
-    let close = |method: Method| match method {
-        // Rounding in the force of a deep state is what is left.
-        Method::ClosedForm => 1e-11,
+    let close = |state: &Solution| match state.method {
+        // Depth and tilts cancel where the force acts, up to what overlaps there.
+        Method::ClosedForm => {
+            let terms = state.depth.abs() + (state.tilt[0] * through[0]).abs() + (state.tilt[1] * through[1]).abs();
+            equilibrium::CLOSED.max(DIGITS * terms * state.stiffness / state.force)
+        }
         _ => 0.01 * settings.tolerance,
     };
     let mut guess = lowest_at(contact.gap(), through, &untilted, size);

@@ -50,7 +50,7 @@ pub(crate) struct Annular {
     pub computed: f64,
     /// Inner and outer radius and pressure of each ring in contact.
     pub rings: Vec<([f64; 2], f64)>,
-    /// Every enclosure held.
+    /// Whether the bounds of the force are proved; estimates else.
     pub proved: bool,
     /// Rings of the last mesh.
     pub unknowns: usize,
@@ -65,42 +65,90 @@ const FIRST: usize = 6;
 pub(crate) fn annular(f: &dyn RadialBounds, spans: &[Span], law: Law, limits: &Limits) -> Option<Annular> {
     let mut before = limits.deadline.remaining();
     let mut n = FIRST;
+    // The last mesh: its rings to a half span and the width of its bounds.
+    let mut last: Option<(usize, f64)> = None;
+    // Of all meshes: rings to a half span and the computed force.
+    let mut forces: Vec<(usize, f64)> = Vec::new();
     let mut best: Option<Annular> = None;
     let mut contact: Vec<[f64; 2]> = Vec::new();
     loop {
         if contact.is_empty() {
             // Where the contact ends is not known yet: even rings first.
-            contact = touching(&mesh(spans, &[], 4 * n), f)?;
+            contact = touching(&mesh(spans, &[], f.kinks(), 4 * n), f)?;
         }
-        let rings = mesh(spans, &contact, n);
+        let rings = mesh(spans, &contact, f.kinks(), n);
         contact = touching(&rings, f)?;
         let Some(found) = bracket(&rings, f, law) else { return best };
+        let own = half_width(found.force);
         let join = |a: [f64; 2], b: [f64; 2]| [a[0].max(b[0]), a[1].min(b[1])];
         let found = match &best {
             Some(b) => Annular { force: join(found.force, b.force), energy: join(found.energy, b.energy), ..found },
             None => found,
         };
-        let width = (found.force[1] - found.force[0]) / (found.force[1] + found.force[0]);
-        let unknowns = found.unknowns;
-        let done = width <= limits.tolerance;
+        let width = half_width(found.force);
+        let (unknowns, computed) = (found.unknowns, found.computed);
+        forces.push((n, computed));
+        let estimate = left_of(&forces);
         best = Some(found);
-        // Third order at edges, second beside free ends: the slower one.
-        let factor = if width.is_finite() { (width / limits.tolerance).sqrt() } else { 2.0 };
-        let next = ((n as f64 * factor).ceil() as usize).clamp(n + 2, 2 * n);
-        let growth = next as f64 / n as f64;
-        if done
-            || unknowns as f64 * growth > limits.unknowns as f64
-            || (before - limits.deadline.remaining()) * growth.powi(2) > limits.deadline.remaining()
-        {
+        if width <= limits.tolerance {
             return best;
         }
+        let order = last
+            .filter(|(_, before)| *before > own && own.is_finite())
+            .map_or(2.0, |(coarser, before)| ((before / own).ln() / (n as f64 / coarser as f64).ln()).clamp(1.0, 3.0));
+        let factor = if width.is_finite() { (width / limits.tolerance).powf(1.0 / order) } else { 2.0 };
+        let wanted = (n as f64 * factor).ceil();
+        let next = (wanted as usize).clamp(n + 2 + n / 8, 2 * n);
+        let growth = next as f64 / n as f64;
+        let too_many = |most: usize, growth: f64| unknowns as f64 * growth > most as f64;
+        let too_long = (before - limits.deadline.remaining()) * growth.powi(2) > limits.deadline.remaining();
+        // A proof that is far is left, once what it would prove is known.
+        let far = !limits.proof || too_many(limits.worth, wanted / n as f64) || too_long;
+        if far && estimate <= limits.tolerance {
+            return best.map(|best| best.estimated(estimate));
+        }
+        if too_many(limits.unknowns, growth) || too_long {
+            return best;
+        }
+        last = Some((n, own));
         (n, before) = (next, limits.deadline.remaining());
     }
 }
 
-/// The rings of the spans: graded to the edges of the material; beside a free end of the last contact finer, and coarser
-/// away from it.
-fn mesh(spans: &[Span], contact: &[[f64; 2]], n: usize) -> Rings {
+/// Half the width of bounds, relative.
+fn half_width([low, high]: [f64; 2]) -> f64 {
+    (high - low) / (high + low)
+}
+
+/// What is left of a force, relative, by what the last two steps from mesh to mesh leave of it: second order beside free ends, third at
+/// edges, the slower one; a step may be small by where the contact ends between rings.
+fn left_of(forces: &[(usize, f64)]) -> f64 {
+    let Some((n, last)) = forces.last() else { return f64::INFINITY };
+    let left = |pair: &[(usize, f64)]| {
+        let [(coarse, before), (fine, after)] = [pair[0], pair[1]];
+        let ratio = |a: usize, b: usize| (a as f64 / b as f64).powi(2);
+        (after - before).abs() / (ratio(fine, coarse) - 1.0) * ratio(fine, *n)
+    };
+    let steps: Vec<f64> = forces.windows(2).rev().take(2).map(left).collect();
+    if steps.len() < 2 { f64::INFINITY } else { SAFE * steps.into_iter().fold(0.0, f64::max) / last }
+}
+
+/// Room for steps that are no power of the rings.
+const SAFE: f64 = 1.5;
+
+impl Annular {
+    /// The computed force with this relative error, as far as the bounds let it be.
+    fn estimated(mut self, error: f64) -> Self {
+        let [low, high] = self.force;
+        self.force = [(self.computed * (1.0 - error)).max(low), (self.computed * (1.0 + error)).min(high)];
+        self.proved = false;
+        self
+    }
+}
+
+/// The rings of the spans: graded to the edges of the material and, in the last contact, to kinks; beside a free end of it finer, and
+/// coarser away from it.
+fn mesh(spans: &[Span], contact: &[[f64; 2]], kinks: &[f64], n: usize) -> Rings {
     let (mut rings, mut loaded) = (Vec::new(), Vec::new());
     for (index, span) in spans.iter().enumerate() {
         let [a, b] = span.radii;
@@ -112,18 +160,39 @@ fn mesh(spans: &[Span], contact: &[[f64; 2]], n: usize) -> Rings {
         if span.edges == [true, true] && inside.is_empty() {
             nodes = graded_both(a, b, n, 4.0);
         } else if inside.is_empty() {
-            nodes.extend((1..=2 * n).map(|i| a + (b - a) * i as f64 / (2 * n) as f64));
+            let even = (1..=2 * n).map(|i| a + (b - a) * i as f64 / (2 * n) as f64);
+            nodes.extend(even.chain(kinks.iter().copied().filter(|k| *k > a && *k < b)));
+            nodes.sort_by(f64::total_cmp);
+            nodes.dedup();
         }
         for (k, c) in inside.iter().enumerate() {
             let edge = |high: bool| {
                 let (end, limit) = if high { (c[1], b) } else { (c[0], a) };
                 span.edges[usize::from(high)] && end == limit
             };
-            let middle = 0.5 * (c[0] + c[1]);
-            let exponent = |high: bool| if edge(high) { 4.0 } else { 2.0 };
-            let mut own = graded(middle, c[0], n, exponent(false));
-            own.reverse();
-            own.extend(graded(middle, c[1], n, exponent(true)).into_iter().skip(1));
+            let apart = APART * (c[1] - c[0]);
+            let at_kink = |r: f64| kinks.iter().any(|k| (k - r).abs() <= apart);
+            let inner = kinks.iter().copied().filter(|k| *k > c[0] + apart && *k < c[1] - apart);
+            let cuts: Vec<f64> = std::iter::once(c[0]).chain(inner).chain([c[1]]).collect();
+            let long = |k: usize| k.checked_add(1).and_then(|m| Some(cuts.get(m)? - cuts[k])).unwrap_or(0.0);
+            let mut own = vec![c[0]];
+            for (k, pair) in cuts.windows(2).enumerate() {
+                let exponent = |high: bool| {
+                    let (outermost, beside) =
+                        if high { (k + 2 == cuts.len(), long(k + 1)) } else { (k == 0, long(k.wrapping_sub(1))) };
+                    let steep = if outermost {
+                        edge(high) || at_kink(pair[usize::from(high)])
+                    } else {
+                        beside < SHORT * long(k)
+                    };
+                    if steep { 4.0 } else { 2.0 }
+                };
+                let middle = 0.5 * (pair[0] + pair[1]);
+                let mut low = graded(middle, pair[0], n, exponent(false));
+                low.reverse();
+                own.extend(low.into_iter().skip(1));
+                own.extend(graded(middle, pair[1], n, exponent(true)).into_iter().skip(1));
+            }
             // From what is there to the contact: rings that grow away from it.
             let from = *nodes.last().unwrap_or(&a);
             if own[0] > from {
@@ -156,6 +225,12 @@ fn mesh(spans: &[Span], contact: &[[f64; 2]], n: usize) -> Rings {
     }
     Rings::new(rings, loaded)
 }
+
+/// Distance of a kink from the end of a contact, over the width of that, below which they are one.
+const APART: f64 = 1e-6;
+
+/// A part of a contact, over its neighbour, at which that ends as at an edge: pressure grows towards a corner that it passes by little.
+const SHORT: f64 = 0.2;
 
 /// Nodes after `from` up to `to`, steps growing by a half from `step`.
 fn away(from: f64, to: f64, step: f64) -> Vec<f64> {
@@ -223,6 +298,9 @@ fn touching(rings: &Rings, f: &dyn RadialBounds) -> Option<Vec<[f64; 2]>> {
     (!list.is_empty()).then_some(list)
 }
 
+/// How many times the first tau of (5) is worth a second.
+const LARGER: f64 = 20.0;
+
 /// The brackets on one mesh: (1), (4) and (5) of `state`.
 fn bracket(rings: &Rings, f: &dyn RadialBounds, law: Law) -> Option<Annular> {
     let loads = loads(rings, f);
@@ -234,6 +312,9 @@ fn bracket(rings: &Rings, f: &dyn RadialBounds, law: Law) -> Option<Annular> {
     let m = solve_on(&l, &contact, &rings.areas);
     let request = |pressure, overlap, full, admissible| RadialRequest { pressure, overlap, full, admissible };
     let of_p = rings.norm(&request(p, Some(f), &contact, true));
+    if of_p.sampled {
+        return None;
+    }
     let product = |q: &[f64], norm: &RadialNorm| -> [f64; 2] {
         let mut sum = [0.0; 2];
         for (q, u) in q.iter().zip(&norm.displaced) {
@@ -281,18 +362,28 @@ fn bracket(rings: &Rings, f: &dyn RadialBounds, law: Law) -> Option<Annular> {
         if !tau.is_finite() {
             return None;
         }
-        let kept: Vec<bool> = (0..p.len()).map(|i| contact[i] && m[i] >= 0.0 && m[i] <= tau * p[i]).collect();
-        let fixed: Vec<f64> = (0..p.len()).map(|i| if kept[i] { 0.0 } else { m[i].min(tau * p[i]).max(0.0) }).collect();
-        let u = s.product(&fixed);
-        let rest: Vec<f64> = rings.areas.iter().zip(&u).map(|(a, u)| a - u).collect();
-        let free = if kept.contains(&true) { solve_on(&factor(&s, &kept)?, &kept, &rest) } else { vec![0.0; p.len()] };
-        let limited: Vec<f64> = (0..p.len()).map(|i| (free[i] + fixed[i]).min(tau * p[i]).max(0.0)).collect();
-        let a = rings.norm(&request(&limited, None, &reach, false)).faded.bound();
-        let both =
-            if tau <= (a / (2.0 * gamma)).sqrt() { (2.0 * gamma * a).sqrt() } else { tau * gamma + a / (2.0 * tau) };
-        let shift = residual(&limited);
-        force[1] = computed + shift[1] + both;
-        force[0] = force[0].max(computed + shift[0] - (2.0 * gamma * a).sqrt());
+        // With all of m, where p is nowhere much smaller.
+        let all = (0..p.len()).filter(|&i| contact[i]).map(|i| m[i] / p[i]).fold(0.0, f64::max);
+        for tau in std::iter::once(tau).chain((all > tau && all < LARGER * tau).then_some(all)) {
+            let kept: Vec<bool> = (0..p.len()).map(|i| contact[i] && m[i] >= 0.0 && m[i] <= tau * p[i]).collect();
+            let fixed: Vec<f64> =
+                (0..p.len()).map(|i| if kept[i] { 0.0 } else { m[i].min(tau * p[i]).max(0.0) }).collect();
+            let u = s.product(&fixed);
+            let rest: Vec<f64> = rings.areas.iter().zip(&u).map(|(a, u)| a - u).collect();
+            let free =
+                if kept.contains(&true) { solve_on(&factor(&s, &kept)?, &kept, &rest) } else { vec![0.0; p.len()] };
+            let limited: Vec<f64> = (0..p.len()).map(|i| (free[i] + fixed[i]).min(tau * p[i]).max(0.0)).collect();
+            let own = RadialRequest { pressure: &limited, overlap: None, full: &reach, admissible: false };
+            let a = rings.norm(&own).faded.bound();
+            let both = if tau <= (a / (2.0 * gamma)).sqrt() {
+                (2.0 * gamma * a).sqrt()
+            } else {
+                tau * gamma + a / (2.0 * tau)
+            };
+            let shift = residual(&limited);
+            force[1] = force[1].min(computed + shift[1] + both);
+            force[0] = force[0].max(computed + shift[0] - (2.0 * gamma * a).sqrt());
+        }
         let rounding = 1e-11 * computed.abs();
         [force[0] - rounding, force[1] + rounding]
     };
@@ -302,7 +393,7 @@ fn bracket(rings: &Rings, f: &dyn RadialBounds, law: Law) -> Option<Annular> {
         stiffness,
         computed,
         rings: rings.rings.iter().zip(p).filter(|(_, p)| **p > 0.0).map(|(r, p)| (*r, *p)).collect(),
-        proved: !of_p.sampled,
+        proved: true,
         unknowns: rings.rings.len(),
     })
 }
@@ -424,8 +515,8 @@ pub(super) mod tests {
         let both: [(&dyn RadialBounds, &[Span]); 2] = [(&Wave, &waves), (&Quadratic([-24.0, 50.0, -25.0]), &toroid)];
         for (f, spans) in both {
             let on = |n: usize| {
-                let contact = touching(&mesh(spans, &[], 4 * n), f).unwrap();
-                bracket(&mesh(spans, &contact, n), f, Law::Any).unwrap()
+                let contact = touching(&mesh(spans, &[], &[], 4 * n), f).unwrap();
+                bracket(&mesh(spans, &contact, &[], n), f, Law::Any).unwrap()
             };
             let fine = on(60);
             for n in [6, 8, 12, 18, 27] {

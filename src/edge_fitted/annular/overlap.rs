@@ -19,6 +19,10 @@ pub(crate) trait RadialBounds {
     fn bounds(&self, interval: [f64; 2]) -> [f64; 2];
     /// Second order; None where f has a kink or an end in the interval.
     fn jet(&self, interval: [f64; 2]) -> Option<RadialJet>;
+    /// Radii beside which pressure may vary steeply: rings begin and end there.
+    fn kinks(&self) -> &[f64] {
+        &[]
+    }
     /// Bounds of f' over [a, b], kinks included. None: not known.
     fn slopes(&self, interval: [f64; 2]) -> Option<[f64; 2]> {
         let jet = self.jet(interval)?;
