@@ -81,6 +81,45 @@ fn a_roller_with_sharp_ends() {
     }
 }
 
+/// Independent rectangles graded to the ends, dense, extrapolated; held against uniform cells by Fourier transforms.
+#[test]
+fn crowned_rollers_up_to_their_ends() {
+    let crowned = clipped("x^2/0.1 + y^2/2", &rectangle(9.486_832_980_505_138e-4, 1e-3));
+    let straight = clipped("x^2/0.02", &rectangle(4.242_640_687_119_286e-4, 5e-3));
+    for (gap, force) in [(&crowned, 7.3697e-10), (&straight, 2.6313e-9)] {
+        let turned = json!({"kind": "sum", "of": [gap], "rotate": 37.0, "at": [0.002, -0.001]});
+        for (gap, method) in [(gap, "auto"), (&turned, "auto"), (gap, "fft")] {
+            for tolerance in [1e-2, 1e-3, 1e-4] {
+                let scene = json!({"effective_modulus": 1.0, "gap": gap, "loading": {"depth": 1e-6},
+                                   "solve": {"method": method, "tolerance": tolerance}});
+                let state = answers(&scene, Path::new(".")).remove(0).unwrap_or_else(|e| panic!("{e}: {scene}"));
+                assert_force(&state, force, 6e-5);
+                assert!(method == "fft" || state.method == contact_patch::Method::EdgeFitted, "{scene}");
+            }
+        }
+    }
+}
+
+/// Proved bounds of the force of revolved flats with a recess and a rim, and of rings whose gap no parabola is: two independent programs of
+/// rings, to 1e-5. Of the latter the upper bound of the energy was below the energy.
+#[test]
+fn rings_with_corners_and_waves() {
+    let recess = json!({"kind": "revolved", "points": [[0.0, 1e-6], [3e-4, 1e-6], [4e-4, 0.0], [1e-3, 0.0], [1.2e-3, 1e-4]]});
+    let wave = json!({"kind": "formula", "expression": "1e-6*(1 + cos(pi*r/3e-4)) + r^2/2"});
+    for (gap, depth, truth) in [(&recess, 3e-6, [5.94551e-9, f64::NAN]), (&wave, 6e-7, [f64::NAN, 8.800_177e-17])] {
+        for tolerance in [1e-2, 1e-3, 1e-4] {
+            let scene = json!({"effective_modulus": 1.0, "gap": gap, "loading": {"depth": depth},
+                               "solve": {"tolerance": tolerance}});
+            let state = answers(&scene, Path::new(".")).remove(0).unwrap_or_else(|e| panic!("{e}: {scene}"));
+            let (off, stated) = ([state.force, state.energy.unwrap()], [stated(&state), state.energy_error.unwrap()]);
+            for k in (0..2).filter(|&k| truth[k].is_finite()) {
+                let off = (off[k] / truth[k] - 1.0).abs();
+                assert!(off <= stated[k] + 1e-5, "{k}: off by {off:.1e}, stated {:.1e}: {scene}", stated[k]);
+            }
+        }
+    }
+}
+
 #[test]
 fn homogeneous_gaps_that_a_region_clips_do_not_scale() {
     let cases = [
