@@ -104,7 +104,8 @@ fn crowned_rollers_up_to_their_ends() {
 /// rings, to 1e-5. Of the latter the upper bound of the energy was below the energy.
 #[test]
 fn rings_with_corners_and_waves() {
-    let recess = json!({"kind": "revolved", "points": [[0.0, 1e-6], [3e-4, 1e-6], [4e-4, 0.0], [1e-3, 0.0], [1.2e-3, 1e-4]]});
+    let recess =
+        json!({"kind": "revolved", "points": [[0.0, 1e-6], [3e-4, 1e-6], [4e-4, 0.0], [1e-3, 0.0], [1.2e-3, 1e-4]]});
     let wave = json!({"kind": "formula", "expression": "1e-6*(1 + cos(pi*r/3e-4)) + r^2/2"});
     for (gap, depth, truth) in [(&recess, 3e-6, [5.94551e-9, f64::NAN]), (&wave, 6e-7, [f64::NAN, 8.800_177e-17])] {
         for tolerance in [1e-2, 1e-3, 1e-4] {

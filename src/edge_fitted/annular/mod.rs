@@ -160,7 +160,8 @@ fn mesh(spans: &[Span], contact: &[[f64; 2]], kinks: &[f64], n: usize) -> Rings 
         if span.edges == [true, true] && inside.is_empty() {
             nodes = graded_both(a, b, n, 4.0);
         } else if inside.is_empty() {
-            let even = (1..=2 * n).map(|i| a + (b - a) * i as f64 / (2 * n) as f64);
+            // The last one ends where the span does, to the last digit: the material may end there.
+            let even = (1..2 * n).map(|i| a + (b - a) * i as f64 / (2 * n) as f64).chain([b]);
             nodes.extend(even.chain(kinks.iter().copied().filter(|k| *k > a && *k < b)));
             nodes.sort_by(f64::total_cmp);
             nodes.dedup();
@@ -504,6 +505,16 @@ pub(super) mod tests {
                 curvature: around(PI * PI * (PI * r).cos() - 0.09, PI.powi(3) * h),
             })
         }
+    }
+
+    #[test]
+    fn rings_end_where_their_span_does() {
+        // 48 parts of the width add up to another radius.
+        let end = 0.999_999_999_999_99_f64;
+        assert!(end * 48.0 / 48.0 != end);
+        let span = Span { radii: [0.0, end], edges: [false, true] };
+        let found = annular(&Quadratic([0.008, 0.0, 1.0]), &[span], Law::Any, &Limits::default()).unwrap();
+        assert!(met(&found) && found.rings.last().unwrap().0[1] == end, "{:?}", found.force);
     }
 
     #[test]
