@@ -70,13 +70,18 @@ const PASCALS: f64 = 1e9;
 const METRES: f64 = 1.0;
 const ROUND_METRES: f64 = 100.0;
 
+/// Mean radii of curvature from which on a body is meant to be straight in a direction: a cylinder.
+const STRAIGHT: f64 = 1e9;
+
 /// A remark on moduli in pascals beside lengths that are no metres; `middle`: that of the patch.
 pub(super) fn mixed_units(contact: &Contact, area: f64, middle: Option<[f64; 2]>) -> Option<String> {
     let (gap, e_star, size) = (contact.gap(), contact.modulus().e_star(), (area / PI).sqrt());
     if e_star < PASCALS {
         return None;
     }
-    let round = || radius(gap).or_else(|| radius_at(gap, middle?, size)).filter(|radius| *radius >= ROUND_METRES);
+    let round = || {
+        radius(gap).or_else(|| radius_at(gap, middle?, size)).filter(|radius| (ROUND_METRES..STRAIGHT).contains(radius))
+    };
     let what = if size > METRES {
         "the contact would be metres wide".to_owned()
     } else {

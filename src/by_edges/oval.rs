@@ -22,8 +22,12 @@ pub(crate) struct Strip {
     farthest: f64,
 }
 
-/// Rays of a quarter between which the strip is taken to be straight.
-const RAYS: usize = 256;
+/// Rays of a quarter between which the strip is taken to be straight, at least and at most; as many as keep the distance from ray to ray a
+/// small part of the width.
+const RAYS: [usize; 2] = [256, 4096];
+
+/// Rays of a quarter over the distance of the strip in its width.
+const OF_SLENDERNESS: f64 = 8.0;
 
 /// Strips wider than this share of their distance from the middle are left to a grid.
 const WIDEST: f64 = 0.5;
@@ -42,10 +46,14 @@ impl Strip {
         }
         let farthest = farthest(&reach.corners(), centre);
         let strip = Self { gap, depth, units, centre, farthest };
-        let rays: Option<Vec<[f64; 2]>> = (0..=RAYS).map(|k| strip.along(FRAC_PI_2 * k as f64 / RAYS as f64)).collect();
+        let at = |k: usize, rays: usize| FRAC_PI_2 * k as f64 / rays as f64;
+        let looks: Option<Vec<[f64; 2]>> = (0..=8).map(|k| strip.along(at(k, 8))).collect();
+        let slenderness = looks?.iter().map(|[a, b]| 0.5 * (a + b) / (b - a)).fold(0.0, f64::max);
+        let count = ((OF_SLENDERNESS * slenderness) as usize / 8 * 8).clamp(RAYS[0], RAYS[1]);
+        let rays: Option<Vec<[f64; 2]>> = (0..=count).map(|k| strip.along(at(k, count))).collect();
         let rays = rays.filter(|rays| rays.iter().all(|[a, b]| b - a < WIDEST * (a + b)))?;
-        let smooth = rays.iter().enumerate().step_by(RAYS / 8).all(|(k, [a, b])| {
-            let at = strip.on_ray(FRAC_PI_2 * k as f64 / RAYS as f64, 0.5 * (a + b));
+        let smooth = rays.iter().enumerate().step_by(count / 8).all(|(k, [a, b])| {
+            let at = strip.on_ray(at(k, count), 0.5 * (a + b));
             strip.gap.taylor(&Rect::around(at, [0.1 * (b - a); 2])).is_some()
         });
         (smooth && strip.nowhere_else(&rays)).then_some(strip)
@@ -80,9 +88,10 @@ impl Strip {
     fn in_strip(&self, own: &Rect, rays: &[[f64; 2]]) -> bool {
         let near = own.min[0].hypot(own.min[1]);
         let far = own.max[0].hypot(own.max[1]);
-        let index = |y: f64, x: f64| y.atan2(x) / FRAC_PI_2 * RAYS as f64;
-        let first = index(own.min[1], own.max[0]).floor().clamp(0.0, RAYS as f64) as usize;
-        let last = index(own.max[1], own.min[0]).ceil().clamp(0.0, RAYS as f64) as usize;
+        let count = (rays.len() - 1) as f64;
+        let index = |y: f64, x: f64| y.atan2(x) / FRAC_PI_2 * count;
+        let first = index(own.min[1], own.max[0]).floor().clamp(0.0, count) as usize;
+        let last = index(own.max[1], own.min[0]).ceil().clamp(0.0, count) as usize;
         rays[first..=last].iter().all(|[a, b]| near >= a - ROOM * (b - a) && far <= b + ROOM * (b - a))
     }
 

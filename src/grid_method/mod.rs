@@ -92,14 +92,18 @@ pub(crate) fn within_samples(overlap: &Overlap, settings: &Settings) -> Settings
     let tolerance = if open > settings.tolerance {
         (OF_SAMPLES * open).clamp(settings.tolerance, ROUGHEST.max(settings.tolerance))
     } else {
-        // Both together are to be within it.
-        (settings.tolerance - FORCE_OF_SAMPLES * open).max(0.5 * settings.tolerance)
+        // Both together are to be within it, where that is possible.
+        let left = settings.tolerance - FORCE_OF_SAMPLES * open;
+        if left > 0.0 { left.max(LEAST_LEFT * settings.tolerance) } else { 0.5 * settings.tolerance }
     };
     Settings { tolerance, ..*settings }
 }
 
 /// What samples leave open of the force, in what they leave open of the overlap: its degree, and room.
 const FORCE_OF_SAMPLES: f64 = 2.0;
+
+/// Share of the tolerance that the grids are asked for at least beside what samples leave open.
+const LEAST_LEFT: f64 = 0.1;
 
 /// Share of what samples leave open that the error of the grids may be, and the largest such error.
 const OF_SAMPLES: f64 = 0.05;
