@@ -362,7 +362,7 @@ impl RadialBounds for Section {
         }
     }
 
-    fn kinks(&self) -> &[f64] {
+    fn nodes(&self) -> &[f64] {
         &self.nodes
     }
 

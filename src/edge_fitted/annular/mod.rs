@@ -74,9 +74,9 @@ pub(crate) fn annular(f: &dyn RadialBounds, spans: &[Span], law: Law, limits: &L
     loop {
         if contact.is_empty() {
             // Where the contact ends is not known yet: even rings first.
-            contact = touching(&mesh(spans, &[], f.kinks(), 4 * n), f)?;
+            contact = touching(&mesh(spans, &[], f.nodes(), 4 * n), f)?;
         }
-        let rings = mesh(spans, &contact, f.kinks(), n);
+        let rings = mesh(spans, &contact, f.nodes(), n);
         contact = touching(&rings, f)?;
         let Some(found) = bracket(&rings, f, law) else { return best };
         let own = half_width(found.force);

@@ -20,7 +20,7 @@ pub(crate) trait RadialBounds {
     /// Second order; None where f has a kink or an end in the interval.
     fn jet(&self, interval: [f64; 2]) -> Option<RadialJet>;
     /// Radii beside which pressure may vary steeply: rings begin and end there.
-    fn kinks(&self) -> &[f64] {
+    fn nodes(&self) -> &[f64] {
         &[]
     }
     /// Bounds of f' over [a, b], kinks included. None: not known.
