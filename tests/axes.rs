@@ -94,14 +94,18 @@ fn tilts_and_moments_turn_with_the_body() {
     let mut placed = gap.clone();
     placed["rotate"] = json!(50.0);
     let b = states(&scene(&placed, turned(tilt, 50.0))).remove(0);
-    assert!((a.force / b.force - 1.0).abs() < 1e-6);
+    // Along axes that are exchanged the box around the contact, and with it every grid, may be another.
+    let said = a.force_error.unwrap() + b.force_error.unwrap();
+    assert!((a.force / b.force - 1.0).abs() < said && said < 2e-3);
     let (m, n) = (turned(a.moment.unwrap(), 50.0), b.moment.unwrap());
-    assert!((0..2).all(|k| (m[k] - n[k]).abs() < 1e-6 * a.force), "{m:?} {n:?}");
+    assert!((0..2).all(|k| (m[k] - n[k]).abs() < said * a.force), "{m:?} {n:?}");
     // K of the turned axes: (1, R) K (1, R^T).
     let (k, l) = (a.stiffness_matrix.unwrap(), b.stiffness_matrix.unwrap());
     let column = turned([k[1][0], k[2][0]], 50.0);
-    assert!((column[0] - l[1][0]).abs() < 1e-5 * k[0][0] && (column[1] - l[2][0]).abs() < 1e-5 * k[0][0]);
-    assert!((k[1][1] + k[2][2] - l[1][1] - l[2][2]).abs() < 1e-5 * (k[1][1] + k[2][2]));
+    let stiffer = a.stiffness_error.unwrap() + b.stiffness_error.unwrap();
+    assert!(stiffer < 0.03 && (k[0][0] / l[0][0] - 1.0).abs() < stiffer);
+    assert!((0..2).all(|m| (column[m] - l[m + 1][0]).abs() < stiffer * k[0][0]), "{column:?} {l:?}");
+    assert!((k[1][1] + k[2][2] - l[1][1] - l[2][2]).abs() < stiffer * (k[1][1] + k[2][2]));
     // Every point of its boundary lies where the body is.
     for point in b.patch.boundary.unwrap().iter().flatten() {
         let [x, y] = turned(*point, -50.0);

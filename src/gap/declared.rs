@@ -79,15 +79,15 @@ impl<F: Fn(f64, f64) -> f64 + Send + Sync> Declared<F> {
     /// No material outside of this outline.
     #[must_use]
     pub fn within(mut self, outline: Outline) -> Self {
-        let Known { centre, .. } = self.known;
-        let round = outline.semi_axes().is_some() && centre == [0.0; 2];
+        let Known { centre, mirrors, .. } = self.known;
+        let (inside, own) = (outline.contains(centre), outline.mirrors(centre));
         let disc = outline.semi_axes().is_some_and(|[a, b]| a == b);
         self.known = Known {
             law: None,
             axis: self.known.axis.filter(|axis| disc && axis.at == [0.0; 2]),
-            mirrors: if round { self.known.mirrors } else { [false; 2] },
+            mirrors: [0, 1].map(|m| inside && mirrors[m] && own[m]),
             material: Material::Within(outline.bounds()),
-            centre: if outline.contains(centre) { centre } else { outline.inner_point() },
+            centre: if inside { centre } else { outline.inner_point() },
             ..self.known
         };
         self.outline = Some(outline);
