@@ -112,9 +112,9 @@ fn rings_with_corners_and_waves() {
             let scene = json!({"effective_modulus": 1.0, "gap": gap, "loading": {"depth": depth},
                                "solve": {"tolerance": tolerance}});
             let state = answers(&scene, Path::new(".")).remove(0).unwrap_or_else(|e| panic!("{e}: {scene}"));
-            let (off, stated) = ([state.force, state.energy.unwrap()], [stated(&state), state.energy_error.unwrap()]);
+            let (found, stated) = ([state.force, state.energy.unwrap()], [stated(&state), state.energy_error.unwrap()]);
             for k in (0..2).filter(|&k| truth[k].is_finite()) {
-                let off = (off[k] / truth[k] - 1.0).abs();
+                let off = (found[k] / truth[k] - 1.0).abs();
                 assert!(off <= stated[k] + 1e-5, "{k}: off by {off:.1e}, stated {:.1e}: {scene}", stated[k]);
             }
         }

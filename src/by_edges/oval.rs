@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use super::Found;
 use super::estimated::in_users_units;
-use super::strip::{self, ROOM};
+use super::strip::{Lines, interval};
 use crate::edge_fitted::{Limits, oval};
 use crate::gap::{AnyGap, Gap};
 use crate::numeric::geometry::{Rect, farthest};
@@ -56,7 +56,7 @@ impl Strip {
             let at = strip.on_ray(at(k, count), 0.5 * (a + b));
             strip.gap.taylor(&Rect::around(at, [0.1 * (b - a); 2])).is_some()
         });
-        (smooth && strip.nowhere_else(&rays)).then_some(strip)
+        (smooth && strip.nowhere_else(rays)).then_some(strip)
     }
 
     fn on_ray(&self, angle: f64, r: f64) -> [f64; 2] {
@@ -71,28 +71,19 @@ impl Strip {
             self.gap.gap(x, y)
         };
         let outside = 1.001 * self.farthest;
-        strip::interval(gap, self.depth, [0.0, outside]).filter(|[a, b]| *a > 0.0 && *b < outside)
+        interval(gap, self.depth, [0.0, outside]).filter(|[a, b]| *a > 0.0 && *b < outside)
     }
 
-    /// Whether the bounds of the gap show that the bodies do not overlap outside of the strip, with some room.
-    fn nowhere_else(&self, rays: &[[f64; 2]]) -> bool {
-        let narrowest = rays.iter().map(|[a, b]| b - a).fold(f64::INFINITY, f64::min);
+    /// Whether the bodies overlap nowhere outside of the strip, with its room.
+    fn nowhere_else(&self, rays: Vec<[f64; 2]>) -> bool {
+        let rays = Lines(rays);
         let quarter = Rect { min: self.centre, max: self.centre.map(|c| c + self.farthest) };
-        strip::overlaps_only_in(&self.gap, self.depth, quarter, 0.01 * narrowest, |own| {
+        rays.hold_all(&self.gap, self.depth, quarter, |own| {
             let at = |p: [f64; 2]| [0, 1].map(|m| p[m] - self.centre[m]);
-            self.in_strip(&Rect { min: at(own.min), max: at(own.max) }, rays)
+            let (min, max) = (at(own.min), at(own.max));
+            let share = |y: f64, x: f64| y.atan2(x) / FRAC_PI_2;
+            rays.hold([share(min[1], max[0]), share(max[1], min[0])], [min[0].hypot(min[1]), max[0].hypot(max[1])])
         })
-    }
-
-    /// Whether a box of the first quarter lies in the strip with its room.
-    fn in_strip(&self, own: &Rect, rays: &[[f64; 2]]) -> bool {
-        let near = own.min[0].hypot(own.min[1]);
-        let far = own.max[0].hypot(own.max[1]);
-        let count = (rays.len() - 1) as f64;
-        let index = |y: f64, x: f64| y.atan2(x) / FRAC_PI_2 * count;
-        let first = index(own.min[1], own.max[0]).floor().clamp(0.0, count) as usize;
-        let last = index(own.max[1], own.min[0]).ceil().clamp(0.0, count) as usize;
-        rays[first..=last].iter().all(|[a, b]| near >= a - ROOM * (b - a) && far <= b + ROOM * (b - a))
     }
 
     pub fn found(&self) -> String {

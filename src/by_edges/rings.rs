@@ -14,8 +14,9 @@ use crate::solution::{Patch, Piece};
 pub(crate) struct Section {
     gap: AnyGap,
     depth: f64,
-    /// Radii at which the slope may jump, rising, and those just beyond at which rings may end.
+    /// Radii at which the slope may jump, rising.
     kinks: Vec<f64>,
+    /// Just beyond each of them inside a span: rings end on one side of it.
     nodes: Vec<f64>,
     /// Radii between which there is material, rising.
     material: Vec<[f64; 2]>,
@@ -80,8 +81,7 @@ impl Section {
         let depth = overlap.depth / height;
         let floor = overlap.known().floor;
         let law = if floor > f64::NEG_INFINITY { Law::Depth((overlap.depth - floor) / height) } else { Law::Any };
-        let (material, spans) = (Vec::new(), Vec::new());
-        let nodes = Vec::new();
+        let (material, spans, nodes) = (Vec::new(), Vec::new(), Vec::new());
         let mut section = Self { gap, depth, kinks, nodes, material, spans, law, at: axis.at, length, height };
         section.find_material()?;
         section.find_spans()?;
@@ -169,7 +169,6 @@ impl Section {
         Some(())
     }
 
-    /// Just beyond every kink inside a span: rings end on one side of it.
     fn find_nodes(&mut self) {
         let inside = |r: &f64| {
             let own = |Span { radii: [a, b], .. }: &Span| a + APART * (b - a) < *r && *r < b - APART * (b - a);

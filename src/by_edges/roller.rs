@@ -2,7 +2,7 @@
 
 use super::Found;
 use super::estimated::in_users_units;
-use super::strip::{self, ROOM};
+use super::strip::{Lines, interval};
 use crate::edge_fitted::{self, Limits, mirrors, roller};
 use crate::gap::{AnyGap, Gap};
 use crate::numeric::geometry::{Rect, area, centroid};
@@ -35,6 +35,11 @@ const INSET: f64 = 1e-11;
 /// Lines across between which the strip is taken to be straight.
 const LINES: usize = 128;
 
+/// A rectangle of x and y as one of u and v: turned by a quarter where the strip runs along x.
+fn inward(along: usize, Rect { min, max }: &Rect) -> Rect {
+    if along == 1 { Rect { min: *min, max: *max } } else { Rect { min: [-max[1], min[0]], max: [-min[1], max[0]] } }
+}
+
 impl Roller {
     /// `None` where the overlap is no such strip, or is not known to be nowhere else.
     pub fn of(overlap: &Overlap) -> Option<Self> {
@@ -58,11 +63,11 @@ impl Roller {
             if !(reach.min[along] <= ends[0] && ends[1] <= reach.max[along]) {
                 return None;
             }
-            let own = |p: [f64; 2]| if along == 1 { p } else { [-p[1], p[0]] };
-            let corners = [own(reach.min), own(reach.max)];
-            let sides = [corners[0][0].min(corners[1][0]), corners[0][0].max(corners[1][0])];
+            let inner = inward(along, &reach);
+            let sides = [inner.min[0], inner.max[0]];
             let mirrors = [known.mirrors[across], known.mirrors[along]];
-            let (gap, centre) = (gap.clone(), own(units.inward(known.centre)));
+            let centre = inward(along, &Rect::around(units.inward(known.centre), [0.0; 2])).min;
+            let gap = gap.clone();
             let strip = Self { gap, depth, units, along, ends, sides, full: [false; 2], mirrors, centre };
             strip.checked(&reach)
         })
@@ -78,7 +83,7 @@ impl Roller {
             let [x, y] = self.outward([u, v]);
             self.gap.gap(x, y)
         };
-        strip::interval(gap, self.depth, self.sides)
+        interval(gap, self.depth, self.sides)
     }
 
     /// With what its overlap does at the sides, the same all along, and nowhere else than in the strip.
@@ -86,20 +91,12 @@ impl Roller {
         let at = |k: usize| self.ends[0] + (self.ends[1] - self.ends[0]) * k as f64 / LINES as f64;
         let lines = (0..=LINES).map(|k| self.across(at(k))).collect::<Option<Vec<[f64; 2]>>>()?;
         let full = [0, 1].map(|m| lines.iter().all(|line| line[m] == self.sides[m]));
-        let narrowest = lines.iter().map(|[a, b]| b - a).fold(f64::INFINITY, f64::min);
-        let index = |v: f64| (v - self.ends[0]) / (self.ends[1] - self.ends[0]) * LINES as f64;
-        let in_strip = |own: &Rect| {
-            let [low, high] = if self.along == 1 {
-                [[own.min[0], own.min[1]], [own.max[0], own.max[1]]]
-            } else {
-                [[-own.max[1], own.min[0]], [-own.min[1], own.max[0]]]
-            };
-            let first = index(low[1]).floor().clamp(0.0, LINES as f64) as usize;
-            let last = index(high[1]).ceil().clamp(0.0, LINES as f64) as usize;
-            let room = |[a, b]: [f64; 2]| ROOM * (b - a);
-            lines[first..=last].iter().all(|l| low[0] >= l[0] - room(*l) && high[0] <= l[1] + room(*l))
-        };
-        let only = strip::overlaps_only_in(&self.gap, self.depth, *reach, 0.01 * narrowest, in_strip);
+        let lines = Lines(lines);
+        let share = |v: f64| (v - self.ends[0]) / (self.ends[1] - self.ends[0]);
+        let only = lines.hold_all(&self.gap, self.depth, *reach, |own| {
+            let Rect { min, max } = inward(self.along, own);
+            lines.hold([share(min[1]), share(max[1])], [min[0], max[0]])
+        });
         only.then_some(Self { full, ..self })
     }
 
@@ -119,8 +116,8 @@ impl Roller {
             roller(&overlap, &strip, limits)
         };
         // The contact may end before the bodies cease to overlap.
-        let found =
-            with(self.full.map(|full| !full)).or_else(|| self.full.contains(&true).then(|| with([true; 2]))?)?;
+        let moves = self.full.map(|full| !full);
+        let found = with(moves).or_else(|| if moves == [true; 2] { None } else { with([true; 2]) })?;
         let found = found.in_axes(|p| self.outward(p));
         let middle = [centroid(&found.ends[0]), found.centre()];
         let found = in_users_units(found, &self.units, middle, contact, settings)?;

@@ -4,8 +4,8 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::Limits;
 use super::estimated::Estimated;
-use super::mesh::{Mesh, Point};
-use super::rows::{Strip, refined};
+use super::mesh::Point;
+use super::rows::{Strip, between, refined};
 use super::symmetry::{Isometry, mirrors};
 
 /// Share of the half width that a straight cell may leave the curved strip by.
@@ -45,30 +45,20 @@ impl Strip for Quarters<'_> {
         [true; 2]
     }
 
-    fn mesh(&self, stations: &[[f64; 2]], shares: &[f64]) -> Mesh {
-        let (rows, across) = (stations.len() - 1, shares.len() - 1);
-        let distance = |s: f64| move |i: usize| stations[i][0] + s * (stations[i][1] - stations[i][0]);
-        let nodes = (0..4 * rows).flat_map(|k| shares.iter().map(move |s| point(k, rows, distance(*s)))).collect();
-        let id = |k: usize, j: usize| (k % (4 * rows)) * (across + 1) + j;
-        let cells = (0..4 * rows)
-            .flat_map(|k| (0..across).map(move |j| [id(k, j), id(k, j + 1), id(k + 1, j + 1), id(k + 1, j)]))
-            .collect();
-        Mesh::new(nodes, cells, Vec::new())
+    fn all_rows(&self, rows: usize) -> usize {
+        4 * rows
     }
 
-    /// The outer end and the inner one.
-    fn boundary(&self, stations: &[[f64; 2]]) -> Vec<Vec<Point>> {
-        let rows = stations.len() - 1;
-        let line = |m: usize| (0..4 * rows).map(|k| point(k, rows, |i| stations[i][m])).collect::<Vec<_>>();
-        vec![line(1), line(0).into_iter().rev().collect()]
+    fn is_closed(&self) -> bool {
+        true
+    }
+
+    fn point(&self, line: usize, stations: &[[f64; 2]], share: f64) -> Point {
+        point(line, stations.len() - 1, |i| between(stations[i], share))
     }
 
     fn group(&self) -> &[Isometry] {
         &self.mirrors
-    }
-
-    fn copies(&self) -> usize {
-        4
     }
 
     fn length(&self, _: usize, _: usize) -> f64 {

@@ -6,7 +6,7 @@
 
 use super::Limits;
 use super::estimated::Estimated;
-use super::mesh::{Mesh, Point};
+use super::mesh::Point;
 use super::rows::{self, Strip};
 use super::symmetry::Isometry;
 
@@ -113,29 +113,20 @@ impl Strip for Ended<'_> {
         self.roller.moves
     }
 
-    fn mesh(&self, stations: &[[f64; 2]], shares: &[f64]) -> Mesh {
-        let (rows, across) = (stations.len() - 1, shares.len() - 1);
-        let node = |k: usize, s: f64| [stations[k][0] + s * (stations[k][1] - stations[k][0]), self.station(k, rows)];
-        let nodes = (0..=rows).flat_map(|k| shares.iter().map(move |s| node(k, *s))).collect();
-        let id = |k: usize, j: usize| k * (across + 1) + j;
-        let cells = (0..rows)
-            .flat_map(|k| (0..across).map(move |j| [id(k, j), id(k, j + 1), id(k + 1, j + 1), id(k + 1, j)]))
-            .collect();
-        Mesh::new(nodes, cells, Vec::new())
+    fn all_rows(&self, rows: usize) -> usize {
+        rows
     }
 
-    fn boundary(&self, stations: &[[f64; 2]]) -> Vec<Vec<Point>> {
-        let rows = stations.len() - 1;
-        let side = |m: usize| (0..=rows).map(move |k| [stations[k][m], self.station(k, rows)]);
-        vec![side(1).chain(side(0).rev()).collect()]
+    fn is_closed(&self) -> bool {
+        false
+    }
+
+    fn point(&self, line: usize, stations: &[[f64; 2]], share: f64) -> Point {
+        [rows::between(stations[line], share), self.station(line, stations.len() - 1)]
     }
 
     fn group(&self) -> &[Isometry] {
         &self.roller.group
-    }
-
-    fn copies(&self) -> usize {
-        1
     }
 
     fn length(&self, row: usize, rows: usize) -> f64 {

@@ -14,7 +14,7 @@
 use super::Limits;
 use super::estimated::{Estimated, Solved, Touching};
 use super::mesh::{Mesh, Point};
-use super::rectilinear::{graded, graded_both};
+use super::rectilinear::graded;
 use super::symmetry::Isometry;
 
 /// Grading of the cells towards ends that move: p is bounded there; and towards those of the material.
@@ -46,7 +46,7 @@ const FINER: f64 = 0.5;
 const ORDER: f64 = 2.0;
 const AIM: f64 = 0.35;
 
-/// A strip in which bodies overlap, by its stations: rows lie between two of them.
+/// A strip in which bodies overlap, by stations along it: rows of cells lie between two of them.
 pub(super) trait Strip {
     /// Where the bodies overlap across the strip, at a share of its length.
     fn overlap(&self, along: f64) -> Option<[f64; 2]>;
@@ -54,18 +54,17 @@ pub(super) trait Strip {
     /// Which of both ends the contact ends at by itself; the others are edges of the material.
     fn moves(&self) -> [bool; 2];
 
-    /// Cells over all rows, whose ends are given at the stations, `shares` of the way from one to the other: rows of `shares.len() - 1`, the
-    /// first ones those between the stations.
-    fn mesh(&self, stations: &[[f64; 2]], shares: &[f64]) -> Mesh;
+    /// Rows of cells where there are so many between the stations, mirrored ones included; those between the stations are the first.
+    fn all_rows(&self, rows: usize) -> usize;
 
-    /// Where the contact ends: closed lines, contact on the left.
-    fn boundary(&self, stations: &[[f64; 2]]) -> Vec<Vec<Point>>;
+    /// Whether the last row ends where the first begins.
+    fn is_closed(&self) -> bool;
 
-    /// Symmetries of strip and overlap.
+    /// The point of a line between two rows, the `share` of the way from one end of the contact to the other.
+    fn point(&self, line: usize, stations: &[[f64; 2]], share: f64) -> Point;
+
+    /// Symmetries of strip and overlap: a group.
     fn group(&self) -> &[Isometry];
-
-    /// Rows of cells in the mesh to one between stations.
-    fn copies(&self) -> usize;
 
     /// The length of a row over that of the longest.
     fn length(&self, row: usize, rows: usize) -> f64;
@@ -78,6 +77,8 @@ struct Ends(Vec<[f64; 2]>);
 /// A solved mesh.
 struct State {
     solved: Solved,
+    /// Both ends of the contact at the stations.
+    stations: Vec<[f64; 2]>,
     /// Moves of both ends of each row, over half the width.
     moves: Vec<[f64; 2]>,
     /// The largest, that of a short row by the root of what it is shorter by.
@@ -99,10 +100,9 @@ pub(super) fn refined(
     let mut ends = Ends(vec![first; rows + 1]);
     let mut best: Option<Estimated> = None;
     let problem = Problem { f, strip, limits };
-    let images = strip.group().len().max(1);
     for _ in 0..ROUNDS {
         let finer = half + 2.max((FINER * half as f64).ceil() as usize);
-        if rows * strip.copies() * 2 * finer / images > limits.unknowns {
+        if strip.all_rows(rows) * 2 * finer / strip.group().len() > limits.unknowns {
             return best;
         }
         // Fewer rows first: the ends come to rest on them.
@@ -128,7 +128,7 @@ pub(super) fn refined(
             area: own.area,
             area_error: change(|s| s.area) + 2.0 * off,
             cells: own.cells(Touching::All),
-            ends: strip.boundary(&problem.stations(&ends)?),
+            ends: problem.boundary(&fine.stations),
             unknowns: own.unknowns,
         };
         let done = found.error <= limits.tolerance;
@@ -158,33 +158,50 @@ struct Problem<'a> {
 impl Problem<'_> {
     /// The mesh whose ends have come to rest, as far as they do.
     fn settled(&self, ends: &mut Ends, rows: usize, half: usize) -> Option<State> {
-        let mut state = self.solve(ends, rows, half)?;
+        let overlap: Option<Vec<[f64; 2]>> = (0..=rows).map(|k| self.strip.overlap(k as f64 / rows as f64)).collect();
+        let overlap = overlap?;
+        let mut state = self.solve(ends.within(&overlap), half)?;
         for _ in 0..MOVES {
             if state.off <= CLOSE * (self.limits.tolerance / 1e-3).min(1.0).sqrt() {
                 break;
             }
-            ends.moved(&state.moves);
-            state = self.solve(ends, rows, half)?;
+            ends.moved(&state.moves, self.strip.moves());
+            state = self.solve(ends.within(&overlap), half)?;
         }
         let Solved { force, stiffness, .. } = state.solved;
         (force > 0.0 && stiffness > 0.0 && state.off < UNSETTLED && state.pressed).then_some(state)
     }
 
-    /// Both ends at the stations.
-    fn stations(&self, ends: &Ends) -> Option<Vec<[f64; 2]>> {
-        let rows = ends.0.len() - 1;
-        let at = |(k, shares): (usize, &[f64; 2])| {
-            let [a, b] = self.strip.overlap(k as f64 / rows as f64)?;
-            Some(shares.map(|share| a + share * (b - a)))
-        };
-        ends.0.iter().enumerate().map(at).collect()
+    /// Cells over all rows.
+    fn mesh(&self, stations: &[[f64; 2]], shares: &[f64]) -> Mesh {
+        let (lines, across) = (self.lines(stations), shares.len() - 1);
+        let node = |line: usize| shares.iter().map(move |share| self.strip.point(line, stations, *share));
+        let id = |line: usize, j: usize| (line % lines) * (across + 1) + j;
+        let row = |k: usize| (0..across).map(move |j| [id(k, j), id(k, j + 1), id(k + 1, j + 1), id(k + 1, j)]);
+        let rows = self.strip.all_rows(stations.len() - 1);
+        Mesh::new((0..lines).flat_map(node).collect(), (0..rows).flat_map(row).collect(), Vec::new())
     }
 
-    fn solve(&self, ends: &Ends, rows: usize, half: usize) -> Option<State> {
-        let free = self.strip.moves();
+    /// Where the contact ends: closed lines, contact on the left.
+    fn boundary(&self, stations: &[[f64; 2]]) -> Vec<Vec<Point>> {
+        let side = |share: f64| (0..self.lines(stations)).map(move |line| self.strip.point(line, stations, share));
+        if self.strip.is_closed() {
+            vec![side(1.0).collect(), side(0.0).rev().collect()]
+        } else {
+            vec![side(1.0).chain(side(0.0).rev()).collect()]
+        }
+    }
+
+    /// Lines between the rows and at their ends.
+    fn lines(&self, stations: &[[f64; 2]]) -> usize {
+        self.strip.all_rows(stations.len() - 1) + usize::from(!self.strip.is_closed())
+    }
+
+    fn solve(&self, stations: Vec<[f64; 2]>, half: usize) -> Option<State> {
+        let (rows, free) = (stations.len() - 1, self.strip.moves());
         let shares = shares(free, half);
         let across = shares.len() - 1;
-        let mesh = self.strip.mesh(&self.stations(ends)?, &shares);
+        let mesh = self.mesh(&stations, &shares);
         let solved = Solved::new(mesh, self.strip.group(), self.f, Touching::All, self.limits)?;
         let pressure = &solved.pressure;
         let widths = [[shares[1], shares[2]], [1.0 - shares[across - 1], 1.0 - shares[across - 2]]];
@@ -201,32 +218,39 @@ impl Problem<'_> {
             let [a, b] = moves[k];
             a.abs().max(b.abs()) * self.strip.length(k, rows).sqrt()
         });
-        Some(State { off: off.fold(0.0, f64::max), pressed, solved, moves })
+        Some(State { off: off.fold(0.0, f64::max), pressed, solved, stations, moves })
     }
 }
 
 /// Where cells begin and end across a strip.
 fn shares(moves: [bool; 2], half: usize) -> Vec<f64> {
-    match moves.map(|moves| EXPONENTS[usize::from(!moves)]) {
-        [a, b] if a == b => graded_both(0.0, 1.0, half, a),
-        [a, b] => {
-            let left = graded(0.5, 0.0, half, a);
-            left.into_iter().rev().chain(graded(0.5, 1.0, half, b).into_iter().skip(1)).collect()
-        }
-    }
+    let [left, right] = [0, 1].map(|m| graded(0.5, m as f64, half, EXPONENTS[usize::from(!moves[m])]));
+    left.into_iter().rev().chain(right.into_iter().skip(1)).collect()
 }
 
+/// How near to the end of the overlap, as a share of it, a contact may end that ends by itself.
+const NEAREST: f64 = 1e-6;
+
 impl Ends {
-    /// Moved by the mean of the rows on both sides of each station, which are mirrored at the first and the last.
-    fn moved(&mut self, moves: &[[f64; 2]]) {
+    /// Those that move, by the mean of the rows on both sides of each station, which are mirrored at the first and the last.
+    fn moved(&mut self, moves: &[[f64; 2]], free: [bool; 2]) {
         let rows = moves.len();
         for (k, [a, b]) in self.0.iter_mut().enumerate() {
             let mean = |m: usize| 0.5 * (moves[k.saturating_sub(1)][m] + moves[k.min(rows - 1)][m]);
             let half = 0.5 * (*b - *a);
             // Contact ends where the bodies overlap.
-            *a = (*a - half * mean(0)).max(if mean(0) == 0.0 { 0.0 } else { 1e-6 });
-            *b = (*b + half * mean(1)).min(if mean(1) == 0.0 { 1.0 } else { 1.0 - 1e-6 });
+            if free[0] {
+                *a = (*a - half * mean(0)).max(NEAREST);
+            }
+            if free[1] {
+                *b = (*b + half * mean(1)).min(1.0 - NEAREST);
+            }
         }
+    }
+
+    /// Where that is, by where the bodies overlap at the stations.
+    fn within(&self, overlap: &[[f64; 2]]) -> Vec<[f64; 2]> {
+        self.0.iter().zip(overlap).map(|(shares, ends)| shares.map(|share| between(*ends, share))).collect()
     }
 
     /// At other stations: shares vary slowly.
@@ -239,6 +263,11 @@ impl Ends {
         };
         Self((0..=rows).map(at).collect())
     }
+}
+
+/// The share of the way from one end to the other.
+pub(super) fn between([a, b]: [f64; 2], share: f64) -> f64 {
+    a + share * (b - a)
 }
 
 /// 2 K/C of p = C s^(1/2) + K s^(-1/2), from its means over [0, a] and [a, b]; in the unit of a and b.

@@ -79,15 +79,15 @@ impl<F: Fn(f64, f64) -> f64 + Send + Sync> Declared<F> {
     /// No material outside of this outline.
     #[must_use]
     pub fn within(mut self, outline: Outline) -> Self {
-        let Known { centre, mirrors, .. } = self.known;
-        let (inside, own) = (outline.contains(centre), outline.mirrors(centre));
+        let own = self.known.centre;
+        let centre = if outline.contains(own) { own } else { outline.inner_point() };
         let disc = outline.semi_axes().is_some_and(|[a, b]| a == b);
         self.known = Known {
             law: None,
             axis: self.known.axis.filter(|axis| disc && axis.at == [0.0; 2]),
-            mirrors: [0, 1].map(|m| inside && mirrors[m] && own[m]),
+            mirrors: outline.mirrors_of(&self.known, centre),
             material: Material::Within(outline.bounds()),
-            centre: if inside { centre } else { outline.inner_point() },
+            centre,
             ..self.known
         };
         self.outline = Some(outline);

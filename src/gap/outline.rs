@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use super::Known;
 use crate::error::{InputError, finite, positive};
 use crate::numeric::geometry::{self, Rect};
 
@@ -114,8 +115,14 @@ impl Outline {
         }
     }
 
+    /// The mirrors that are left of a gap which ends here and whose centre is then this one.
+    pub(super) fn mirrors_of(&self, known: &Known, centre: [f64; 2]) -> [bool; 2] {
+        let own = self.mirrors(known.centre);
+        [0, 1].map(|m| centre[m] == known.centre[m] && known.mirrors[m] && own[m])
+    }
+
     /// Whether it is its own image in the lines x = c (the first) and y = c through a point.
-    pub(super) fn mirrors(&self, centre: [f64; 2]) -> [bool; 2] {
+    fn mirrors(&self, centre: [f64; 2]) -> [bool; 2] {
         [0, 1].map(|m| match &self.0 {
             Shape::Ellipse(_) => centre[m] == 0.0,
             Shape::Polygon(corners) => {

@@ -145,7 +145,7 @@ impl Formula {
         let inside = region.contains(known.centre);
         let at = |[x, y]: [f64; 2]| self.value(x, y);
         let keeps = inside && level.is_none() && at(known.centre) <= at(region.inner_point());
-        let (own, centre) = (region.mirrors(known.centre), if keeps { known.centre } else { region.inner_point() });
+        let centre = if keeps { known.centre } else { region.inner_point() };
         Known {
             centre,
             law: level.map(|face| Law { degree: Degree::Flat, lowest: face.value }),
@@ -155,7 +155,7 @@ impl Formula {
                 .filter(|axis| disc && axis.at == [0.0; 2])
                 .map(|axis| Axis { generatrix: Generatrix::General, ..axis }),
             material: Material::Within(region.bounds()),
-            mirrors: [0, 1].map(|m| centre[m] == known.centre[m] && known.mirrors[m] && own[m]),
+            mirrors: region.mirrors_of(&known, centre),
             face,
             ends: (round.is_none()).then(|| region.corners().into()),
             drawn_along: region.longest_side(),

@@ -189,13 +189,13 @@ impl Refinement<'_> {
             let Estimate { value, mut error } =
                 if few { Estimate { value: state.force(), error: state.force() } } else { self.limit(&state) };
             let three = if smooth { self.energies.len() >= 3 } else { self.forces.len() >= 3 };
-            // Forces may seem to converge while an edge falls between two cells: a grid is believed when means over cells and
-            // values at their centres agree on it.
-            if self.law.is_none() && three && error <= tolerance * value {
-                error = error.max(self.kernel_difference(&state)?);
-            }
             // Three grids may agree on a limit that is not the punch's while its edges lie between two rows of cells.
             let edge = if three && !smooth { sharp_edges::boundary_type(self.scaled, &state) } else { None };
+            // Forces may seem to converge while an edge falls between two cells: a grid is believed when means over cells and
+            // values at their centres agree on it. Where the material ends it is not asked for alone.
+            if self.law.is_none() && three && error <= tolerance * value && edge != Some(Edge::End) {
+                error = error.max(self.kernel_difference(&state)?);
+            }
             if edge.is_some() && self.law.is_none() {
                 error = error.max(extrapolation::left_by_first_order(&self.forces));
             }
