@@ -88,6 +88,29 @@ fn honest_results_are_accepted() {
             json!({"method": "closed_form"}),
             json!(["pressure"]),
         ),
+        // Pieces that carry the same, in whatever order.
+        (
+            json!({"kind": "formula", "expression": "x^2/0.02 + y^2/0.02 + 5e-7*(1 - cos(x/2e-5)*cos(y/2e-5))"}),
+            json!({"depth": 1e-6}),
+            json!({}),
+            json!(["pressure", "energy", "patch"]),
+        ),
+        // A measured gap, whose bounds are sampled.
+        (
+            json!({"kind": "profile", "along": "x", "radius": 0.05,
+                   "points": (-10..=10).map(|k| f64::from(k) * 1e-4).map(|y| json!([y, y * y / 0.06])).collect::<Vec<_>>()}),
+            json!({"depth": 1e-6}),
+            json!({}),
+            json!(["pressure", "energy", "patch"]),
+        ),
+        // A roller with sharp ends.
+        (
+            json!({"kind": "formula", "expression": "x^2/0.02 + y^2/3",
+                   "region": {"polygon": [[-1e-3, -2e-3], [1e-3, -2e-3], [1e-3, 2e-3], [-1e-3, 2e-3]]}, "rotate": 20.0}),
+            json!({"force": 300.0}),
+            json!({}),
+            json!(["pressure", "energy", "patch"]),
+        ),
         (pyramid(), json!({"depth": 1e-6}), json!({"method": "ritz"}), json!(["bracket"])),
         (pyramid(), json!({"depth": 1e-6}), json!({"method": "fabrikant"}), json!(["bracket"])),
     ] {
@@ -148,6 +171,10 @@ fn altered_results_are_refused() {
         r["bracket"] =
             json!({"lower": 0.999 * r["force"].as_f64().unwrap(), "upper": 1.001 * r["force"].as_f64().unwrap()});
     });
+    for word in ["exact", "certain", "proved"] {
+        refused(word, &|r| r["evidence"] = json!(word));
+        refused(word, &|r| r["bracket"]["evidence"] = json!(format!("{word} beyond doubt")));
+    }
     refused("a field that is gone", &|r| {
         r["pressure"].as_object_mut().unwrap().remove("field");
     });

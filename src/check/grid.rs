@@ -124,9 +124,9 @@ impl State<'_> {
             // A force that was prescribed is met as closely as it is known at this depth.
             ("one_grid", _) => {
                 let room = if force_driven { error.max(1e-6) } else { ROUNDING };
-                // A force that is proved lies in its bracket, which is worked out again.
+                // A force whose error is that of its bracket lies in it, and it is worked out again.
                 let within = |b: &Bounds| b.is_of_energy() && (b.lower..=b.upper).contains(&self.force);
-                let bounded = self.said.evidence.one().is_some_and(|word| word == "proved")
+                let bounded = self.said.evidence.one().is_some_and(|word| word == "proved" || word == "sampled")
                     && self.bracket.as_ref().is_some_and(within);
                 found.require(
                     close(self.force, carried, room) || bounded,

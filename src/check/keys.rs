@@ -22,8 +22,8 @@ impl State<'_> {
         }
     }
 
-    /// Pieces of their own, in the order of the result: each number to the accuracy of the caller, forces and pressures to `share`,
-    /// areas and places to `off`, a length.
+    /// Pieces of their own, the strongest first: each number to the accuracy of the caller, forces and pressures to `share`, areas and places
+    /// to `off`, a length. Which of several that carry as much comes first is for the last digit to say.
     pub(super) fn pieces_are(&self, own: &[Piece], share: f64, off: f64, found: &mut Verification) {
         let Some(said) = self.get(key!(patch.pieces)) else { return };
         let near =
@@ -36,7 +36,13 @@ impl State<'_> {
                 && (0..2).all(|k| near(said.extent[k], own.extent[k]))
                 && said.max_pressure.is_none_or(|said| own.max_pressure.is_some_and(|own| close(said, own, share)))
         };
-        let holds = said.len() == own.len() && said.iter().zip(own).all(|(said, own)| is(said, own));
+        let mut left: Vec<&Piece> = own.iter().collect();
+        let mut again = |said: &result::Piece| {
+            let found = left.iter().position(|own| is(said, own)).map(|k| left.remove(k));
+            found.is_some()
+        };
+        let falling = said.windows(2).all(|pair| pair[1].force <= pair[0].force * (1.0 + share));
+        let holds = said.len() == own.len() && falling && said.iter().all(&mut again);
         found.require(holds, format!("the {} pieces are those found again", said.len()));
         self.use_up(key!(patch.pieces));
     }
