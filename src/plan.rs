@@ -58,11 +58,20 @@ impl fmt::Display for Plan {
 /// # Errors
 /// `Unbounded` when the overlap has no end.
 pub fn plan(contact: &Contact, settings: &Settings) -> Result<Plan, Unsolved> {
-    let mut steps = Vec::new();
-    let axes = Axes::of(contact, settings).filter(|_| !settings.outputs.pressure);
-    steps.extend(axes.map(|axes| axes.found()));
-    let turned = axes.map(|axes| axes.inward(contact));
-    let contact = turned.as_ref().unwrap_or(contact);
+    let Some(axes) = Axes::of(contact, settings) else { return along(contact, settings, Vec::new()) };
+    let turned = axes.inward(contact);
+    let own = || along(&turned, settings, vec![axes.found()]);
+    if !settings.outputs.pressure {
+        return own();
+    }
+    // As the solve: a field is that of a grid along the user's axes, but for that of fitted cells.
+    let fitted = if by_edges::may_fit(turned.gap(), settings) { Some(own()?) } else { None };
+    let fitted = fitted.filter(|plan| plan.method == Some(Method::EdgeFitted));
+    fitted.map_or_else(|| along(contact, settings, Vec::new()), Ok)
+}
+
+/// The plan along the axes of the contact, after these steps.
+fn along(contact: &Contact, settings: &Settings, mut steps: Vec<String>) -> Result<Plan, Unsolved> {
     let loads = contact.loading().loads();
     let (depth, tilt) = probe(contact, loads, &mut steps);
     let gap = contact.tilted_gap(tilt);

@@ -14,7 +14,7 @@ use crate::loading::respond;
 use crate::loading::tilting;
 use crate::overlap::{Overlap, least};
 use crate::problem::{Contact, Load, Settings};
-use crate::solution::{Solution, Unsolved, Verdict};
+use crate::solution::{Origin, Solution, Unsolved, Verdict};
 
 /// Solves every state of the loading, in order.
 ///
@@ -35,16 +35,31 @@ pub fn solve(contact: &Contact, settings: &Settings) -> Vec<Result<Solution, Uns
     };
     let (turned, own) = (axes.inward(contact), Axes::settings_inward(settings));
     let mut along = None;
+    let fitted = by_edges::may_fit(turned.gap(), settings);
     let states = turned.loading().loads().iter().zip(loads).map(|(&inward, &load)| {
-        // A field is that of a grid along the user's axes, where that is good enough.
-        let upright = settings.outputs.pressure.then(|| at(contact, load, settings, &mut similar));
-        let answer = match upright {
-            Some(answer) if !answer.as_ref().is_err_and(|e| Axes::may_help(e.verdict)) => answer,
-            _ => axes.outward(at(&turned, inward, &own, &mut along), load, settings),
+        let mut turned = || axes.outward(at(&turned, inward, &own, &mut along), load, settings);
+        // A field is that of a grid along the user's axes, where that is good enough; that of fitted cells is drawn on a grid anyway.
+        let answer = if settings.outputs.pressure {
+            let by_edges = if fitted { Some(turned()).filter(is_fitted) } else { None };
+            by_edges.unwrap_or_else(|| {
+                let upright = at(contact, load, settings, &mut similar);
+                if upright.as_ref().is_err_and(|e| Axes::may_help(e.verdict)) { turned() } else { upright }
+            })
+        } else {
+            turned()
         };
         within_memory(answer, &mut held)
     });
     states.collect()
+}
+
+/// Whether the state is that of cells fitted to edges.
+fn is_fitted(answer: &Result<Solution, Unsolved>) -> bool {
+    let state = match answer {
+        Ok(state) => Some(state),
+        Err(unsolved) => unsolved.best.as_deref(),
+    };
+    state.is_some_and(|state| state.origin == Origin::EdgeFitted)
 }
 
 /// A solved state of a homogeneous gap, from which every other follows.

@@ -95,19 +95,19 @@ fn honest_results_are_accepted() {
             json!({}),
             json!(["pressure", "energy", "patch"]),
         ),
-        // A measured gap, whose bounds are sampled.
+        // A measured gap, on one grid: its bounds are sampled.
         (
             json!({"kind": "profile", "along": "x", "radius": 0.05,
                    "points": (-10..=10).map(|k| f64::from(k) * 1e-4).map(|y| json!([y, y * y / 0.06])).collect::<Vec<_>>()}),
             json!({"depth": 1e-6}),
-            json!({}),
+            json!({"cells": 64, "tolerance": 0.1}),
             json!(["pressure", "energy", "patch"]),
         ),
         // A roller with sharp ends.
         (
             json!({"kind": "formula", "expression": "x^2/0.02 + y^2/3",
                    "region": {"polygon": [[-1e-3, -2e-3], [1e-3, -2e-3], [1e-3, 2e-3], [-1e-3, 2e-3]]}, "rotate": 20.0}),
-            json!({"force": 300.0}),
+            json!({"force": 1000.0}),
             json!({}),
             json!(["pressure", "energy", "patch"]),
         ),

@@ -97,6 +97,14 @@ fn crowned_rollers_up_to_their_ends() {
                 assert!(method == "fft" || state.method == contact_patch::Method::EdgeFitted, "{scene}");
             }
         }
+        // A field is drawn on a grid of the user's axes, and costs no other method.
+        let scene =
+            json!({"effective_modulus": 1.0, "gap": turned, "loading": {"depth": 1e-6}, "output": ["pressure"]});
+        let state = answers(&scene, Path::new(".")).remove(0).unwrap();
+        let field = state.pressure.field.as_ref().unwrap();
+        assert_eq!((state.method, state.grid), (contact_patch::Method::EdgeFitted, Some(field.grid)));
+        let carried = field.values.iter().sum::<f64>() * field.grid.cell_area();
+        assert!((carried / state.force - 1.0).abs() < 1e-3, "{carried:e} of {:e}", state.force);
     }
 }
 

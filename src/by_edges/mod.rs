@@ -209,6 +209,16 @@ pub(crate) fn chosen_by(settings: &Settings) -> bool {
     settings.cells.is_none() && !settings.outputs.gap && settings.kernel == Kernel::Galerkin
 }
 
+/// Whether cells may be fitted to the contacts of a gap without a face: that depends on the depth.
+pub(crate) fn may_fit(gap: &AnyGap, settings: &Settings) -> bool {
+    let known = gap.known();
+    let asked = match settings.method {
+        Method::Auto => chosen_by(settings),
+        method => method == Method::EdgeFitted,
+    };
+    asked && (known.ends.is_some() || known.mirrors == [true; 2])
+}
+
 /// The state at the overlap of the contact's gap under this tilt; `with_matrix`: its stiffness against tilts too. `None` where nothing is
 /// known that cells can be fitted to.
 ///

@@ -10,7 +10,7 @@ use crate::edge_fitted::resample;
 use crate::grid::{Grid, Pressure, shape};
 use crate::numeric::geometry::Rect;
 use crate::problem::{Contact, Load, Loading, Method, Outputs, Settings};
-use crate::solution::{Patch, Solution, Unsolved, Verdict};
+use crate::solution::{Origin, Patch, Solution, Unsolved, Verdict};
 
 /// Axes turned from the user's by an angle, about the user's origin.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -112,6 +112,10 @@ impl Axes {
         pressure.at = pressure.at.map(|at| self.vector_outward(at));
         pressure.field = pressure.field.take().map(|field| self.field_outward(&field));
         if let Some(field) = &pressure.field {
+            // Fitted cells are drawn on the grid of the field, whichever it is.
+            if state.origin == Origin::EdgeFitted {
+                state.grid = Some(field.grid);
+            }
             state.remarks.push(format!(
                 "the pressure field: means over cells of {:e} along x and y, of the cells of a grid turned by {:.3} degrees",
                 field.grid.spacing[0],
