@@ -93,11 +93,9 @@ fn along(contact: &Contact, settings: &Settings, mut steps: Vec<String>) -> Resu
     }
     let (law, closed) = (gap.known().law, closed.is_ok());
     let upright = matches!(loads[0], Load::Depth(_) | Load::Force(_));
-    let asked = match settings.method {
-        Method::Auto => !closed && by_edges::chosen_by(settings),
-        method => method == Method::EdgeFitted,
-    };
-    let route = if asked { Route::of(&overlap, settings, !upright) } else { None };
+    let formula_first = closed && settings.method == Method::Auto;
+    let route =
+        if by_edges::is_asked_for(settings) && !formula_first { Route::of(&overlap, settings, !upright) } else { None };
     if let Some(route) = &route {
         steps.push(format!("the gap is {}", route.found()));
     }

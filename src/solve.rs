@@ -35,18 +35,20 @@ pub fn solve(contact: &Contact, settings: &Settings) -> Vec<Result<Solution, Uns
     };
     let (turned, own) = (axes.inward(contact), Axes::settings_inward(settings));
     let mut along = None;
-    let fitted = by_edges::may_fit(turned.gap(), settings);
+    let may_fit = by_edges::may_fit(turned.gap(), settings);
     let states = turned.loading().loads().iter().zip(loads).map(|(&inward, &load)| {
-        let mut turned = || axes.outward(at(&turned, inward, &own, &mut along), load, settings);
+        let mut in_own_axes = || axes.outward(at(&turned, inward, &own, &mut along), load, settings);
         // A field is that of a grid along the user's axes, where that is good enough; that of fitted cells is drawn on a grid anyway.
         let answer = if settings.outputs.pressure {
-            let by_edges = if fitted { Some(turned()).filter(is_fitted) } else { None };
-            by_edges.unwrap_or_else(|| {
-                let upright = at(contact, load, settings, &mut similar);
-                if upright.as_ref().is_err_and(|e| Axes::may_help(e.verdict)) { turned() } else { upright }
-            })
+            match may_fit.then(&mut in_own_axes) {
+                Some(answer) if is_fitted(&answer) => answer,
+                first => match at(contact, load, settings, &mut similar) {
+                    Err(e) if Axes::may_help(e.verdict) => first.unwrap_or_else(in_own_axes),
+                    upright => upright,
+                },
+            }
         } else {
-            turned()
+            in_own_axes()
         };
         within_memory(answer, &mut held)
     });
@@ -55,10 +57,7 @@ pub fn solve(contact: &Contact, settings: &Settings) -> Vec<Result<Solution, Uns
 
 /// Whether the state is that of cells fitted to edges.
 fn is_fitted(answer: &Result<Solution, Unsolved>) -> bool {
-    let state = match answer {
-        Ok(state) => Some(state),
-        Err(unsolved) => unsolved.best.as_deref(),
-    };
+    let state = answer.as_ref().map_or_else(|unsolved| unsolved.best.as_deref(), Some);
     state.is_some_and(|state| state.origin == Origin::EdgeFitted)
 }
 

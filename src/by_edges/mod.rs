@@ -209,14 +209,17 @@ pub(crate) fn chosen_by(settings: &Settings) -> bool {
     settings.cells.is_none() && !settings.outputs.gap && settings.kernel == Kernel::Galerkin
 }
 
-/// Whether cells may be fitted to the contacts of a gap without a face: that depends on the depth.
-pub(crate) fn may_fit(gap: &AnyGap, settings: &Settings) -> bool {
-    let known = gap.known();
-    let asked = match settings.method {
+/// Whether fitted cells are prescribed, or left to the program to choose.
+pub(crate) fn is_asked_for(settings: &Settings) -> bool {
+    match settings.method {
         Method::Auto => chosen_by(settings),
         method => method == Method::EdgeFitted,
-    };
-    asked && (known.ends.is_some() || known.mirrors == [true; 2])
+    }
+}
+
+/// Whether this gap may have contacts that are solved by cells along its axes: which of them are depends on the depth.
+pub(crate) fn may_fit(gap: &AnyGap, settings: &Settings) -> bool {
+    is_asked_for(settings) && (roller::Roller::may_be(gap.known()) || oval::Strip::may_be(gap.known()))
 }
 
 /// The state at the overlap of the contact's gap under this tilt; `with_matrix`: its stiffness against tilts too. `None` where nothing is
@@ -253,12 +256,7 @@ pub(crate) fn balanced(
     moment: [f64; 2],
     settings: &Settings,
 ) -> Option<Result<Solution, Unsolved>> {
-    let asked_for = settings.cells.is_none() && !settings.outputs.gap;
-    let chosen = match settings.method {
-        Method::Auto => asked_for && chosen_by(settings),
-        method => method == Method::EdgeFitted,
-    };
-    let face = contact.gap().known().face.as_ref().filter(|_| chosen && force > 0.0)?;
+    let face = contact.gap().known().face.as_ref().filter(|_| is_asked_for(settings) && force > 0.0)?;
     if let Err(outside) = tilted::balances(face, force, moment) {
         return Some(Err(outside));
     }
