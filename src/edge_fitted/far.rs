@@ -164,13 +164,23 @@ impl Source {
     }
 }
 
-/// What interpolation of a source at the most nodes leaves out over a rectangle of half lengths `half`, at most: of slope and
-/// value.
-pub(crate) fn left_out(source: &Source, half: [f64; 2]) -> [f64; 2] {
-    let m = BLOCK_NODES[1];
-    let power = half.map(|h| h.powi(m as i32));
-    let sup = |terms: &[[f64; ORDERS]; 2]| {
-        chebyshev_size(m) * (power[0] * terms[0][m] + CHEBYSHEV_LEBESGUE * power[1] * terms[1][m])
-    };
+/// What interpolation of a source at this many nodes leaves out over a rectangle of half lengths `half`, at most: of slope and value.
+pub(crate) fn left_out(source: &Source, half: [f64; 2], [m, n]: [usize; 2]) -> [f64; 2] {
+    let factors = [along(half[0], m), CHEBYSHEV_LEBESGUE * along(half[1], n)];
+    let sup = |terms: &[[f64; ORDERS]; 2]| factors[0] * terms[0][m] + factors[1] * terms[1][n];
     [sup(&source.slope), sup(&source.value)]
+}
+
+/// What `m` nodes leave out along one direction, over |d^m|/m!.
+fn along(half: f64, m: usize) -> f64 {
+    chebyshev_size(m) * half.powi(m as i32)
+}
+
+/// The least numbers of nodes along both directions that leave out no more than `allowed` of the slope, the value over `decay` added; the
+/// most where none do.
+pub(crate) fn enough_nodes(source: &Source, half: [f64; 2], allowed: f64, decay: f64) -> [usize; 2] {
+    [0, 1].map(|k| {
+        let left = |m: usize| along(half[k], m) * (source.slope[k][m] + source.value[k][m] / decay);
+        (BLOCK_NODES[0]..ORDERS).find(|&m| left(m) <= allowed).unwrap_or(BLOCK_NODES[1])
+    })
 }

@@ -1,11 +1,12 @@
 //! Cells that lie together see what is far from all of them through one interpolation over a rectangle around them.
 
+use super::block::{Block, points};
 use super::compliance::Around;
-use super::far::{BLOCK_NODES, Source, left_out};
+use super::far::{BLOCK_NODES, Source, enough_nodes, left_out};
 use super::line_potential::{Field, Lines, Points, Scratch};
 use super::mesh::{Bilinear, Mesh, Point, minus, norm};
 use super::subcell::{NearEdge, near_edges};
-use super::surroundings::{BLOCK_SHARE, FAR, block_field, chebyshev_points};
+use super::surroundings::{BLOCK_SHARE, FAR};
 
 /// Pressures on a mesh, and what is known of them once.
 pub(crate) struct Sources<'a, const K: usize> {
@@ -20,6 +21,9 @@ pub(crate) struct Sources<'a, const K: usize> {
     /// Cells on which signs have to be shown.
     pub signs: Vec<bool>,
 }
+
+/// The least and the largest of the factors.
+const ALLOWED: [f64; 2] = [0.5, 4.0];
 
 /// What may be left out where signs are shown, over what may be elsewhere.
 const OF_SIGNS: f64 = 0.02;
@@ -59,6 +63,21 @@ impl<'a, const K: usize> Sources<'a, K> {
         })
     }
 
+    /// By what factor more may be left out on each cell than on one that leaves as much of the energy as the others do: what is left of a
+    /// cell goes with the square of the slope, its area and l0 (`decay`), and cells that leave little need not be known as well.
+    pub fn allowances(&self, decay: &[f64]) -> Vec<f64> {
+        let cells = 0..self.mesh.cells.len();
+        let left = |cell: usize| {
+            let l0 = 0.25 * self.mesh.cells[cell].iter().map(|&n| decay[n]).sum::<f64>();
+            let size = Bilinear::new(self.mesh.corners(cell)).area() * l0;
+            self.scale(cell).map(|scale| (scale / self.share(cell)).powi(2) * size)
+        };
+        let left: Vec<[f64; K]> = cells.map(left).collect();
+        let mean: [f64; K] = std::array::from_fn(|k| left.iter().map(|l| l[k]).sum::<f64>() / left.len() as f64);
+        let most = |left: [f64; K]| left.iter().zip(mean).map(|(l, mean)| l / mean).fold(0.0, f64::max);
+        left.into_iter().map(|left| most(left).powf(-0.5).clamp(ALLOWED[0], ALLOWED[1])).collect()
+    }
+
     /// No jump at the cell: what the others make there, each as a line as long as it is: area/(r (r^2 + a^2)^(1/2)).
     fn scale_from_afar(&self, k: usize, cell: usize) -> f64 {
         let own = Around::new(&Bilinear::new(self.mesh.corners(cell)));
@@ -75,8 +94,18 @@ impl<'a, const K: usize> Sources<'a, K> {
 
 /// Cells of a group at most.
 const CELLS: usize = 16;
+
+/// Cells of groups of groups at most: what is far from those many is summed once for all of them.
+const WIDE: usize = 128;
+
+/// What all that is far may leave out of the interpolation over a group along one direction, where fewer nodes reach it, over the size of
+/// the slope.
+const TOTAL: f64 = 3e-3;
+
 /// Cells, and what is far from all of them.
-pub(crate) struct Group<const K: usize> {
+pub(crate) struct Group<'a, const K: usize> {
+    /// The larger one that it is a part of.
+    outer: Option<&'a Self>,
     map: Bilinear,
     /// Loaded cells that are not far.
     pub close: Vec<usize>,
@@ -87,17 +116,22 @@ pub(crate) struct Group<const K: usize> {
     pub far: [(Source, f64); K],
     /// What the interpolation leaves out of its slope and displacement.
     pub left_out: [[f64; 2]; K],
-    /// At the nodes.
-    block: Option<Box<[Field; K]>>,
+    /// What is far from this group, and not from the larger one.
+    block: Option<Block<K>>,
 }
 
-/// Cells by groups: halves of halves along the longer side of what their centres lie in.
-pub(crate) fn groups(mesh: &Mesh, cells: Vec<usize>) -> Vec<Vec<usize>> {
-    let mut groups = Vec::new();
+/// Cells by groups, and those by groups of groups.
+pub(crate) fn groups(mesh: &Mesh, cells: Vec<usize>) -> Vec<Vec<Vec<usize>>> {
+    parts(mesh, cells, WIDE).into_iter().map(|wide| parts(mesh, wide, CELLS)).collect()
+}
+
+/// Parts of at most so many cells: halves of halves along the longer side of what their centres lie in.
+fn parts(mesh: &Mesh, cells: Vec<usize>, most: usize) -> Vec<Vec<usize>> {
+    let mut parts = Vec::new();
     let mut stack = vec![cells];
     while let Some(mut cells) = stack.pop() {
-        if cells.len() <= CELLS {
-            groups.push(cells);
+        if cells.len() <= most {
+            parts.push(cells);
             continue;
         }
         let centre = |cell: usize| Bilinear::new(mesh.corners(cell)).centre;
@@ -110,12 +144,24 @@ pub(crate) fn groups(mesh: &Mesh, cells: Vec<usize>) -> Vec<Vec<usize>> {
         let rest = cells.split_off(cells.len() / 2);
         stack.extend([cells, rest]);
     }
-    groups
+    parts.retain(|cells| !cells.is_empty());
+    parts
 }
 
-impl<const K: usize> Group<K> {
-    /// Of at least one cell.
-    pub fn new(sources: &Sources<K>, cells: &[usize], scratch: &mut Scratch) -> Self {
+impl<'a, const K: usize> Group<'a, K> {
+    /// All cells, to which everything is close.
+    pub fn of_all(sources: &Sources<K>) -> Self {
+        let Sources { mesh, lines, pressures, .. } = sources;
+        let close = (0..mesh.loaded).filter(|&j| sources.strength(j).iter().any(|s| *s != 0.0)).collect();
+        let edges = near_edges(mesh, lines, 0..mesh.edges.len(), *pressures, &|_| true);
+        let lines = lines.subset(edges.iter().map(|e| e.edge));
+        let map = Bilinear::new([[0.0; 2]; 4]);
+        let (far, left_out) = ([(Source::ZERO, 0.0); K], [[0.0; 2]; K]);
+        Self { outer: None, map, close, edges, lines, far, left_out, block: None }
+    }
+
+    /// Of at least one cell, a part of a larger group.
+    pub fn within(outer: &'a Self, sources: &Sources<K>, cells: &[usize], scratch: &mut Scratch) -> Self {
         let mesh = sources.mesh;
         let corners: Vec<Point> = cells.iter().flat_map(|c| mesh.corners(*c)).collect();
         let arounds: Vec<Around> = cells.iter().map(|c| Around::new(&Bilinear::new(mesh.corners(*c)))).collect();
@@ -127,22 +173,21 @@ impl<const K: usize> Group<K> {
         let decay = arounds.iter().map(|a| 0.3 * a.half[0].min(a.half[1])).fold(f64::INFINITY, f64::min);
         let scales: Vec<[f64; K]> = cells.iter().map(|c| sources.scale(*c)).collect();
         let scale: [f64; K] = std::array::from_fn(|k| scales.iter().map(|s| s[k]).fold(f64::INFINITY, f64::min));
-        let mut close = Vec::new();
-        let mut far = [(Source::ZERO, 0.0); K];
+        let most = [BLOCK_NODES[1]; 2];
+        let (mut close, mut is_close) = (Vec::new(), vec![false; mesh.loaded]);
+        let mut own_far = [(Source::ZERO, 0.0); K];
         let box_corners = map.corners();
-        for (j, other) in sources.arounds.iter().enumerate() {
+        for &j in &outer.close {
+            let other = &sources.arounds[j];
             let strength = sources.strength(j);
-            if strength.iter().all(|s| *s == 0.0) {
-                continue;
-            }
             let delta = own.distance_to_hull(&mesh.corners(j)).max(other.distance_to_hull(&box_corners));
             let is_far = delta > FAR * 2.0 * other.half[1] && {
                 let source = Source::cell(other.half.map(|h| 2.0 * h), delta);
-                let [slope, value] = left_out(&source, half);
+                let [slope, value] = left_out(&source, half, most);
                 let error = slope + value / decay;
                 let smooth = (0..K).all(|k| strength[k] * error <= BLOCK_SHARE * scale[k]);
                 if smooth {
-                    for ((sum, total), s) in far.iter_mut().zip(strength) {
+                    for ((sum, total), s) in own_far.iter_mut().zip(strength) {
                         sum.add(s, &source);
                         *total += s;
                     }
@@ -151,37 +196,60 @@ impl<const K: usize> Group<K> {
             };
             if !is_far {
                 close.push(j);
+                is_close[j] = true;
             }
         }
-        let mut is_close = vec![false; mesh.loaded];
-        close.iter().for_each(|&j| is_close[j] = true);
-        let edges = near_edges(mesh, sources.lines, 0..mesh.edges.len(), sources.pressures, &|j| is_close[j]);
+        let candidates = outer.edges.iter().map(|e| e.edge);
+        let edges = near_edges(mesh, sources.lines, candidates, sources.pressures, &|j| is_close[j]);
         let lines = sources.lines.subset(edges.iter().map(|e| e.edge));
-        let some = far.iter().any(|(_, total)| *total > 0.0);
+        let mut count = [BLOCK_NODES[0]; 2];
+        for ((sum, _), scale) in own_far.iter().zip(scale) {
+            let least = enough_nodes(sum, half, TOTAL * scale, decay);
+            count = [count[0].max(least[0]), count[1].max(least[1])];
+        }
+        let some = own_far.iter().any(|(_, total)| *total > 0.0);
         let block = some.then(|| {
-            let mut rest: [Vec<f64>; K] = sources.strengths.map(<[f64]>::to_vec);
-            for e in &edges {
-                for k in 0..K {
-                    e.take_off(k, &mut rest[k][e.edge]);
-                }
-            }
-            let points = chebyshev_points(&map, [BLOCK_NODES[1]; 2]);
-            Box::new(sources.lines.fields(std::array::from_fn(|k| rest[k].as_slice()), &points, scratch))
+            let rest = outer.without(&edges);
+            let points = points(&map, count);
+            Block::new(count, outer.lines.fields(std::array::from_fn(|k| rest[k].as_slice()), &points, scratch))
         });
-        let left_out = far.map(|(sum, _)| left_out(&sum, half));
-        Self { map, close, edges, lines, far, left_out, block }
+        let (mut far, mut off) = (outer.far, outer.left_out);
+        for k in 0..K {
+            let (sum, total) = own_far[k];
+            far[k].0.add(1.0, &sum);
+            far[k].1 += total;
+            let own = left_out(&sum, half, count);
+            off[k] = [0, 1].map(|q| off[k][q] + own[q]);
+        }
+        Self { outer: Some(outer), map, close, edges, lines, far, left_out: off, block }
+    }
+
+    /// The strengths of its edges without those of some of them. Both lists follow the order of the mesh.
+    pub fn without(&self, some: &[NearEdge<K>]) -> [Vec<f64>; K] {
+        let mut rest: [Vec<f64>; K] = std::array::from_fn(|k| self.edges.iter().map(|e| e.strength[k]).collect());
+        let mut left = some.iter().peekable();
+        for (i, e) in self.edges.iter().enumerate() {
+            if let Some(near) = left.next_if(|near| near.edge == e.edge) {
+                (0..K).for_each(|k| near.take_off(k, &mut rest[k][i]));
+            }
+        }
+        rest
     }
 
     /// Adds the field of what is far to that at some points of a cell.
     pub fn add_far(&self, points: &Points, fields: &mut [Field; K]) {
-        let Some(block) = &self.block else { return };
-        let local = |p: Point| {
-            // A rectangle: both directions are at right angles.
-            let v = [p[0] - self.map.centre[0], p[1] - self.map.centre[1]];
-            self.map.along.map(|a| (v[0] * a[0] + v[1] * a[1]) / (a[0] * a[0] + a[1] * a[1]))
-        };
-        for i in 0..points.len {
-            block_field(block, local([points.x[i], points.y[i]]), i, fields);
+        if let Some(block) = &self.block {
+            let local = |p: Point| {
+                // A rectangle: both directions are at right angles.
+                let v = [p[0] - self.map.centre[0], p[1] - self.map.centre[1]];
+                self.map.along.map(|a| (v[0] * a[0] + v[1] * a[1]) / (a[0] * a[0] + a[1] * a[1]))
+            };
+            for i in 0..points.len {
+                block.add_at(local([points.x[i], points.y[i]]), i, fields);
+            }
+        }
+        if let Some(outer) = self.outer {
+            outer.add_far(points, fields);
         }
     }
 }

@@ -12,7 +12,7 @@
 //! r + |a| at both ends, without cancellation.
 
 use super::mesh::{Mesh, Point, dot, minus, norm};
-use crate::numeric::simd::{Kernel, ln, vectorised};
+use crate::numeric::simd::{Kernel, ln_ratio, vectorised};
 
 /// Points that are evaluated together.
 pub(crate) const BATCH: usize = 64;
@@ -46,6 +46,9 @@ impl Field {
 
 /// Points of one vector operation, at most.
 const LANES: usize = 8;
+
+/// Stands for d^2 of a point on an edge, where d L is zero.
+const SMALLEST: f64 = 1e-280;
 
 /// Up to [`BATCH`] points; those not filled repeat the last one.
 #[derive(Debug, Clone)]
@@ -134,26 +137,28 @@ impl Lines {
         }
     }
 
-    /// L and d of one line at all points of the batch.
+    /// L and d of one line at a group of points.
     #[inline(always)]
-    fn potential(line: &Line, points: &Points, radii: &[[f64; BATCH]], l: &mut [f64; BATCH], d: &mut [f64; BATCH]) {
-        let (r1, r2) = (&radii[line.nodes[0]], &radii[line.nodes[1]]);
+    fn potential(line: &Line, points: &Points, radii: &[[f64; BATCH]], first: usize) -> [[f64; LANES]; 2] {
+        let group = |all: &[f64; BATCH]| -> [f64; LANES] { std::array::from_fn(|i| all[first + i]) };
+        let (r1, r2) = (group(&radii[line.nodes[0]]), group(&radii[line.nodes[1]]));
+        let (x, y) = (group(&points.x), group(&points.y));
         let [tx, ty] = line.direction;
-        for c in 0..points.lanes() {
-            for i in LANES * c..LANES * (c + 1) {
-                let (dx, dy) = (points.x[i] - line.start[0], points.y[i] - line.start[1]);
-                let a1 = dx * tx + dy * ty;
-                let a2 = a1 - line.length;
-                let s = tx * dy - ty * dx;
-                let (b1, b2) = (r1[i] + a1.abs(), r2[i] + a2.abs());
-                // Beyond the second end b1/b2, beyond the first b2/b1, between them b1 b2/d^2.
-                let above = if a1 >= 0.0 { b1 } else { 1.0 } * if a2 <= 0.0 { b2 } else { 1.0 };
-                let below = if a1 < 0.0 { b1 } else { 1.0 } * if a2 > 0.0 { b2 } else { 1.0 };
-                let between = if a1 >= 0.0 && a2 <= 0.0 { s * s } else { 1.0 };
-                l[i] = ln(above / (below * between));
-                d[i] = s;
-            }
+        let (mut l, mut d) = ([0.0; LANES], [0.0; LANES]);
+        for i in 0..LANES {
+            let (dx, dy) = (x[i] - line.start[0], y[i] - line.start[1]);
+            let a1 = dx * tx + dy * ty;
+            let a2 = a1 - line.length;
+            let s = tx * dy - ty * dx;
+            let (b1, b2) = (r1[i] + a1.abs(), r2[i] + a2.abs());
+            // Beyond the second end b1/b2, beyond the first b2/b1, between them b1 b2/d^2.
+            let above = if a1 >= 0.0 { b1 } else { 1.0 } * if a2 <= 0.0 { b2 } else { 1.0 };
+            let below = if a1 < 0.0 { b1 } else { 1.0 } * if a2 > 0.0 { b2 } else { 1.0 };
+            let between = if a1 >= 0.0 && a2 <= 0.0 { (s * s).max(SMALLEST) } else { 1.0 };
+            l[i] = ln_ratio(above, below * between);
+            d[i] = s;
         }
+        [l, d]
     }
 
     /// Adds the fields of `K` pressures, given by the strengths of the edges.
@@ -172,21 +177,26 @@ impl Lines {
         fields: &mut [Field; K],
     ) {
         Self::radii(&self.nodes, points, &mut scratch.radii);
-        let (mut l, mut d) = ([0.0; BATCH], [0.0; BATCH]);
-        for (e, line) in self.lines.iter().enumerate() {
-            if strengths.iter().all(|c| c[e] == 0.0) {
-                continue;
-            }
-            Self::potential(line, points, &scratch.radii, &mut l, &mut d);
-            for (field, c) in fields.iter_mut().zip(strengths) {
-                let (c, cx, cy) = (c[e], -c[e] * line.direction[1], c[e] * line.direction[0]);
-                for lane in 0..points.lanes() {
-                    for i in LANES * lane..LANES * (lane + 1) {
-                        field.u[i] += c * d[i] * l[i];
-                        field.slope[0][i] += cx * l[i];
-                        field.slope[1][i] += cy * l[i];
+        for first in (0..LANES * points.lanes()).step_by(LANES) {
+            let mut sums = [[[0.0; LANES]; 3]; K];
+            for (e, line) in self.lines.iter().enumerate() {
+                if strengths.iter().all(|c| c[e] == 0.0) {
+                    continue;
+                }
+                let [l, d] = Self::potential(line, points, &scratch.radii, first);
+                for (sums, c) in sums.iter_mut().zip(strengths) {
+                    let (c, cx, cy) = (c[e], -c[e] * line.direction[1], c[e] * line.direction[0]);
+                    for i in 0..LANES {
+                        sums[0][i] += c * (d[i] * l[i]);
+                        sums[1][i] += cx * l[i];
+                        sums[2][i] += cy * l[i];
                     }
                 }
+            }
+            for (field, [u, x, y]) in fields.iter_mut().zip(&sums) {
+                field.u[first..first + LANES].copy_from_slice(u);
+                field.slope[0][first..first + LANES].copy_from_slice(x);
+                field.slope[1][first..first + LANES].copy_from_slice(y);
             }
         }
     }
@@ -203,12 +213,11 @@ impl Lines {
         let nodes = lines.iter().flat_map(|line| line.nodes).max().map_or(0, |last| last + 1);
         Self::radii(&self.nodes[..nodes], points, &mut scratch.radii);
         scratch.products.resize(count, [0.0; BATCH]);
-        let (mut l, mut d) = ([0.0; BATCH], [0.0; BATCH]);
         for (line, out) in lines.iter().zip(scratch.products.iter_mut()) {
-            Self::potential(line, points, &scratch.radii, &mut l, &mut d);
-            for lane in 0..points.lanes() {
-                for i in LANES * lane..LANES * (lane + 1) {
-                    out[i] = d[i] * l[i];
+            for first in (0..LANES * points.lanes()).step_by(LANES) {
+                let [l, d] = Self::potential(line, points, &scratch.radii, first);
+                for i in 0..LANES {
+                    out[first + i] = d[i] * l[i];
                 }
             }
         }

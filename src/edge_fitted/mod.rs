@@ -26,6 +26,7 @@ mod active_set;
 mod annular;
 mod beyond;
 mod bilinear;
+mod block;
 mod cells;
 mod cholesky;
 mod compliance;

@@ -137,37 +137,56 @@ impl<const K: usize> Scan<'_, K> {
         let signs = |cell: usize| self.beyond.is_some() && panels[cell].iter().any(|panel| panel.chi[0] != [1.0; 4]);
         let (beyond, inside): (Vec<usize>, Vec<usize>) = cells.into_iter().partition(|&cell| signs(cell));
         beyond.iter().for_each(|&cell| sources.signs[cell] = true);
+        let allowances = sources.allowances(self.decay);
         // What may fail comes first.
-        let all_groups = groups(mesh, beyond).into_iter().chain(groups(mesh, inside));
-        for cells in all_groups.filter(|cells| !cells.is_empty()) {
-            let cells = &cells;
-            let group = Group::new(&sources, cells, &mut work.scratch);
-            for &cell in cells {
-                if self.deadline.has_passed() {
-                    return None;
-                }
-                let context = Context {
-                    lines,
-                    decay: mesh.cells[cell].map(|n| self.decay[n]),
-                    wider: mesh.cells[cell].map(|n| self.beyond.map_or(self.decay[n], |beyond| beyond.decay[n])),
-                    extent: mesh.extent(),
-                    strengths,
-                    overlap: targets.map(|target| target.overlap.of(cell)),
-                    tau: self.beyond.map(|beyond| beyond.tau),
-                    surroundings: Surroundings::new(&sources, &group, cell, &mut work.scratch),
-                };
-                let mut own = [[Sums::default(); 2]; K];
-                for panel in &panels[cell] {
-                    context.subdivide(panel, &mut own, &mut work)?;
-                }
-                context.flush(&mut own, &mut work, &mut Vec::new())?;
-                let size = orbits.size[orbits.orbit[cell]] as f64;
-                for (all, own) in all.iter_mut().flatten().zip(own.iter().flatten()) {
-                    all.add(size, own);
+        let everything = Group::of_all(&sources);
+        for wide in groups(mesh, beyond).into_iter().chain(groups(mesh, inside)) {
+            let outer = Group::within(&everything, &sources, &wide.concat(), &mut work.scratch);
+            for cells in &wide {
+                let group = Group::within(&outer, &sources, cells, &mut work.scratch);
+                for &cell in cells {
+                    if self.deadline.has_passed() {
+                        return None;
+                    }
+                    let size = orbits.size[orbits.orbit[cell]] as f64;
+                    let own = self.of_cell(cell, &sources, &group, allowances[cell], &panels[cell], &mut work)?;
+                    for (all, own) in all.iter_mut().flatten().zip(own.iter().flatten()) {
+                        all.add(size, own);
+                    }
                 }
             }
         }
         Some(all)
+    }
+
+    /// Of one cell.
+    fn of_cell(
+        &self,
+        cell: usize,
+        sources: &Sources<K>,
+        group: &Group<K>,
+        allowance: f64,
+        panels: &[Panel],
+        work: &mut Work<K>,
+    ) -> Option<[[Sums; 2]; K]> {
+        let Self { mesh, lines, targets, beyond, .. } = self;
+        let context = Context {
+            lines,
+            decay: mesh.cells[cell].map(|n| self.decay[n]),
+            wider: mesh.cells[cell].map(|n| beyond.map_or(self.decay[n], |beyond| beyond.decay[n])),
+            extent: mesh.extent(),
+            allowance,
+            strengths: sources.strengths,
+            overlap: targets.map(|target| target.overlap.of(cell)),
+            tau: beyond.map(|beyond| beyond.tau),
+            surroundings: Surroundings::new(sources, group, cell, &mut work.scratch),
+        };
+        let mut own = [[Sums::default(); 2]; K];
+        for panel in panels {
+            context.subdivide(panel, &mut own, work)?;
+        }
+        context.flush(&mut own, work, &mut Vec::new())?;
+        Some(own)
     }
 }
 

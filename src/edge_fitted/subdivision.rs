@@ -9,7 +9,7 @@ use super::interpolation::{CHOICES, Errors, NodeLogarithms, errors};
 use super::line_potential::{BATCH, Field, Lines, Points, Scratch};
 use super::mesh::{dot, minus};
 use super::subcell::{Fan, Subcell};
-use super::surroundings::{Surroundings, add_block};
+use super::surroundings::Surroundings;
 
 /// How much of the slope's size in a cell interpolation may leave out.
 const SHARE: f64 = 0.15;
@@ -32,6 +32,8 @@ pub(crate) struct Context<'a, const K: usize> {
     /// The same of what is faded by the wider factor, and of no residual.
     pub wider: [f64; 4],
     pub extent: f64,
+    /// What may be left out, over [`SHARE`].
+    pub allowance: f64,
     pub strengths: [&'a [f64]; K],
     /// f as value + slope . x, and what is left out of its slope and its value.
     pub overlap: [([f64; 3], [f64; 2]); K],
@@ -93,7 +95,7 @@ impl<const K: usize> Context<'_, K> {
             let (errors, logarithms) =
                 errors(&subcell, &surroundings.near, &surroundings.lanes, &surroundings.far, self.extent);
             let decay = self.decay_at(&subcell);
-            let allowance = 0.5 * SHARE * (area / subcell.map.area()).powf(0.25);
+            let allowance = 0.5 * SHARE * self.allowance * (area / subcell.map.area()).powf(0.25);
             // The left-out slope, with the value's part, over the allowed one: per direction and number of nodes.
             let excess = |direction: usize, i: usize| {
                 (0..K)
@@ -189,7 +191,7 @@ impl<const K: usize> Context<'_, K> {
         let strengths = std::array::from_fn(|k| surroundings.strengths[k].as_slice());
         let mut fields = surroundings.lines.fields(strengths, &work.points, &mut work.scratch);
         for pending in &work.pending {
-            add_block(&pending.subcell, pending.count, pending.first, surroundings, &mut fields);
+            surroundings.block.add_on(&pending.subcell, pending.count, pending.first, &mut fields);
         }
         for pending in &work.pending {
             let [of_contact, of_wider] = pending.chi;

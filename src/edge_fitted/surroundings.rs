@@ -1,12 +1,12 @@
 //! What the points of one cell see of all cells: near edges exactly, the rest by interpolation over the cell.
 
+use super::block::{Block, points};
 use super::compliance::Around;
 use super::edge_lanes::EdgeLanes;
 use super::far::{BLOCK_NODES, Far, Source, left_out};
-use super::gauss::{lagrange, legendre};
 use super::group::{Group, Sources};
-use super::line_potential::{Field, Lines, Points, Scratch};
-use super::mesh::{Bilinear, Point};
+use super::line_potential::{Lines, Scratch};
+use super::mesh::Bilinear;
 use super::subcell::{NearEdge, Subcell, near_edges};
 
 /// What a cell sees of the others: near edges one by one, the field of all else by interpolation over the cell.
@@ -17,10 +17,8 @@ pub(crate) struct Surroundings<const K: usize> {
     pub lines: Lines,
     pub strengths: [Vec<f64>; K],
     pub far: [Far; K],
-    /// Nodes of the block along both directions.
-    count: [usize; 2],
-    /// Displacement and slope of what is not near, at the nodes of the block: the index of t runs slower.
-    block: Box<[Field; K]>,
+    /// What is not near.
+    pub block: Block<K>,
     /// The size of the slope in the cell: the largest strength at its corners.
     pub scale: [f64; K],
 }
@@ -43,7 +41,7 @@ impl<const K: usize> Surroundings<K> {
         let decay = 0.3 * half[0].min(half[1]);
         let scale = sources.scale(cell);
         let smooth = |strength: [f64; K], source: &Source| {
-            let [slope, value] = left_out(source, half);
+            let [slope, value] = left_out(source, half, [BLOCK_NODES[1]; 2]);
             let error = slope + value / decay;
             (0..K).all(|k| strength[k].abs() * error <= BLOCK_SHARE * scale[k])
         };
@@ -83,14 +81,7 @@ impl<const K: usize> Surroundings<K> {
         });
         let subset = lines.subset(near.iter().map(|e| e.edge));
         let near_strengths = std::array::from_fn(|k| near.iter().map(|e| e.strength[k]).collect());
-        // Both lists follow the order of the mesh.
-        let mut rest: [Vec<f64>; K] = std::array::from_fn(|k| group.edges.iter().map(|e| e.strength[k]).collect());
-        let mut left = near.iter().peekable();
-        for (i, e) in group.edges.iter().enumerate() {
-            if let Some(near) = left.next_if(|near| near.edge == e.edge) {
-                (0..K).for_each(|k| near.take_off(k, &mut rest[k][i]));
-            }
-        }
+        let rest = group.without(&near);
         let mut count = [BLOCK_NODES[0]; 2];
         for (far, scale) in far.iter().zip(scale) {
             let least = far.choose(BLOCK_TOTAL * scale, decay);
@@ -99,7 +90,7 @@ impl<const K: usize> Surroundings<K> {
         for (far, nodal) in far.iter_mut().zip(group.left_out) {
             far.set(count, nodal);
         }
-        let points = chebyshev_points(&map, count);
+        let points = points(&map, count);
         let mut block = group.lines.fields(std::array::from_fn(|k| rest[k].as_slice()), &points, scratch);
         group.add_far(&points, &mut block);
         let lanes = EdgeLanes::of(&near);
@@ -109,89 +100,17 @@ impl<const K: usize> Surroundings<K> {
             lines: subset,
             strengths: near_strengths,
             far,
-            count,
-            block: Box::new(block),
+            block: Block::new(count, block),
             scale: scale.map(|s| s / sources.share(cell)),
-        }
-    }
-}
-
-/// The Chebyshev points of a cell.
-pub(crate) fn chebyshev_points(map: &Bilinear, count: [usize; 2]) -> Points {
-    let mut points = Points::EMPTY;
-    for t in chebyshev(count[1]) {
-        for s in chebyshev(count[0]) {
-            points.push(map.at(*s, *t));
-        }
-    }
-    points
-}
-
-/// Adds to the fields at point `i` what is interpolated at (s, t) between the most Chebyshev points.
-pub(crate) fn block_field<const K: usize>(block: &[Field; K], [s, t]: Point, i: usize, fields: &mut [Field; K]) {
-    let n = BLOCK_NODES[1];
-    let (bs, bt) = (lagrange(chebyshev(n), s), lagrange(chebyshev(n), t));
-    let at = |values: &[f64]| -> f64 {
-        bt.iter()
-            .zip(values.chunks_exact(n))
-            .map(|(b, row)| b * row.iter().zip(&bs).map(|(v, b)| v * b).sum::<f64>())
-            .sum()
-    };
-    for (field, block) in fields.iter_mut().zip(block) {
-        field.u[i] += at(&block.u);
-        for (slope, values) in field.slope.iter_mut().zip(&block.slope) {
-            slope[i] += at(values);
-        }
-    }
-}
-
-/// The `n` Chebyshev nodes.
-fn chebyshev(n: usize) -> &'static [f64] {
-    static NODES: std::sync::OnceLock<Vec<Vec<f64>>> = std::sync::OnceLock::new();
-    let all = NODES.get_or_init(|| {
-        (0..=BLOCK_NODES[1])
-            .map(|n| (0..n).map(|i| -((2 * i + 1) as f64 * std::f64::consts::PI / (2 * n) as f64).cos()).collect())
-            .collect()
-    });
-    &all[n]
-}
-
-/// Adds the interpolant of the block at the nodes of a subcell.
-pub(crate) fn add_block<const K: usize>(
-    subcell: &Subcell,
-    [m, n]: [usize; 2],
-    first: usize,
-    surroundings: &Surroundings<K>,
-    fields: &mut [Field; K],
-) {
-    let [p, q] = surroundings.count;
-    let basis = |k: usize, count: usize| -> Vec<f64> {
-        let [a, b] = subcell.range[k];
-        let nodes = chebyshev(surroundings.count[k]);
-        legendre(count).0.iter().flat_map(|x| lagrange(nodes, a + 0.5 * (1.0 + x) * (b - a))).collect()
-    };
-    let (bs, bt) = (basis(0, m), basis(1, n));
-    for (field, block) in fields.iter_mut().zip(surroundings.block.iter()) {
-        let [dx, dy] = &mut field.slope;
-        for (out, values) in [(&mut field.u, &block.u), (dx, &block.slope[0]), (dy, &block.slope[1])] {
-            for j in 0..n {
-                let mut line = [0.0; BLOCK_NODES[1]];
-                for (i, v) in line.iter_mut().enumerate().take(p) {
-                    *v = (0..q).map(|l| bt[j * q + l] * values[l * p + i]).sum::<f64>();
-                }
-                for i in 0..m {
-                    let row = &bs[i * p..(i + 1) * p];
-                    out[first + j * m + i] += row.iter().zip(&line).map(|(b, v)| b * v).sum::<f64>();
-                }
-            }
         }
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::gauss::legendre;
     use super::super::group::groups;
-    use super::super::line_potential::BATCH;
+    use super::super::line_potential::{BATCH, Points};
     use super::super::outline::Outline;
     use super::*;
 
@@ -208,31 +127,35 @@ mod tests {
         let sources = Sources::new(&mesh, &lines, [&pressure], [&strengths]);
         let mut scratch = Scratch::default();
         let (mut through_groups, mut largest) = (0, 0.0_f64);
-        for cells in groups(&mesh, (0..mesh.cells.len()).collect()) {
-            let group = Group::new(&sources, &cells, &mut scratch);
-            through_groups += mesh.loaded - group.close.len();
-            for &cell in &cells {
-                let seen = Surroundings::new(&sources, &group, cell, &mut scratch);
-                let map = Bilinear::new(mesh.corners(cell));
-                let whole = Subcell { map, range: [[-1.0, 1.0]; 2], sides: [None; 4], nodes: [None; 4] };
-                let mut points = Points::EMPTY;
-                for t in &legendre(5).0 {
-                    for s in &legendre(5).0 {
-                        points.push(map.at(*s, *t));
+        let all = Group::of_all(&sources);
+        for wide in groups(&mesh, (0..mesh.cells.len()).collect()) {
+            let outer = Group::within(&all, &sources, &wide.concat(), &mut scratch);
+            for cells in wide {
+                let group = Group::within(&outer, &sources, &cells, &mut scratch);
+                through_groups += mesh.loaded - group.close.len();
+                for &cell in &cells {
+                    let seen = Surroundings::new(&sources, &group, cell, &mut scratch);
+                    let map = Bilinear::new(mesh.corners(cell));
+                    let whole = Subcell { map, range: [[-1.0, 1.0]; 2], sides: [None; 4], nodes: [None; 4] };
+                    let mut points = Points::EMPTY;
+                    for t in &legendre(5).0 {
+                        for s in &legendre(5).0 {
+                            points.push(map.at(*s, *t));
+                        }
                     }
-                }
-                let mut fields = seen.lines.fields([&seen.strengths[0]], &points, &mut scratch);
-                add_block(&whole, [5, 5], 0, &seen, &mut fields);
-                let [exact] = lines.fields([&strengths], &points, &mut scratch);
-                let [field] = fields;
-                let [slope, value] = seen.far[0].block;
-                for i in 0..points.len.min(BATCH) {
-                    let off = [0, 1].map(|k| field.slope[k][i] - exact.slope[k][i]);
-                    let off = off[0].hypot(off[1]);
-                    assert!(off <= slope + 1e-12, "cell {cell}: slope off by {off:e}, said {slope:e}");
-                    let low = (field.u[i] - exact.u[i]).abs();
-                    assert!(low <= value + 1e-12, "cell {cell}: displacement off by {low:e}, said {value:e}");
-                    largest = largest.max(off / slope);
+                    let mut fields = seen.lines.fields([&seen.strengths[0]], &points, &mut scratch);
+                    seen.block.add_on(&whole, [5, 5], 0, &mut fields);
+                    let [exact] = lines.fields([&strengths], &points, &mut scratch);
+                    let [field] = fields;
+                    let [slope, value] = seen.far[0].block;
+                    for i in 0..points.len.min(BATCH) {
+                        let off = [0, 1].map(|k| field.slope[k][i] - exact.slope[k][i]);
+                        let off = off[0].hypot(off[1]);
+                        assert!(off <= slope + 1e-12, "cell {cell}: slope off by {off:e}, said {slope:e}");
+                        let low = (field.u[i] - exact.u[i]).abs();
+                        assert!(low <= value + 1e-12, "cell {cell}: displacement off by {low:e}, said {value:e}");
+                        largest = largest.max(off / slope);
+                    }
                 }
             }
         }
