@@ -2,7 +2,7 @@
 
 use super::line_potential::{Lines, Points, Scratch};
 use super::mesh::{Bilinear, Mesh, Point, cross, dot, minus, norm};
-use super::pair_integral::{polygons, rectangles};
+use super::pair_integral::{Integral, polygons, rectangles};
 use super::symmetry::Orbits;
 use crate::clock::Deadline;
 
@@ -147,59 +147,35 @@ const GAUSS_3: f64 = 64.0 * 1296.0 / (7.0 * 720.0 * 720.0);
 impl Compliance {
     /// `None` once the time is used up.
     pub fn new(mesh: &Mesh, lines: &Lines, orbits: &Orbits, deadline: Deadline) -> Option<Self> {
-        let (n, loaded) = (orbits.loaded, mesh.loaded);
-        let shapes: Vec<Shape> = (0..loaded).map(|i| Shape::new(mesh.corners(i))).collect();
-        let gauss = gauss_rows(mesh, lines, orbits, &shapes, deadline)?;
-        let carriers = orbits.carriers();
-        // inverse[g][i]: the cell that element g takes to cell i.
-        let inverse: Vec<Vec<usize>> = orbits
-            .images
-            .iter()
-            .map(|image| {
-                let mut inverse = vec![0; image.len()];
-                for (i, &j) in image.iter().enumerate() {
-                    inverse[j] = i;
-                }
-                inverse
-            })
-            .collect();
+        let n = orbits.loaded;
         let (mut matrix, mut error) = (vec![0.0; n * n], vec![0.0; n * n]);
-        for a in 0..n {
-            if deadline.has_passed() {
-                return None;
-            }
-            let i = orbits.representatives[a];
-            let weight = orbits.size[a] as f64 * std::f64::consts::FRAC_1_PI;
-            let own = &shapes[i];
-            for (j, other) in shapes.iter().enumerate() {
-                let b = orbits.orbit[j];
-                if b > a {
-                    continue;
-                }
-                let distance = own.distance(other);
-                let (value, bound) = if distance > FAR * own.size().min(other.size()) {
-                    let own_smaller = own.size() <= other.size();
-                    let value =
-                        if own_smaller { gauss[a * loaded + j] } else { gauss[b * loaded + inverse[carriers[j]][i]] };
-                    let carrier = if own_smaller { own } else { other };
-                    (value, value * relative_error(carrier, distance))
-                } else {
-                    let integral = match (own.rectangle, other.rectangle) {
-                        (Some(p), Some(q)) => rectangles(p, q),
-                        _ => polygons(&own.corners, &other.corners),
-                    };
-                    (integral.value, integral.error)
-                };
-                matrix[a * n + b] += weight * value;
-                error[a * n + b] += weight * bound;
-            }
-        }
+        pairs(mesh, lines, orbits, deadline, |a, j, Integral { value, error: bound }| {
+            let (b, weight) = (orbits.orbit[j], orbits.size[a] as f64 * std::f64::consts::FRAC_1_PI);
+            matrix[a * n + b] += weight * value;
+            error[a * n + b] += weight * bound;
+        })?;
         for a in 0..n {
             for b in 0..a {
                 matrix[b * n + a] = matrix[a * n + b];
                 error[b * n + a] = error[a * n + b];
             }
         }
+        Some(Self { n, matrix, error })
+    }
+
+    /// The same of every cell by itself: the orbits only save integrals.
+    pub fn of_cells(mesh: &Mesh, lines: &Lines, orbits: &Orbits, deadline: Deadline) -> Option<Self> {
+        let n = mesh.loaded;
+        let (mut matrix, mut error) = (vec![0.0; n * n], vec![0.0; n * n]);
+        pairs(mesh, lines, orbits, deadline, |a, j, integral| {
+            let [value, bound] = [integral.value, integral.error].map(|v| v * std::f64::consts::FRAC_1_PI);
+            for image in &orbits.images {
+                let (i, j) = (image[orbits.representatives[a]], image[j]);
+                for at in [i * n + j, j * n + i] {
+                    (matrix[at], error[at]) = (value, bound);
+                }
+            }
+        })?;
         Some(Self { n, matrix, error })
     }
 
@@ -216,6 +192,61 @@ impl Compliance {
             .map(|(row, v)| v.abs() * row.iter().zip(q).map(|(e, w)| e * w.abs()).sum::<f64>())
             .sum()
     }
+}
+
+/// int int 1/r over the representative of orbit a and cell j, for every pair but for the symmetries and the order; `None` once the time is
+/// used up.
+fn pairs(
+    mesh: &Mesh,
+    lines: &Lines,
+    orbits: &Orbits,
+    deadline: Deadline,
+    mut add: impl FnMut(usize, usize, Integral),
+) -> Option<()> {
+    let (n, loaded) = (orbits.loaded, mesh.loaded);
+    let shapes: Vec<Shape> = (0..loaded).map(|i| Shape::new(mesh.corners(i))).collect();
+    let gauss = gauss_rows(mesh, lines, orbits, &shapes, deadline)?;
+    let carriers = orbits.carriers();
+    // inverse[g][i]: the cell that element g takes to cell i.
+    let inverse: Vec<Vec<usize>> = orbits
+        .images
+        .iter()
+        .map(|image| {
+            let mut inverse = vec![0; image.len()];
+            for (i, &j) in image.iter().enumerate() {
+                inverse[j] = i;
+            }
+            inverse
+        })
+        .collect();
+    for a in 0..n {
+        if deadline.has_passed() {
+            return None;
+        }
+        let i = orbits.representatives[a];
+        let own = &shapes[i];
+        for (j, other) in shapes.iter().enumerate() {
+            let b = orbits.orbit[j];
+            if b > a {
+                continue;
+            }
+            let distance = own.distance(other);
+            let integral = if distance > FAR * own.size().min(other.size()) {
+                let own_smaller = own.size() <= other.size();
+                let value =
+                    if own_smaller { gauss[a * loaded + j] } else { gauss[b * loaded + inverse[carriers[j]][i]] };
+                let carrier = if own_smaller { own } else { other };
+                Integral { value, error: value * relative_error(carrier, distance) }
+            } else {
+                match (own.rectangle, other.rectangle) {
+                    (Some(p), Some(q)) => rectangles(p, q),
+                    _ => polygons(&own.corners, &other.corners),
+                }
+            };
+            add(a, j, integral);
+        }
+    }
+    Some(())
 }
 
 /// Relative remainder of the 3 x 3 Gauss rule on a cell, for the potential of another one at least `distance` away: with

@@ -18,9 +18,14 @@ pub(crate) struct Sources<'a, const K: usize> {
     pub arounds: Vec<Around>,
     /// The largest strength of the edges at every node.
     at_node: [Vec<f64>; K],
+    /// The largest of all.
+    largest: [f64; K],
     /// Cells on which signs have to be shown.
     pub signs: Vec<bool>,
 }
+
+/// Of the largest strength: less is the rounding of pressures that are odd about the cell.
+const NO_JUMP: f64 = 1e-9;
 
 /// The least and the largest of the factors.
 const ALLOWED: [f64; 2] = [0.5, 4.0];
@@ -40,7 +45,8 @@ impl<'a, const K: usize> Sources<'a, K> {
             }
             largest
         });
-        Self { mesh, lines, pressures, strengths, arounds, at_node, signs: vec![false; mesh.cells.len()] }
+        let largest = at_node.each_ref().map(|of_nodes| of_nodes.iter().fold(0.0, |a: f64, b| a.max(*b)));
+        Self { mesh, lines, pressures, strengths, arounds, at_node, largest, signs: vec![false; mesh.cells.len()] }
     }
 
     /// |p|/pi of a loaded cell.
@@ -58,8 +64,9 @@ impl<'a, const K: usize> Sources<'a, K> {
         let nodes = self.mesh.cells[cell];
         let share = self.share(cell);
         std::array::from_fn(|k| {
-            let scale = share * nodes.iter().map(|&n| self.at_node[k][n]).fold(0.0, f64::max);
-            if scale > 0.0 { scale } else { share * self.scale_from_afar(k, cell) }
+            let scale = nodes.iter().map(|&n| self.at_node[k][n]).fold(0.0, f64::max);
+            let jumps = scale > NO_JUMP * self.largest[k];
+            share * if jumps { scale } else { scale.max(self.scale_from_afar(k, cell)) }
         })
     }
 

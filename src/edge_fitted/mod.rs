@@ -49,6 +49,7 @@ mod interpolation;
 mod kites;
 mod line_potential;
 mod mesh;
+mod mirrored;
 mod outline;
 mod oval;
 mod pair_integral;

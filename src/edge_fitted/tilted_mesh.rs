@@ -4,13 +4,11 @@ use nalgebra::Vector3;
 
 use super::active_set::{Planes, balance, solve, solve_from};
 use super::compliance::Compliance;
-use super::integrand::Sums;
 use super::line_potential::Lines;
 use super::mesh::{Bilinear, Mesh, Point};
+use super::mirrored::Mirrored;
 use super::outline::{COARSEST, Fitted, Outline};
 use super::region::{Region, regions};
-use super::residual_norm::{Overlap, Target, decay_lengths, norms};
-use super::symmetry::Orbits;
 use crate::clock::Deadline;
 
 /// gamma over Q, and a'' over K, times n^3: 0.20 to 0.27 for outlines of 4 to 60 corners; less where the lower bound of the force, at a
@@ -81,7 +79,7 @@ impl Pressed {
 /// A mesh with its compliance, every cell an unknown.
 pub(super) struct Punch {
     fitted: Fitted,
-    orbits: Orbits,
+    mirrored: Mirrored,
     lines: Lines,
     compliance: Compliance,
     /// Integrals of 1, x and y over the cells, in the mesh's axes.
@@ -94,11 +92,11 @@ impl Punch {
     pub fn new(fitted: Fitted, deadline: Deadline) -> Option<Self> {
         let mesh = &fitted.mesh;
         let lines = Lines::new(mesh);
-        let orbits = Orbits::new(mesh, &[]);
-        let compliance = Compliance::new(mesh, &lines, &orbits, deadline)?;
+        let mirrored = Mirrored::new(mesh, &fitted.group);
+        let compliance = Compliance::of_cells(mesh, &lines, &mirrored.orbits, deadline)?;
         let moments: Vec<[f64; 3]> = (0..mesh.loaded).map(|i| Bilinear::new(mesh.corners(i)).moments()).collect();
         let weights = [0, 1, 2].map(|k| moments.iter().map(|m| m[k]).collect());
-        Some(Self { fitted, orbits, lines, compliance, weights, deadline })
+        Some(Self { fitted, mirrored, lines, compliance, weights, deadline })
     }
 
     fn mesh(&self) -> &Mesh {
@@ -119,7 +117,7 @@ impl Punch {
     /// The pressure that is >= 0 and its plane.
     pub fn pressed(&self, given: Given) -> Option<Pressed> {
         let map = self.fitted.basis();
-        let everywhere = || Planes::on(&self.compliance, &self.weights, &vec![true; self.compliance.n]);
+        let everywhere = || self.mirrored.planes(&self.compliance, &self.weights);
         let positive = |p: &[f64]| p.iter().all(|p| *p > 0.0);
         let (pressure, plane, whole) = match given {
             Given::Plane(plane) => {
@@ -227,11 +225,9 @@ impl Punch {
                     (planes.combined(&c), c)
                 }
             };
-            let target = |pressure, g: &Vector3<f64>| Target { pressure, overlap: Overlap::Plane([g[0], g[1], g[2]]) };
-            let targets = [target(unit, &Vector3::x()), target(p, g), target(&third, &of_third)];
-            let decay = decay_lengths(self.mesh());
-            let sums = norms(self.mesh(), &self.lines, &self.orbits, &decay, contact, targets, self.deadline)?;
-            let [rest_of_unit, rest_of_p, rest_of_third] = sums.map(|s: Sums| s.bound());
+            let asked = [Vector3::x(), *g, of_third];
+            let rests = self.mirrored.residuals(self.mesh(), &self.lines, planes, asked, self.deadline)?;
+            let [rest_of_unit, rest_of_p, rest_of_third] = rests;
             // By at most the rests of products gamma and a'' are larger.
             let gamma = 0.5 * rest_of_p + self.compliance.uncertainty(p, p) + off;
             let rest = rest_of_unit + 2.0 * self.compliance.uncertainty(unit, unit) + off;
