@@ -69,11 +69,7 @@ impl Far {
     /// The least numbers of nodes along both directions that leave out no more than `allowed` of the slope, the value over
     /// `decay` added; the most where none do.
     pub fn choose(&self, allowed: f64, decay: f64) -> [usize; 2] {
-        [0, 1].map(|k| {
-            (BLOCK_NODES[0]..ORDERS)
-                .find(|&m| self.orders[0][k][m] + self.orders[1][k][m] / decay <= allowed)
-                .unwrap_or(BLOCK_NODES[1])
-        })
+        least_nodes(allowed, |k, m| self.orders[0][k][m] + self.orders[1][k][m] / decay)
     }
 
     /// Takes the bounds for these numbers of nodes, at which slope and value are known within `nodal`.
@@ -179,8 +175,15 @@ fn along(half: f64, m: usize) -> f64 {
 /// The least numbers of nodes along both directions that leave out no more than `allowed` of the slope, the value over `decay` added; the
 /// most where none do.
 pub(crate) fn enough_nodes(source: &Source, half: [f64; 2], allowed: f64, decay: f64) -> [usize; 2] {
-    [0, 1].map(|k| {
-        let left = |m: usize| along(half[k], m) * (source.slope[k][m] + source.value[k][m] / decay);
-        (BLOCK_NODES[0]..ORDERS).find(|&m| left(m) <= allowed).unwrap_or(BLOCK_NODES[1])
-    })
+    least_nodes(allowed, |k, m| along(half[k], m) * (source.slope[k][m] + source.value[k][m] / decay))
+}
+
+/// The same of what is left out along direction k by m nodes.
+fn least_nodes(allowed: f64, left: impl Fn(usize, usize) -> f64) -> [usize; 2] {
+    [0, 1].map(|k| (BLOCK_NODES[0]..ORDERS).find(|&m| left(k, m) <= allowed).unwrap_or(BLOCK_NODES[1]))
+}
+
+/// Numbers of nodes that are enough for every one of some.
+pub(crate) fn for_all(counts: impl Iterator<Item = [usize; 2]>) -> [usize; 2] {
+    counts.fold([BLOCK_NODES[0]; 2], |[p, q], [m, n]| [p.max(m), q.max(n)])
 }

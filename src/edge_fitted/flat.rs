@@ -4,7 +4,6 @@ use super::Limits;
 use super::discrete::{Discretisation, Stiffness};
 use super::mesh::Point;
 use super::outline::{COARSEST, Fitted, Outline};
-use super::symmetry::Orbits;
 use super::tilted_mesh::FINEST;
 
 /// The stiffness of a flat punch, E* = 1, and what it took.
@@ -32,10 +31,7 @@ fn first(outline: &Outline, limits: &Limits) -> usize {
     if limits.deadline.remaining() < SHORT {
         return COARSEST;
     }
-    let fits = |n: &usize| {
-        let orbits = |fitted: Fitted| Orbits::new(&fitted.mesh, &fitted.group).loaded <= limits.unknowns;
-        outline.mesh(*n).filter(|fitted| fitted.mesh.loaded <= limits.cells).is_some_and(orbits)
-    };
+    let fits = |n: &usize| outline.mesh(*n).is_some_and(|fitted| fitted.is_within(limits, 1));
     let wanted = (WIDTH / (2.0 * AIM * limits.tolerance)).cbrt().round().min(FINEST as f64) as usize;
     (COARSEST..=wanted).rev().find(fits).unwrap_or(COARSEST)
 }

@@ -2,7 +2,7 @@
 
 use super::block::{Block, points};
 use super::compliance::Around;
-use super::far::{BLOCK_NODES, Source, enough_nodes, left_out};
+use super::far::{BLOCK_NODES, Source, enough_nodes, for_all, left_out};
 use super::line_potential::{Field, Lines, Points, Scratch};
 use super::mesh::{Bilinear, Mesh, Point, minus, norm};
 use super::subcell::{NearEdge, near_edges};
@@ -16,10 +16,8 @@ pub(crate) struct Sources<'a, const K: usize> {
     /// Of all edges.
     pub strengths: [&'a [f64]; K],
     pub arounds: Vec<Around>,
-    /// The largest strength of the edges at every node.
-    at_node: [Vec<f64>; K],
-    /// The largest of all.
-    largest: [f64; K],
+    /// The size of the slope in every cell: the largest strength at its corners.
+    scales: Vec<[f64; K]>,
     /// Cells on which signs have to be shown.
     pub signs: Vec<bool>,
 }
@@ -46,7 +44,15 @@ impl<'a, const K: usize> Sources<'a, K> {
             largest
         });
         let largest = at_node.each_ref().map(|of_nodes| of_nodes.iter().fold(0.0, |a: f64, b| a.max(*b)));
-        Self { mesh, lines, pressures, strengths, arounds, at_node, largest, signs: vec![false; mesh.cells.len()] }
+        let signs = vec![false; mesh.cells.len()];
+        let mut sources = Self { mesh, lines, pressures, strengths, arounds, scales: Vec::new(), signs };
+        let scale = |cell: usize, k: usize| {
+            let scale = mesh.cells[cell].iter().map(|&n| at_node[k][n]).fold(0.0, f64::max);
+            let jumps = scale > NO_JUMP * largest[k];
+            if jumps { scale } else { scale.max(sources.scale_from_afar(k, cell)) }
+        };
+        sources.scales = (0..mesh.cells.len()).map(|cell| std::array::from_fn(|k| scale(cell, k))).collect();
+        sources
     }
 
     /// |p|/pi of a loaded cell.
@@ -59,15 +65,9 @@ impl<'a, const K: usize> Sources<'a, K> {
         if self.signs[cell] { OF_SIGNS } else { 1.0 }
     }
 
-    /// The size of the slope in a cell: the largest strength at its corners.
+    /// The size of the slope in a cell, times its share.
     pub fn scale(&self, cell: usize) -> [f64; K] {
-        let nodes = self.mesh.cells[cell];
-        let share = self.share(cell);
-        std::array::from_fn(|k| {
-            let scale = nodes.iter().map(|&n| self.at_node[k][n]).fold(0.0, f64::max);
-            let jumps = scale > NO_JUMP * self.largest[k];
-            share * if jumps { scale } else { scale.max(self.scale_from_afar(k, cell)) }
-        })
+        self.scales[cell].map(|scale| self.share(cell) * scale)
     }
 
     /// By what factor more may be left out on each cell than on one that leaves as much of the energy as the others do: what is left of a
@@ -77,7 +77,7 @@ impl<'a, const K: usize> Sources<'a, K> {
         let left = |cell: usize| {
             let l0 = 0.25 * self.mesh.cells[cell].iter().map(|&n| decay[n]).sum::<f64>();
             let size = Bilinear::new(self.mesh.corners(cell)).area() * l0;
-            self.scale(cell).map(|scale| (scale / self.share(cell)).powi(2) * size)
+            self.scales[cell].map(|scale| scale.powi(2) * size)
         };
         let left: Vec<[f64; K]> = cells.map(left).collect();
         let mean: [f64; K] = std::array::from_fn(|k| left.iter().map(|l| l[k]).sum::<f64>() / left.len() as f64);
@@ -113,7 +113,6 @@ const TOTAL: f64 = 3e-3;
 pub(crate) struct Group<'a, const K: usize> {
     /// The larger one that it is a part of.
     outer: Option<&'a Self>,
-    map: Bilinear,
     /// Loaded cells that are not far.
     pub close: Vec<usize>,
     /// Their edges, with the strengths of these cells only.
@@ -123,8 +122,8 @@ pub(crate) struct Group<'a, const K: usize> {
     pub far: [(Source, f64); K],
     /// What the interpolation leaves out of its slope and displacement.
     pub left_out: [[f64; 2]; K],
-    /// What is far from this group, and not from the larger one.
-    block: Option<Block<K>>,
+    /// What is far from this group, and not from the larger one, over a rectangle around it.
+    block: Option<(Bilinear, Block<K>)>,
 }
 
 /// Cells by groups, and those by groups of groups.
@@ -162,9 +161,8 @@ impl<'a, const K: usize> Group<'a, K> {
         let close = (0..mesh.loaded).filter(|&j| sources.strength(j).iter().any(|s| *s != 0.0)).collect();
         let edges = near_edges(mesh, lines, 0..mesh.edges.len(), *pressures, &|_| true);
         let lines = lines.subset(edges.iter().map(|e| e.edge));
-        let map = Bilinear::new([[0.0; 2]; 4]);
         let (far, left_out) = ([(Source::ZERO, 0.0); K], [[0.0; 2]; K]);
-        Self { outer: None, map, close, edges, lines, far, left_out, block: None }
+        Self { outer: None, close, edges, lines, far, left_out, block: None }
     }
 
     /// Of at least one cell, a part of a larger group.
@@ -209,16 +207,14 @@ impl<'a, const K: usize> Group<'a, K> {
         let candidates = outer.edges.iter().map(|e| e.edge);
         let edges = near_edges(mesh, sources.lines, candidates, sources.pressures, &|j| is_close[j]);
         let lines = sources.lines.subset(edges.iter().map(|e| e.edge));
-        let mut count = [BLOCK_NODES[0]; 2];
-        for ((sum, _), scale) in own_far.iter().zip(scale) {
-            let least = enough_nodes(sum, half, TOTAL * scale, decay);
-            count = [count[0].max(least[0]), count[1].max(least[1])];
-        }
+        let enough = |((sum, _), scale): (&(Source, f64), f64)| enough_nodes(sum, half, TOTAL * scale, decay);
+        let count = for_all(own_far.iter().zip(scale).map(enough));
         let some = own_far.iter().any(|(_, total)| *total > 0.0);
         let block = some.then(|| {
             let rest = outer.without(&edges);
             let points = points(&map, count);
-            Block::new(count, outer.lines.fields(std::array::from_fn(|k| rest[k].as_slice()), &points, scratch))
+            let fields = outer.lines.fields(std::array::from_fn(|k| rest[k].as_slice()), &points, scratch);
+            (map, Block::new(count, fields))
         });
         let (mut far, mut off) = (outer.far, outer.left_out);
         for k in 0..K {
@@ -228,7 +224,7 @@ impl<'a, const K: usize> Group<'a, K> {
             let own = left_out(&sum, half, count);
             off[k] = [0, 1].map(|q| off[k][q] + own[q]);
         }
-        Self { outer: Some(outer), map, close, edges, lines, far, left_out: off, block }
+        Self { outer: Some(outer), close, edges, lines, far, left_out: off, block }
     }
 
     /// The strengths of its edges without those of some of them. Both lists follow the order of the mesh.
@@ -245,11 +241,11 @@ impl<'a, const K: usize> Group<'a, K> {
 
     /// Adds the field of what is far to that at some points of a cell.
     pub fn add_far(&self, points: &Points, fields: &mut [Field; K]) {
-        if let Some(block) = &self.block {
+        if let Some((map, block)) = &self.block {
             let local = |p: Point| {
                 // A rectangle: both directions are at right angles.
-                let v = [p[0] - self.map.centre[0], p[1] - self.map.centre[1]];
-                self.map.along.map(|a| (v[0] * a[0] + v[1] * a[1]) / (a[0] * a[0] + a[1] * a[1]))
+                let v = [p[0] - map.centre[0], p[1] - map.centre[1]];
+                map.along.map(|a| (v[0] * a[0] + v[1] * a[1]) / (a[0] * a[0] + a[1] * a[1]))
             };
             for i in 0..points.len {
                 block.add_at(local([points.x[i], points.y[i]]), i, fields);

@@ -51,10 +51,9 @@ impl Mirrored {
             return Self { orbits: Orbits::new(mesh, &[]), basis: Matrix3::identity(), count: 0 };
         };
         let count = mirrors.len();
-        if let [first, second] = mirrors[..] {
-            let column = |k: usize| [second.matrix[0][k], second.matrix[1][k]];
-            let matrix = first.matrix.map(|row| [dot(row, column(0)), dot(row, column(1))]);
-            mirrors.push(Isometry { centre: first.centre, matrix });
+        if count == 2 {
+            // Both together are half a turn.
+            mirrors.push(Isometry { centre: first.centre, matrix: [[-1.0, 0.0], [0.0, -1.0]] });
         }
         let ([x, y], [a, b]) = (first.centre, axis(&first));
         let basis = Matrix3::new(1.0, 0.0, 0.0, -(a * x + b * y), a, b, b * x - a * y, -b, a);

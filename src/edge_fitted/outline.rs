@@ -58,6 +58,12 @@ impl Fitted {
         [c * x - s * y, s * x + c * y]
     }
 
+    /// Whether so many times its cells and unknowns are within the limits.
+    pub(crate) fn is_within(&self, limits: &Limits, times: usize) -> bool {
+        let Self { mesh, group, .. } = self;
+        times * mesh.loaded <= limits.cells && times * Orbits::new(mesh, group).loaded <= limits.unknowns
+    }
+
     /// (1, x, y) of the outline's axes as combinations of those of the mesh's.
     pub(crate) fn basis(&self) -> Matrix3<f64> {
         let ([c, s], [x, y]) = (self.frame, self.to_outline([0.0; 2]));
@@ -113,11 +119,7 @@ impl Outline {
     /// Whether the coarsest mesh leaves room for a finer one.
     #[must_use]
     pub fn fits(&self, limits: &Limits) -> bool {
-        let half = |fitted: Fitted| {
-            let Fitted { mesh, group, .. } = fitted;
-            2 * mesh.loaded <= limits.cells && 2 * Orbits::new(&mesh, &group).loaded <= limits.unknowns
-        };
-        self.mesh(COARSEST).is_some_and(half)
+        self.mesh(COARSEST).is_some_and(|fitted| fitted.is_within(limits, 2))
     }
 
     /// Its corners, counter-clockwise.

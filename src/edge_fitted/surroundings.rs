@@ -3,7 +3,7 @@
 use super::block::{Block, points};
 use super::compliance::Around;
 use super::edge_lanes::EdgeLanes;
-use super::far::{BLOCK_NODES, Far, Source, left_out};
+use super::far::{BLOCK_NODES, Far, Source, for_all, left_out};
 use super::group::{Group, Sources};
 use super::line_potential::{Lines, Scratch};
 use super::mesh::Bilinear;
@@ -82,11 +82,7 @@ impl<const K: usize> Surroundings<K> {
         let subset = lines.subset(near.iter().map(|e| e.edge));
         let near_strengths = std::array::from_fn(|k| near.iter().map(|e| e.strength[k]).collect());
         let rest = group.without(&near);
-        let mut count = [BLOCK_NODES[0]; 2];
-        for (far, scale) in far.iter().zip(scale) {
-            let least = far.choose(BLOCK_TOTAL * scale, decay);
-            count = [count[0].max(least[0]), count[1].max(least[1])];
-        }
+        let count = for_all(far.iter().zip(scale).map(|(far, scale)| far.choose(BLOCK_TOTAL * scale, decay)));
         for (far, nodal) in far.iter_mut().zip(group.left_out) {
             far.set(count, nodal);
         }

@@ -43,6 +43,7 @@ const LN2_LOW: f64 = 1.908_214_929_270_587_7e-10;
 pub(crate) fn ln_ratio(a: f64, b: f64) -> f64 {
     let shifted = a.to_bits().wrapping_sub(b.to_bits()).wrapping_add((1023 << 52) + (1 << 51));
     let exponent = shifted >> 52;
+    // An integer below 2^52 placed in the mantissa of 2^52.
     let k = f64::from_bits(exponent | 0x4330_0000_0000_0000) - (4_503_599_627_370_496.0 + 1023.0);
     let a = f64::from_bits(a.to_bits().wrapping_sub(exponent << 52).wrapping_add(1023 << 52));
     let (above, below) = (a > std::f64::consts::SQRT_2 * b, a < std::f64::consts::FRAC_1_SQRT_2 * b);
