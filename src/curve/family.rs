@@ -6,7 +6,7 @@ use crate::gap::Law;
 use crate::grid_method;
 use crate::grid_method::dimensional::dimensional;
 use crate::grid_method::refinement;
-use crate::grid_method::{misses_a_contact, on_several_grids};
+use crate::grid_method::{misses_a_contact, takes_several_grids};
 use crate::loading::{respond, without_grid};
 use crate::overlap::Overlap;
 use crate::problem::{Contact, Method, Outputs, Settings};
@@ -121,12 +121,12 @@ impl<'a> Family<'a> {
                 .or_else(|_| respond(self.contact, depth, [0.0; 2], &loose, false))
                 .or_else(Unsolved::accept_best)
         };
-        if on_several_grids(self.contact, depth, settings) {
+        let apart = || Unsolved::new(Verdict::NotApplicable, format!("no contact at depth {depth:e}"));
+        let overlap = Overlap::of(self.contact.gap(), depth)?.ok_or_else(apart)?;
+        if takes_several_grids(&overlap, settings) {
             return on_several();
         }
         let method = grid_method::method(settings);
-        let apart = || Unsolved::new(Verdict::NotApplicable, format!("no contact at depth {depth:e}"));
-        let overlap = Overlap::of(self.contact.gap(), depth)?.ok_or_else(apart)?;
         let scaled = overlap.scaled();
         let law = self.contact.gap().known().law;
         let mut found = refinement::as_far_as(FINE, &scaled, settings, method, law)?;

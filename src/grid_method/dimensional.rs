@@ -6,7 +6,7 @@ use super::single_grid::{self, GridState};
 use super::unresolved;
 use crate::energy;
 use crate::gap::{AnyGap, Law};
-use crate::grid::{Grid, Pressure};
+use crate::grid::Pressure;
 use crate::numeric::geometry::Rect;
 use crate::overlap::Scaled;
 use crate::patch;
@@ -124,11 +124,7 @@ pub(crate) fn in_users_units(
         None
     };
     let strongest = strongest(values);
-    let outward_grid = Grid {
-        origin: scaled.units.outward(grid.origin),
-        spacing: grid.spacing.map(|h| h * length),
-        shape: grid.shape,
-    };
+    let outward_grid = scaled.units.grid_outward(&grid);
     let pressure = PressureSummary {
         max: singular.is_none().then_some(values[strongest] * unit_pressure),
         max_error: peak_error

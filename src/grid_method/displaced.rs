@@ -1,97 +1,11 @@
 //! The gap that is left to a contact by the loads of others, which have displaced the surface.
 
-use std::f64::consts::{PI, SQRT_2};
+use std::f64::consts::PI;
 
+use super::contact_loads::{ContactLoads, FULL, ORDERS, angle, at, polynomials};
 use crate::gap::{AnyGap, Gap, Known, Reach};
-use crate::numeric::geometry::{Rect, distance};
-
-/// Loads at points: where, and the force divided by E*.
-pub(crate) type PointLoads = Vec<([f64; 2], f64)>;
-
-/// Nodes along a side of the polynomials that stand for loads, and for what they displace elsewhere.
-const ORDERS: [usize; 5] = [4, 6, 8, 12, FULL];
-
-/// The most of them: half a side away the displacement keeps nine digits, and four a tenth of a side away.
-const FULL: usize = 16;
-
-/// Relative error of a displacement at which an order is enough.
-const DIGITS: f64 = 1e-10;
-
-/// Which of the orders has the fewest nodes for 1/r between these boxes. The interpolant of order n of a function that is analytic
-/// within the ellipse of Bernstein of the parameter rho is off by about rho^-n.
-fn level_between(a: &Rect, b: &Rect) -> usize {
-    let apart = distance(a.centre(), b.centre());
-    let half = |of: &Rect| 0.5 * of.longer_side();
-    // The nearest singularity, in halves of a side from the centre; a box is at most sqrt 2 times its half side wide.
-    let nearest = |of: &Rect, other: &Rect| (apart - half(of) - SQRT_2 * half(other)) / half(of);
-    let z = nearest(a, b).min(nearest(b, a));
-    let full = ORDERS.len() - 1;
-    if z.is_nan() || z <= 1.0 {
-        return full;
-    }
-    let rho = z + (z * z - 1.0).sqrt();
-    ORDERS.iter().position(|n| rho.powi(-(*n as i32)) <= DIGITS).unwrap_or(full)
-}
-
-/// The loads of one contact, as few as their displacement at a distance asks for.
-#[derive(Clone, Default)]
-pub(crate) struct ContactLoads {
-    around: Option<Rect>,
-    /// By orders.
-    gathered: [PointLoads; ORDERS.len()],
-}
-
-impl ContactLoads {
-    /// Those of the cells of a grid.
-    pub fn new(loads: PointLoads) -> Self {
-        let around = Rect::holding(loads.iter().map(|load| load.0));
-        let full = gathered(loads, around.as_ref(), FULL);
-        let gathered = ORDERS.map(|n| if n < FULL { gathered(full.clone(), around.as_ref(), n) } else { full.clone() });
-        Self { around, gathered }
-    }
-
-    /// As many as it takes nearby.
-    pub fn iter(&self) -> impl Iterator<Item = &([f64; 2], f64)> {
-        self.gathered[ORDERS.len() - 1].iter()
-    }
-
-    pub fn total(&self) -> f64 {
-        self.iter().map(|load| load.1).sum()
-    }
-}
-
-/// The same loads on the Chebyshev nodes of the box around them: for a function f that is smooth over it, sum of q f(p) is that of its
-/// interpolant, sum of f(node) sum of q l_node(p). Fewer loads than nodes stay as they are.
-fn gathered(loads: PointLoads, around: Option<&Rect>, order: usize) -> PointLoads {
-    let Some(rect) = around.filter(|r| loads.len() > order * order && r.size().iter().all(|s| *s > 0.0)) else {
-        return loads;
-    };
-    // l_k(x) = (1 + 2 sum of T_i(x_k) T_i(x))/n.
-    let at_nodes: Vec<[f64; FULL]> = (0..order).map(|k| polynomials(angle(k, order).cos())).collect();
-    let lagrange = |x: f64| -> [f64; FULL] {
-        let t: [f64; FULL] = polynomials(x);
-        let at = |node: &[f64; FULL]| (1.0 + 2.0 * (1..order).map(|i| node[i] * t[i]).sum::<f64>()) / order as f64;
-        std::array::from_fn(|k| at_nodes.get(k).map_or(0.0, at))
-    };
-    let (centre, size) = (rect.centre(), rect.size());
-    let mut sums = [[0.0; FULL]; FULL];
-    for (p, q) in &loads {
-        let [along, across] = [0, 1].map(|m| lagrange(2.0 * (p[m] - centre[m]) / size[m]));
-        for (row, a) in sums.iter_mut().zip(along).take(order) {
-            for (sum, b) in row.iter_mut().zip(across) {
-                *sum += q * a * b;
-            }
-        }
-    }
-    let node = |k: usize| angle(k, order).cos();
-    let each = |k: usize| (at(rect, [node(k / order), node(k % order)]), sums[k / order][k % order]);
-    (0..order * order).map(each).collect()
-}
-
-/// The angle whose cosine is the k-th of n Chebyshev nodes.
-fn angle(k: usize, n: usize) -> f64 {
-    PI * (k as f64 + 0.5) / n as f64
-}
+use crate::grid::Grid;
+use crate::numeric::geometry::Rect;
 
 /// The gap within a rectangle, widened by the displacement there under loads outside of it.
 #[derive(Clone)]
@@ -110,10 +24,9 @@ impl DisplacedGap {
         let (centre, per) = (within.centre(), 1.0 / within.longer_side());
         let mut near: [Vec<[f64; 3]>; ORDERS.len()] = Default::default();
         for loads in others {
-            let Some(around) = &loads.around else { continue };
-            let k = level_between(&within, around);
+            let Some((level, loads)) = loads.seen_from(&within) else { continue };
             let scaled = |([a, b], q): &([f64; 2], f64)| [(a - centre[0]) * per, (b - centre[1]) * per, q * per / PI];
-            near[k].extend(loads.gathered[k].iter().map(scaled));
+            near[level].extend(loads.iter().map(scaled));
         }
         let (mut coefficients, mut most) = ([[0.0; FULL]; FULL], 0);
         for (order, near) in ORDERS.into_iter().zip(&near).filter(|(_, near)| !near.is_empty()) {
@@ -146,31 +59,57 @@ impl DisplacedGap {
 
     /// What the other loads have pushed the surface away by; outside of the rectangle, as on its border.
     pub fn displacement(&self, p: [f64; 2]) -> f64 {
+        self.of(&self.polynomials(0, p[0]), &self.polynomials(1, p[1]))
+    }
+
+    /// The same as means over the cells of a grid, x fastest.
+    pub fn displacements(&self, grid: &Grid) -> Vec<f64> {
+        let [nx, ny] = grid.shape;
         if self.order == 0 {
-            return 0.0;
+            return vec![0.0; grid.len()];
         }
-        let (centre, size) = (self.within.centre(), self.within.size());
-        let [x, y] = [0, 1].map(|m| (2.0 * (p[m] - centre[m]) / size[m]).clamp(-1.0, 1.0));
-        let (left, right): ([f64; FULL], [f64; FULL]) = (polynomials(x), polynomials(y));
-        let inner = |row: &[f64; FULL]| row[..self.order].iter().zip(&right).map(|(c, t)| c * t).sum::<f64>();
-        self.coefficients[..self.order].iter().zip(&left).map(|(row, t)| t * inner(row)).sum()
+        let mean = |m: usize, k: usize| {
+            let from = grid.origin[m] + k as f64 * grid.spacing[m];
+            self.mean_polynomials(m, [from, from + grid.spacing[m]])
+        };
+        let along: Vec<[f64; FULL]> = (0..nx).map(|i| mean(0, i)).collect();
+        let mut values = Vec::with_capacity(grid.len());
+        for j in 0..ny {
+            let inner = self.inner(&mean(1, j));
+            values.extend(along.iter().map(|t| dot(&inner[..self.order], t)));
+        }
+        values
+    }
+
+    /// sum of c_ij a_i b_j.
+    fn of(&self, a: &[f64; FULL], b: &[f64; FULL]) -> f64 {
+        dot(&self.inner(b)[..self.order], a)
+    }
+
+    /// sum over j of c_ij b_j.
+    fn inner(&self, b: &[f64; FULL]) -> [f64; FULL] {
+        let mut sums = [0.0; FULL];
+        for (sum, row) in sums.iter_mut().zip(&self.coefficients).take(self.order) {
+            *sum = dot(&row[..self.order], b);
+        }
+        sums
+    }
+
+    /// T_0, T_1, ... at a coordinate.
+    fn polynomials(&self, m: usize, x: f64) -> [f64; FULL] {
+        polynomials((2.0 * (x - self.within.centre()[m]) / self.within.size()[m]).clamp(-1.0, 1.0))
+    }
+
+    /// Their means from one coordinate to another, by Gauss's two points: the displacement is far smoother than a cell.
+    fn mean_polynomials(&self, m: usize, [from, to]: [f64; 2]) -> [f64; FULL] {
+        let (middle, g) = (0.5 * (from + to), 0.5 * (to - from) / 3f64.sqrt());
+        let [a, b] = [middle - g, middle + g].map(|x| self.polynomials(m, x));
+        std::array::from_fn(|i| 0.5 * (a[i] + b[i]))
     }
 }
 
-/// The point of the rectangle with these coordinates from -1 to 1.
-fn at(rect: &Rect, x: [f64; 2]) -> [f64; 2] {
-    let (centre, size) = (rect.centre(), rect.size());
-    [0, 1].map(|m| centre[m] + 0.5 * size[m] * x[m])
-}
-
-/// T_0(x), T_1(x), ...
-fn polynomials<const N: usize>(x: f64) -> [f64; N] {
-    let (mut next, mut after) = (1.0, x);
-    std::array::from_fn(|_| {
-        let t = next;
-        (next, after) = (after, 2.0 * x * after - next);
-        t
-    })
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 impl Gap for DisplacedGap {
@@ -194,39 +133,18 @@ impl Gap for DisplacedGap {
     }
 
     fn mean(&self, cell: &Rect) -> f64 {
-        // Gauss's two points a side: the displacement is far smoother than a cell.
-        let g = 1.0 / 3f64.sqrt();
-        let points = [[-g, -g], [-g, g], [g, -g], [g, g]];
-        let u = points.map(|x| self.displacement(at(cell, x))).iter().sum::<f64>() / 4.0;
-        self.gap.mean(cell) + u
+        if self.order == 0 {
+            return self.gap.mean(cell);
+        }
+        let [along, across] = [0, 1].map(|m| self.mean_polynomials(m, [cell.min[m], cell.max[m]]));
+        self.gap.mean(cell) + self.of(&along, &across)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn gathered_loads_displace_as_the_loads_do() {
-        let mut state = 7_u64;
-        let mut random = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1_u64 << 53) as f64
-        };
-        let loads: Vec<_> = (0..400).map(|_| ([2.0 * random() - 1.0, random()], random())).collect();
-        let few: PointLoads = ContactLoads::new(loads.clone()).iter().copied().collect();
-        assert_eq!(few.len(), FULL * FULL);
-        let sum =
-            |loads: &[([f64; 2], f64)], f: &dyn Fn([f64; 2]) -> f64| loads.iter().map(|(p, q)| q * f(*p)).sum::<f64>();
-        for f in [|_: [f64; 2]| 1.0, |p: [f64; 2]| p[0], |p: [f64; 2]| p[1]] {
-            assert!((sum(&few, &f) - sum(&loads, &f)).abs() < 1e-10);
-        }
-        for ([x, y], digits) in [([1.2, 0.5], 1e-4), ([2.2, 0.5], 1e-8), ([5.0, 0.0], 1e-9), ([-1.0, -3.0], 1e-9)] {
-            let displacement = |p: [f64; 2]| 1.0 / (p[0] - x).hypot(p[1] - y);
-            let (a, b) = (sum(&few, &displacement), sum(&loads, &displacement));
-            assert!((a / b - 1.0).abs() < digits, "{x} {y}: {a} {b}");
-        }
-    }
+    use crate::grid_method::contact_loads::PointLoads;
 
     #[test]
     fn the_displacement_of_a_load_half_a_side_away_has_eight_digits() {
@@ -242,6 +160,12 @@ mod tests {
         let cell = Rect { min: [0.0, 3.0], max: [0.05, 3.05] };
         let middle = displaced.gap(0.025, 3.025);
         assert!((displaced.mean(&cell) - middle).abs() < 1e-4 * middle);
+        let grid = Grid::over(&within, [7, 5]);
+        let all = displaced.displacements(&grid);
+        for (k, u) in all.iter().enumerate() {
+            let mean = displaced.mean(&grid.cell(k % 7, k / 7)) - 0.25;
+            assert!((u - mean).abs() < 1e-12 * mean, "{k}: {u} {mean}");
+        }
     }
 
     #[test]

@@ -7,6 +7,26 @@ use crate::overlap::Scaled;
 
 /// A larger box, when contact touches a border with overlap beyond it, or a point outside penetrates.
 pub(crate) fn expanded(scaled: &Scaled, window: &Rect, grid: &Grid, pressure: &[f64]) -> Option<Rect> {
+    let mut wanted = beyond_border(scaled, window, grid, pressure)?;
+    for point in penetrating_outside(scaled, window, grid, pressure) {
+        wanted = wanted.union(&Rect::around(point, [2.0 * grid.spacing[0], 2.0 * grid.spacing[1]]));
+    }
+    if wanted == *window {
+        return None;
+    }
+    // No further than there is overlap; a box may be wider than that from the start.
+    let wanted = wanted.intersection(&scaled.reach.union(window)).unwrap_or(wanted);
+    (wanted != *window).then_some(wanted)
+}
+
+/// Whether the contact touches a border of the grid with overlap beyond it.
+pub(crate) fn touches_border(scaled: &Scaled, grid: &Grid, pressure: &[f64]) -> bool {
+    let window = grid.extent();
+    beyond_border(scaled, &window, grid, pressure).is_some_and(|wanted| wanted != window)
+}
+
+/// The box, larger where contact touches a border with overlap beyond it; `None` without contact.
+fn beyond_border(scaled: &Scaled, window: &Rect, grid: &Grid, pressure: &[f64]) -> Option<Rect> {
     let loaded = Rect::holding(grid.loaded(pressure).map(|(at, _)| at))?;
     let mut wanted = *window;
     for axis in 0..2 {
@@ -20,15 +40,7 @@ pub(crate) fn expanded(scaled: &Scaled, window: &Rect, grid: &Grid, pressure: &[
             wanted.max[axis] += grow;
         }
     }
-    for point in penetrating_outside(scaled, window, grid, pressure) {
-        wanted = wanted.union(&Rect::around(point, [2.0 * grid.spacing[0], 2.0 * grid.spacing[1]]));
-    }
-    if wanted == *window {
-        return None;
-    }
-    // No further than there is overlap; a box may be wider than that from the start.
-    let wanted = wanted.intersection(&scaled.reach.union(window)).unwrap_or(wanted);
-    (wanted != *window).then_some(wanted)
+    Some(wanted)
 }
 
 /// Contact that comes closer to the border than this part of the box may go on beyond it.

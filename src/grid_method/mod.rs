@@ -1,5 +1,6 @@
 //! A state of contact from the grid, in the user's units.
 
+mod contact_loads;
 pub(crate) mod dimensional;
 mod displaced;
 pub(crate) mod domain;
@@ -11,12 +12,15 @@ pub(crate) mod refinement;
 mod separate;
 pub(crate) mod sharp_edges;
 pub(crate) mod single_grid;
+mod subcontact;
 mod together;
 mod unresolved;
 pub(crate) mod warm_start;
 
 use self::dimensional::dimensional;
 use self::refined::Refined;
+pub(crate) use self::separate::Contacts;
+use self::separate::Wanted;
 use self::sharp_edges::Edge;
 use self::single_grid::GridState;
 use crate::by_edges;
@@ -45,20 +49,18 @@ pub(crate) fn solution(
 ) -> Result<Solution, Unsolved> {
     let (asked_for, settings) = (settings, &within_samples(overlap, settings));
     let (gap, depth, method) = (&overlap.gap, overlap.depth, method(settings));
-    let each_alone = |rectangles: &[Rect]| {
-        let with_gap = |state: Solution| gap_left::with_gap(contact, state, settings.outputs, settings.kernel);
-        separate::solution(contact, gap, depth, tilt, settings, rectangles, with_matrix)
-            .map(with_gap)
-            .map_err(|unsolved| unsolved.map_best(with_gap))
+    let each_alone = |rectangles: Vec<Rect>| {
+        let wanted = Wanted { depth, tilt, settings, with_matrix, roughly: false };
+        each_with_gap(contact, gap, rectangles, wanted, &mut None)
     };
     if let Some(rectangles) = separate::rectangles(overlap, settings) {
-        return each_alone(&rectangles);
+        return each_alone(rectangles);
     }
     let (law, scaled) = (gap.known().law, overlap.scaled());
     let mut refined = refinement::refined(&scaled, settings, method, law)?;
     let units = &scaled.units;
     if let Some(rectangles) = separate::missed_by(overlap, settings, &scaled, &refined) {
-        return each_alone(&rectangles);
+        return each_alone(rectangles);
     }
     if let Some(bounds) = by_edges::force_bounds(overlap, settings) {
         let unit = units.length * units.height;
@@ -109,9 +111,42 @@ const LEAST_LEFT: f64 = 0.1;
 const OF_SAMPLES: f64 = 0.05;
 const ROUGHEST: f64 = 0.02;
 
-/// Whether the contact at this depth is solved on several grids, which [`crate::grid_method::warm_start::WarmStart`] does not do.
-pub(crate) fn on_several_grids(contact: &Contact, depth: f64, settings: &Settings) -> bool {
-    matches!(Overlap::of(contact.gap(), depth), Ok(Some(overlap)) if separate::rectangles(&overlap, settings).is_some())
+/// Whether the contacts of an overlap are solved on several grids.
+pub(crate) fn takes_several_grids(overlap: &Overlap, settings: &Settings) -> bool {
+    separate::rectangles(overlap, settings).is_some()
+}
+
+/// The untilted state at an overlap of contacts that are solved on several grids, which [`crate::grid_method::warm_start::WarmStart`] does
+/// not do: from those at a depth before, which `held` holds for the next; `None` where one grid serves.
+///
+/// # Errors
+/// As [`solution`].
+pub(crate) fn on_several_grids(
+    contact: &Contact,
+    overlap: &Overlap,
+    settings: &Settings,
+    roughly: bool,
+    held: &mut Option<Contacts>,
+) -> Result<Option<Solution>, Unsolved> {
+    let settings = &within_samples(overlap, settings);
+    let Some(rectangles) = separate::rectangles(overlap, settings) else { return Ok(None) };
+    let wanted = Wanted { depth: overlap.depth, tilt: [0.0; 2], settings, with_matrix: false, roughly };
+    each_with_gap(contact, &overlap.gap, rectangles, wanted, held).map(Some)
+}
+
+/// Contacts that lie far apart, with the gap that they leave where it is asked for.
+fn each_with_gap(
+    contact: &Contact,
+    gap: &AnyGap,
+    rectangles: Vec<Rect>,
+    wanted: Wanted,
+    held: &mut Option<Contacts>,
+) -> Result<Solution, Unsolved> {
+    let Settings { outputs, kernel, .. } = *wanted.settings;
+    let with_gap = |state: Solution| gap_left::with_gap(contact, state, outputs, kernel);
+    separate::solution(contact, gap, rectangles, wanted, held)
+        .map(with_gap)
+        .map_err(|unsolved| unsolved.map_best(with_gap))
 }
 
 /// Whether the cells of the one grid that this was solved on have missed a contact, which only [`solution`] finds.
@@ -147,8 +182,8 @@ pub(crate) fn separately(
 ) -> Result<Option<Solution>, Unsolved> {
     let Some(overlap) = Overlap::of(gap, depth)? else { return Ok(None) };
     let rectangles = separate::rectangles(&overlap, settings);
-    let solved = |r: Vec<Rect>| separate::solution(contact, gap, depth, tilt, settings, &r, true);
-    rectangles.map(solved).transpose()
+    let wanted = Wanted { depth, tilt, settings, with_matrix: true, roughly: false };
+    rectangles.map(|r| separate::solution(contact, gap, r, wanted, &mut None)).transpose()
 }
 
 /// The state at a depth and tilt on one grid that stays where it is from one tilt to the next, with its stiffness

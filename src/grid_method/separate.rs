@@ -2,16 +2,17 @@
 //!
 //! Pressure vanishes where the undeformed bodies do not overlap, so separate pieces of {f > 0} are separate contacts. They
 //! feel one another only through the displacement that the load of one leaves at the others, which is smooth there: each
-//! is solved in turn on the gap that the others have left (block Gauss-Seidel), until the force no longer changes. The
-//! factor from sweep to sweep is about the square of size over distance.
+//! is solved in turn on the gap that the others have left (block Gauss-Seidel), until the forces no longer change. The
+//! factor from sweep to sweep is about the square of size over distance. Sweeps stay on the cells that the first one laid: what the
+//! others displace changes little of how well these tell the force.
 
 use std::f64::consts::PI;
 
-use super::dimensional::dimensional;
-use super::displaced::{ContactLoads, DisplacedGap, PointLoads};
+use super::contact_loads::{ContactLoads, PointLoads};
+use super::dimensional::in_users_units;
 use super::refined::Refined;
-use super::refinement;
-use super::single_grid;
+use super::single_grid::{self, OF_GROWTH};
+use super::subcontact::{Cells, Solved, Subcontact, cell_loads};
 use super::together::together;
 use crate::consistency::{nothing_left_out, too_few_cells};
 use crate::gap::{AnyGap, Gap, enclosure};
@@ -27,10 +28,18 @@ const MOST: usize = 256;
 const FEW: usize = 16;
 
 /// The box of all contacts is so many times as long as the largest one, or one grid serves them all.
-const FAR: f64 = 4.0;
+const FAR: f64 = 2.0;
 
-/// Sweeps over all contacts at one tolerance.
+/// Sweeps over all contacts at one tolerance, and times that their grids are laid.
 const SWEEPS: usize = 20;
+const LAID: usize = 4;
+
+/// What of the tolerance a sweep may still change of the force, and the tolerance of the first, rough grids.
+const SETTLED: f64 = 0.1;
+const ROUGH: f64 = 0.02;
+
+/// Residual of a last, small change of the pressures that grow, in that change.
+const OF_LAST_GROWTH: f64 = 1e-3;
 
 /// Whether what is asked for allows more than one grid.
 fn may_be_several(settings: &Settings) -> bool {
@@ -87,141 +96,158 @@ fn is_bare(overlap: &Overlap, piece: &Rect, loads: &PointLoads) -> bool {
     found.is_some_and(|lowest| lowest.value < left(lowest.at))
 }
 
-/// One of the contacts, solved on the gap that the others left.
-struct Subcontact {
-    displaced: DisplacedGap,
-    /// `None` when the others have pushed the surface out of reach.
-    solved: Option<Refined>,
-    /// In the units of its own solve.
-    scaled: Option<Scaled>,
-    loads: ContactLoads,
+/// Contacts that are solved in turn, at one depth and tilt after another.
+pub(crate) struct Contacts {
+    /// Of many parts only those that matter in a rectangle.
+    gaps: Vec<AnyGap>,
+    rectangles: Vec<Rect>,
+    /// None of those that the first sweep has not come to.
+    ones: Vec<Option<Subcontact>>,
+    /// Whether their grids are as fine as the tolerance asks for.
+    fine: bool,
+    /// The forces that the last sweep has changed, all together.
+    missed: f64,
+    /// Iterations and products of all sweeps.
+    spent: (usize, usize),
 }
 
-impl Subcontact {
-    fn solve<'a>(
-        gap: &AnyGap,
-        depth: f64,
-        within: Rect,
-        others: impl IntoIterator<Item = &'a ContactLoads>,
-        settings: &Settings,
-    ) -> Result<Self, Unsolved> {
-        let displaced = DisplacedGap::new(gap.clone(), within, others);
-        let Some(overlap) = Overlap::of(&AnyGap::new(displaced.clone()), depth)? else {
-            return Ok(Self { displaced, solved: None, scaled: None, loads: ContactLoads::default() });
+/// The loads of all contacts but one.
+fn others(ones: &[Option<Subcontact>], but: usize) -> impl Iterator<Item = &ContactLoads> {
+    ones.iter().enumerate().filter(move |(k, _)| *k != but).filter_map(|(_, one)| Some(&one.as_ref()?.loads))
+}
+
+impl Contacts {
+    /// Within these rectangles, from contacts at a depth before that lie in the same places.
+    fn of(gap: &AnyGap, rectangles: Vec<Rect>, before: Option<Self>) -> Self {
+        let restricted = |within: &Rect| gap.restricted(within).unwrap_or_else(|| gap.clone());
+        let gaps = rectangles.iter().map(restricted).collect();
+        let same = |before: &Self| {
+            let pairs = || before.rectangles.iter().zip(&rectangles);
+            before.rectangles.len() == rectangles.len() && pairs().all(|(a, b)| a.contains(b.centre()))
         };
-        let scaled = overlap.scaled();
-        let refined = refinement::refined(&scaled, settings, Method::Fft, None)?;
-        // The finest grid carries the force of all of them together.
-        let share = refined.force / refined.state.force();
-        let loads = loads(&scaled, &refined, |k| refined.state.solution.pressure[k] * share);
-        Ok(Self { displaced, solved: Some(refined), scaled: Some(scaled), loads })
+        let anew = || (rectangles.iter().map(|_| None).collect(), false);
+        let (ones, fine) = before.filter(same).map_or_else(anew, |before| (before.ones, before.fine));
+        Self { gaps, rectangles, ones, fine, missed: 0.0, spent: (0, 0) }
+    }
+
+    /// All at the depth, to the tolerance or `roughly`, which comes first: what they do to one another needs few cells.
+    fn solve(&mut self, depth: f64, settings: &Settings, roughly: bool) -> Result<(), Unsolved> {
+        if self.ones.iter().any(Option::is_none) {
+            self.sweep(depth, settings, Some(Cells::Rough))?;
+        }
+        let rough = settings.tolerance.max(ROUGH);
+        let tolerance = if roughly { rough } else { settings.tolerance };
+        self.settle(depth, settings, if self.fine { tolerance } else { rough })?;
+        for _ in 0..LAID {
+            if (roughly || self.fine) && self.ones.iter().flatten().all(Subcontact::serves) {
+                break;
+            }
+            self.fine = !roughly;
+            self.sweep(depth, settings, Some(if roughly { Cells::Rough } else { Cells::Fine }))?;
+            self.settle(depth, settings, tolerance)?;
+        }
+        Ok(())
+    }
+
+    /// Sweeps on the same cells until the forces no longer change.
+    fn settle(&mut self, depth: f64, settings: &Settings, tolerance: f64) -> Result<(), Unsolved> {
+        for _ in 0..SWEEPS {
+            self.sweep(depth, settings, None)?;
+            if self.missed <= SETTLED * tolerance * self.total() {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// One sweep, on the cells that there are or on new ones.
+    fn sweep(&mut self, depth: f64, settings: &Settings, cells: Option<Cells>) -> Result<(), Unsolved> {
+        let mut missed = 0.0;
+        for k in 0..self.ones.len() {
+            settings.deadline.check()?;
+            let (gap, within) = (&self.gaps[k], self.rectangles[k]);
+            let moved = match &self.ones[k] {
+                Some(before) if cells.is_none() => before.moved(gap, depth, within, others(&self.ones, k), settings)?,
+                _ => None,
+            };
+            let cells = cells.unwrap_or(if self.fine { Cells::Fine } else { Cells::Rough });
+            let anew = || Subcontact::solve(gap, depth, within, others(&self.ones, k), settings, cells);
+            let one = moved.map_or_else(anew, Ok)?;
+            if let Some(Solved { refined, .. }) = &one.solved {
+                self.spent.0 += refined.state.iterations;
+                self.spent.1 += refined.state.operator_products;
+            }
+            let before = self.ones[k].as_ref().map_or(0.0, |before| before.loads.total());
+            missed += (one.loads.total() - before).abs();
+            self.ones[k] = Some(one);
+        }
+        self.missed = missed;
+        Ok(())
+    }
+
+    fn total(&self) -> f64 {
+        self.ones.iter().flatten().map(|one| one.loads.total()).sum()
     }
 }
 
-/// The loads of pressures.
-fn loads(scaled: &Scaled, refined: &Refined, pressure: impl Fn(usize) -> f64) -> ContactLoads {
-    ContactLoads::new(cell_loads(scaled, refined, pressure))
+/// What is asked of the state of contacts that lie far apart.
+#[derive(Clone, Copy)]
+pub(crate) struct Wanted<'a> {
+    pub depth: f64,
+    pub tilt: [f64; 2],
+    pub settings: &'a Settings,
+    /// The stiffness against tilts too.
+    pub with_matrix: bool,
+    /// A few percent are enough.
+    pub roughly: bool,
 }
 
-/// The same in the user's frame, one of each cell.
-fn cell_loads(scaled: &Scaled, refined: &Refined, pressure: impl Fn(usize) -> f64) -> PointLoads {
-    let grid = &refined.state.problem.grid;
-    let unit = scaled.units.height * scaled.units.length * grid.cell_area();
-    let load = |k: usize| (scaled.units.outward(grid.centre_of(k)), pressure(k) * unit);
-    (0..grid.len()).map(load).filter(|load| load.1 != 0.0).collect()
-}
-
-fn others(all: &[ContactLoads], but: usize) -> impl Iterator<Item = &ContactLoads> {
-    all.iter().enumerate().filter(move |(k, _)| *k != but).map(|(_, loads)| loads)
-}
-
-fn total(loads: &[ContactLoads]) -> f64 {
-    loads.iter().map(ContactLoads::total).sum()
-}
-
-/// The state of all contacts at a depth and tilt (`gap` is the contact's gap under that tilt), in the user's units.
+/// The state of all contacts (`gap` is the contact's gap under the tilt), in the user's units; from those that were held before, which it
+/// holds for the next.
 ///
 /// # Errors
 /// As for a single contact; where one of them falls short of the tolerance, with the state of all.
 pub(crate) fn solution(
     contact: &Contact,
     gap: &AnyGap,
-    depth: f64,
-    tilt: [f64; 2],
-    settings: &Settings,
-    rectangles: &[Rect],
-    with_matrix: bool,
+    rectangles: Vec<Rect>,
+    wanted: Wanted,
+    held: &mut Option<Contacts>,
 ) -> Result<Solution, Unsolved> {
+    let Wanted { depth, tilt, settings, with_matrix, roughly } = wanted;
     // What the others displace is known to a few digits, and proves nothing.
     let settings = &Settings { evidence: ErrorBar::Estimate, ..*settings };
-    let mut current = vec![ContactLoads::default(); rectangles.len()];
-    // Of many parts only those that matter in a rectangle.
-    let gaps: Vec<AnyGap> =
-        rectangles.iter().map(|within| gap.restricted(within).unwrap_or_else(|| gap.clone())).collect();
-    let mut ones: Vec<Subcontact> = Vec::new();
-    let mut missed = 0.0;
-    let mut out_of_time = None;
-    let (mut iterations, mut operator_products) = (0, 0);
-    // Roughly first: what the contacts do to one another needs few cells.
-    'sweeps: for tolerance in [settings.tolerance.max(0.02), settings.tolerance] {
-        let settings = Settings { tolerance, ..*settings };
-        for _ in 0..SWEEPS {
-            let before = total(&current);
-            let mut next = Vec::new();
-            for (k, &within) in rectangles.iter().enumerate() {
-                let solved = settings.deadline.check().map_err(Unsolved::from);
-                let solved =
-                    solved.and_then(|()| Subcontact::solve(&gaps[k], depth, within, others(&current, k), &settings));
-                let one = match solved {
-                    // The sweep before serves.
-                    Err(e) if e.verdict == Verdict::TimeLimit && !ones.is_empty() => {
-                        out_of_time = Some(e);
-                        break 'sweeps;
-                    }
-                    solved => solved?,
-                };
-                current[k].clone_from(&one.loads);
-                if let Some(refined) = &one.solved {
-                    iterations += refined.state.iterations;
-                    operator_products += refined.state.operator_products;
-                }
-                next.push(one);
-            }
-            ones = next;
-            missed = (total(&current) - before).abs();
-            if missed <= 0.1 * tolerance * total(&current) {
-                break;
-            }
-        }
-    }
+    let before = held.take();
+    let contacts = held.insert(Contacts::of(gap, rectangles, before));
+    let out_of_time = match contacts.solve(depth, settings, roughly) {
+        // The sweeps before serve.
+        Err(e) if e.verdict == Verdict::TimeLimit && contacts.ones.iter().all(Option::is_some) => Some(e),
+        solved => solved.map(|()| None)?,
+    };
     let mut states = Vec::new();
     let quiet =
         Settings { outputs: crate::problem::Outputs { pressure: true, gap: false, ..settings.outputs }, ..*settings };
-    for (k, one) in ones.iter().enumerate() {
-        let (Some(refined), Some(scaled)) = (&one.solved, &one.scaled) else { continue };
-        let mut state = dimensional(contact, scaled, refined, None, depth, tilt, &quiet)?;
-        // The others' last displacement against the one this contact was solved with.
-        let latest = DisplacedGap::new(gap.clone(), rectangles[k], others(&current, k));
-        let moved = rectangles[k].corners().into_iter().chain([rectangles[k].centre()]);
-        let moved = moved.map(|p| (latest.displacement(p) - one.displaced.displacement(p)).abs()).fold(0.0, f64::max);
+    for (k, one) in contacts.ones.iter().enumerate() {
+        let Some((one, solved)) = one.as_ref().and_then(|one| Some((one, one.solved.as_ref()?))) else { continue };
+        let Solved { scaled, refined } = solved;
+        // Of the stiffness, found for all at once, only the error is taken.
+        let stiffness = (0.0, solved.stiffness_error()?);
+        let mut state = in_users_units(contact, scaled, refined, stiffness, depth, tilt, &quiet)?;
+        let moved = one.displaced_by(others(&contacts.ones, k));
         if let Some(residuals) = &mut state.residuals {
             residuals.penetration += moved / scaled.units.height;
             residuals.complementarity += moved / scaled.units.height;
         }
-        // Half of what this contact's load does in the displacement by the others; the rest is in its own overlap.
-        let shared: f64 = one.loads.iter().map(|(p, q)| q * one.displaced.displacement(*p)).sum();
-        state.energy = state.energy.map(|u| u + 0.5 * shared * contact.modulus().e_star());
+        // The rest of what its load does is in its own overlap.
+        state.energy = state.energy.map(|u| u + one.shared_energy() * contact.modulus().e_star());
         states.push(state);
     }
     if states.is_empty() {
         return Ok(Solution::apart(Method::Fft, depth, tilt));
     }
-    let extent = |one: &Subcontact| {
-        let (refined, scaled) = (one.solved.as_ref()?, one.scaled.as_ref()?);
-        Some(scaled.units.rect_outward(&refined.state.problem.grid.extent()))
-    };
-    let boxes: Vec<Rect> = ones.iter().filter_map(extent).collect();
-    if let Err(broken) = nothing_left_out(gap, depth, &boxes, total(&current)) {
+    let solved = || contacts.ones.iter().flatten().filter_map(|one| one.solved.as_ref());
+    let boxes: Vec<Rect> = solved().map(Solved::extent).collect();
+    if let Err(broken) = nothing_left_out(gap, depth, &boxes, contacts.total()) {
         // A contact smaller than a cell of the grid that was prescribed, or that there was time for.
         return Err(match out_of_time {
             Some(short) => short.without_numbers(&broken),
@@ -229,56 +255,81 @@ pub(crate) fn solution(
             None => broken,
         });
     }
-    let short = || ones.iter().filter_map(|one| one.solved.as_ref()).find_map(|refined| refined.shortfall(settings));
+    let short = || solved().find_map(|solved| solved.refined.shortfall(settings));
     let short = out_of_time.or_else(short);
-    let matrix = growth(contact, &ones, gap, rectangles, with_matrix)?;
-    let mut all = together(states, settings, missed * contact.modulus().e_star());
+    let matrix = growth(contact, &contacts.ones, with_matrix)?;
+    let mut all = together(states, settings, contacts.missed * contact.modulus().e_star());
     all.stiffness = matrix[0][0];
     all.stiffness_matrix = with_matrix.then_some(matrix);
-    all.cost.iterations = iterations;
-    all.cost.operator_products = operator_products;
+    (all.cost.iterations, all.cost.operator_products) = contacts.spent;
     match short {
         None => Ok(all),
         Some(short) => Err(short.with_best(all)),
     }
 }
 
+/// A contact whose pressure grows when all are moved.
+struct Growing<'a> {
+    one: &'a Subcontact,
+    solved: &'a Solved,
+    /// The rate at which its overlap grows, cell by cell, and the pressure that grows with it.
+    rates: Vec<f64>,
+    pressure: Vec<f64>,
+    loads: ContactLoads,
+}
+
+impl<'a> Growing<'a> {
+    fn at_rest(one: &'a Subcontact) -> Option<Self> {
+        let solved = one.solved.as_ref()?;
+        let none = vec![0.0; solved.refined.state.problem.grid.len()];
+        Some(Self { one, solved, rates: none.clone(), pressure: none, loads: ContactLoads::default() })
+    }
+
+    /// Goes on with what has changed of the rates; by how much that changes the force.
+    fn grow(&mut self, rates: Vec<f64>) -> Result<f64, Unsolved> {
+        let state = &self.solved.refined.state;
+        let change: Vec<f64> = rates.iter().zip(&self.rates).map(|(now, before)| now - before).collect();
+        let pressed = |rates: &[f64]| {
+            let under = rates.iter().zip(&state.solution.pressure).filter(|(_, p)| **p > 0.0);
+            under.fold(0.0, |most: f64, (rate, _)| most.max(rate.abs()))
+        };
+        let tolerance = (OF_GROWTH * pressed(&rates) / pressed(&change)).clamp(OF_GROWTH, OF_LAST_GROWTH);
+        let more = single_grid::growth_within(tolerance, state, &change)?;
+        self.pressure.iter_mut().zip(&more).for_each(|(sum, more)| *sum += more);
+        self.rates = rates;
+        let before = self.loads.total();
+        self.loads = self.solved.loads(|k| self.pressure[k]);
+        Ok((self.loads.total() - before).abs())
+    }
+}
+
 /// Stiffness against depth, and against tilts if asked for: flat punches on all patches at once, by the same sweeps.
-fn growth(
-    contact: &Contact,
-    ones: &[Subcontact],
-    gap: &AnyGap,
-    rectangles: &[Rect],
-    with_matrix: bool,
-) -> Result<[[f64; 3]; 3], Unsolved> {
-    let rates: [fn([f64; 2]) -> f64; 3] = [|_| 1.0, |[x, _]| x, |[_, y]| y];
+fn growth(contact: &Contact, ones: &[Option<Subcontact>], with_matrix: bool) -> Result<[[f64; 3]; 3], Unsolved> {
+    let of_place: [fn([f64; 2]) -> f64; 3] = [|_| 1.0, |[x, _]| x, |[_, y]| y];
     let mut matrix = [[0.0; 3]; 3];
     let columns = if with_matrix { 3 } else { 1 };
-    for (column, rate) in rates.iter().enumerate().take(columns) {
-        let mut current = vec![ContactLoads::default(); ones.len()];
+    for (column, rate) in of_place.iter().enumerate().take(columns) {
+        let mut growing: Vec<Growing> = ones.iter().flatten().filter_map(Growing::at_rest).collect();
         for _ in 0..SWEEPS {
-            let (before, mut size) = (current.clone(), 0.0);
-            for (k, one) in ones.iter().enumerate() {
-                let (Some(refined), Some(scaled)) = (&one.solved, &one.scaled) else { continue };
-                let raised = DisplacedGap::new(gap.clone(), rectangles[k], others(&current, k));
-                let grid = &refined.state.problem.grid;
-                let wanted: Vec<f64> = (0..grid.len())
-                    .map(|i| scaled.units.outward(grid.centre_of(i)))
-                    .map(|p| (rate(p) - raised.displacement(p)) / scaled.units.height)
-                    .collect();
-                let growing = single_grid::growth(&refined.state, &wanted)?;
-                current[k] = loads(scaled, refined, |i| growing[i]);
-                size += current[k].iter().map(|load| load.1.abs()).sum::<f64>();
+            let (mut change, mut size) = (0.0, 0.0);
+            for k in 0..growing.len() {
+                let others = growing.iter().enumerate().filter(|(n, _)| *n != k).map(|(_, other)| &other.loads);
+                let Growing { one, solved, .. } = &growing[k];
+                let units = &solved.scaled.units;
+                let displaced = one.displacements(solved, others);
+                let places = solved.refined.state.problem.grid.centres().map(|p| rate(units.outward(p)));
+                let rates = places.zip(displaced).map(|(rate, by)| (rate - by) / units.height).collect();
+                change += growing[k].grow(rates)?;
+                size += growing[k].loads.iter().map(|load| load.1.abs()).sum::<f64>();
             }
-            let change: f64 = current.iter().zip(&before).map(|(a, b)| (a.total() - b.total()).abs()).sum();
-            if change <= 1e-8 * size {
+            if change <= OF_GROWTH * size {
                 break;
             }
         }
         let e_star = contact.modulus().e_star();
-        for (row, weight) in rates.iter().enumerate() {
-            matrix[row][column] =
-                current.iter().flat_map(ContactLoads::iter).map(|(p, q)| q * weight(*p)).sum::<f64>() * e_star;
+        for (row, weight) in of_place.iter().enumerate() {
+            let loads = growing.iter().flat_map(|one| one.loads.iter());
+            matrix[row][column] = loads.map(|(p, q)| q * weight(*p)).sum::<f64>() * e_star;
         }
     }
     let mean = |i: usize, j: usize| if with_matrix { 0.5 * (matrix[i][j] + matrix[j][i]) } else { matrix[i][j] };

@@ -253,7 +253,7 @@ mod programme {
 }
 
 /// Residual of the pressures that grow, and error of their sum where that alone is asked for.
-const OF_GROWTH: f64 = 1e-8;
+pub(super) const OF_GROWTH: f64 = 1e-8;
 
 /// dP/dd of the discrete problem: the force of a flat punch on the cells in contact.
 pub(crate) fn stiffness(state: &GridState) -> Result<f64, Unsolved> {
@@ -262,7 +262,7 @@ pub(crate) fn stiffness(state: &GridState) -> Result<f64, Unsolved> {
 
 /// Pressure of a flat punch on the cells in contact, as close as its sum needs it.
 pub(crate) fn flat_punch(state: &GridState) -> Result<Vec<f64>, Unsolved> {
-    growth_by(matrix_free::growth_in_sum, state, &vec![1.0; state.problem.grid.len()])
+    growth_by(matrix_free::growth_in_sum, state, &vec![1.0; state.problem.grid.len()], OF_GROWTH)
 }
 
 /// Derivatives of (P, int p x, int p y) by (d, ax, ay), with x and y the lever arms of each cell.
@@ -287,17 +287,22 @@ pub(crate) fn stiffness_matrix(
 
 /// Pressure that grows on the cells in contact when their overlap grows at the given rates; see [`matrix_free::growth`].
 pub(crate) fn growth(state: &GridState, rates: &[f64]) -> Result<Vec<f64>, Unsolved> {
-    growth_by(matrix_free::growth, state, rates)
+    growth_within(OF_GROWTH, state, rates)
+}
+
+/// The same to another residual, in the largest of the rates.
+pub(crate) fn growth_within(tolerance: f64, state: &GridState, rates: &[f64]) -> Result<Vec<f64>, Unsolved> {
+    growth_by(matrix_free::growth, state, rates, tolerance)
 }
 
 /// How pressures that grow are found without a matrix.
 type Growth = fn(&Discrete, &[f64], &[f64], &matrix_free::Settings) -> Result<Vec<f64>, Unsolved>;
 
-fn growth_by(found: Growth, state: &GridState, rates: &[f64]) -> Result<Vec<f64>, Unsolved> {
+fn growth_by(found: Growth, state: &GridState, rates: &[f64], tolerance: f64) -> Result<Vec<f64>, Unsolved> {
     #[cfg(feature = "qp")]
     if state.method == Method::Qp {
         return crate::qp::growth(&state.problem, &state.solution.pressure, rates);
     }
-    let settings = matrix_free::Settings { tolerance: OF_GROWTH, ..matrix_free::Settings::default() };
+    let settings = matrix_free::Settings { tolerance, ..matrix_free::Settings::default() };
     found(&state.problem, &state.solution.pressure, rates, &settings)
 }

@@ -2,7 +2,7 @@
 
 use super::equilibrium::Respond;
 use crate::grid_method::warm_start::WarmStart;
-use crate::grid_method::{self, SharedGrid};
+use crate::grid_method::{self, Contacts, SharedGrid};
 use crate::loading::{respond, without_grid};
 use crate::overlap::Overlap;
 use crate::problem::{Contact, ErrorBar, Method, Outputs, Settings};
@@ -18,6 +18,8 @@ pub(crate) struct Engine<'a> {
     pub cells: usize,
     /// The last full grid of an untilted contact.
     warm_start: Option<WarmStart>,
+    /// The last contacts far apart.
+    separate: Option<Contacts>,
     /// Whether one grid has missed a contact.
     several_grids: bool,
     /// Of all states so far.
@@ -36,6 +38,7 @@ impl<'a> Engine<'a> {
             shared: SharedGrid::new(),
             cells,
             warm_start: None,
+            separate: None,
             several_grids: false,
             spent: Cost::default(),
         }
@@ -89,7 +92,13 @@ impl<'a> Engine<'a> {
     fn untilted(&mut self, depth: f64, quick: bool) -> Result<Solution, Unsolved> {
         let apart = || Ok(Solution::apart(self.settings.method, depth, [0.0; 2]));
         let rough = Settings { outputs: Outputs::default(), ..*self.settings };
-        if self.several_grids || grid_method::on_several_grids(self.contact, depth, self.settings) {
+        let Some(overlap) = Overlap::of(self.contact.gap(), depth)? else { return apart() };
+        let asked_for = if quick { &rough } else { self.settings };
+        let held = &mut self.separate;
+        if let Some(state) = grid_method::on_several_grids(self.contact, &overlap, asked_for, quick, held)? {
+            return Ok(state);
+        }
+        if self.several_grids {
             let rough = Settings { tolerance: ROUGH, ..rough };
             return respond(self.contact, depth, [0.0; 2], if quick { &rough } else { self.settings }, false);
         }
@@ -105,10 +114,7 @@ impl<'a> Engine<'a> {
         };
         self.warm_start = match moved {
             Some(moved) => Some(moved),
-            None => {
-                let Some(overlap) = Overlap::of(self.contact.gap(), depth)? else { return apart() };
-                WarmStart::at(&overlap, self.settings)?
-            }
+            None => WarmStart::at(&overlap, self.settings)?,
         };
         match &self.warm_start {
             Some(warm_start) => warm_start.solution(self.contact, self.settings),

@@ -2,6 +2,7 @@
 
 use super::Overlap;
 use crate::gap::AnyGap;
+use crate::grid::Grid;
 use crate::numeric::geometry::Rect;
 use crate::solution::{Unsolved, Verdict};
 
@@ -30,6 +31,12 @@ impl Units {
     /// A rectangle of the user's frame, dimensionless.
     pub fn rect_inward(&self, rect: &Rect) -> Rect {
         Rect { min: self.inward(rect.min), max: self.inward(rect.max) }
+    }
+
+    /// A dimensionless grid in the user's frame.
+    pub fn grid_outward(&self, grid: &Grid) -> Grid {
+        let (origin, spacing) = (self.outward(grid.origin), grid.spacing.map(|h| h * self.length));
+        Grid { origin, spacing, shape: grid.shape }
     }
 
     /// A dimensionless rectangle in the user's frame.
