@@ -4,9 +4,9 @@ use super::approximate::approximate_before;
 use crate::bracket::{self, BracketSettings, DepthBracket, Evidence, ForceBracket};
 use crate::clock::Stopwatch;
 use crate::gap::{AnyGap, Degree};
-use crate::grid::{Grid, Pressure};
+use crate::grid::Pressure;
 use crate::grid_method::domain::locate;
-use crate::grid_method::refinement::claimed;
+use crate::grid_method::refinement::{AS_A_BRACKET, claimed};
 use crate::grid_method::single_grid::at_resolution;
 use crate::overlap::Overlap;
 use crate::problem::{Contact, ErrorBar, Load, Method, Settings};
@@ -83,9 +83,7 @@ fn on_grids(
     loop {
         let started = Stopwatch::start();
         let state = at_resolution(&scaled, &mut window, cells, settings, Method::Fft)?;
-        let grid = state.problem.grid;
-        let spacing = grid.spacing.map(|h| h * scaled.units.length);
-        let grid = Grid { origin: scaled.units.outward(grid.origin), spacing, ..grid };
+        let grid = scaled.units.grid_outward(&state.problem.grid);
         let values = state.solution.pressure.iter().map(|p| p * unit_pressure).collect();
         let pressure = Pressure { grid, values };
         let mut better = |found: ForceBracket| {
@@ -96,7 +94,7 @@ fn on_grids(
         };
         // Far cheaper, and narrower but where the pressure has no bound. Who wants no proof for the error wants that of the bracket alone.
         let wanted = settings.evidence == ErrorBar::Proof && law != Some(Degree::Flat);
-        let energy = if wanted { claimed(&scaled, law, &state.trial(), settings).ok() } else { None };
+        let energy = if wanted { claimed(&scaled, law, &state.trial(), settings, AS_A_BRACKET).ok() } else { None };
         let by_energy =
             energy.map(|bounds| ForceBracket::of_pressure(bounds.map(|force| force * unit_force), &pressure));
         if !by_energy.is_some_and(&mut better) {

@@ -6,7 +6,7 @@
 //! P <= (d - g0) K(A'), K the force of a flat punch on all that may touch, A', at unit depth.
 
 use super::bracket::{Trial, lower};
-use super::expected::{beyond_hope, is_rough, left_by, seen_beyond_hope};
+use super::expected::{Sought, is_rough, left_by, seen_beyond_hope};
 use super::functional::{Contact, Cut};
 use super::of_gap::GapOverlap;
 use super::on_cells::OnCells;
@@ -25,15 +25,19 @@ pub(super) enum Missing {
 
 /// Bounds of the force (E* = 1) of any gap at this depth, by a pressure on a grid.
 /// `above_least`: the depth above what the gap is nowhere less than.
-/// Bounds no wider than `enough`, relative to the force, are not made narrower.
-pub(super) fn bounds(overlap: &GapOverlap, above_least: f64, trial: &Trial, enough: f64) -> Result<[f64; 2], Missing> {
+pub(super) fn bounds(
+    overlap: &GapOverlap,
+    above_least: f64,
+    trial: &Trial,
+    sought: Sought,
+) -> Result<[f64; 2], Missing> {
     if trial.displacement_reaches() {
-        let found = by_trial(overlap, above_least, trial, true, enough);
+        let found = by_trial(overlap, above_least, trial, true, sought);
         if found != Err(Missing::Beyond) {
             return found;
         }
     }
-    by_trial(overlap, above_least, trial, false, enough)
+    by_trial(overlap, above_least, trial, false, sought)
 }
 
 fn by_trial(
@@ -41,20 +45,21 @@ fn by_trial(
     above_least: f64,
     trial: &Trial,
     known: bool,
-    enough: f64,
+    sought: Sought,
 ) -> Result<[f64; 2], Missing> {
     let cells = OnCells::new(overlap, trial.grid);
     let (field, halves) = trial.field(&cells, known).ok_or(Missing::TooWide(f64::INFINITY))?;
     let residual = Residual { field: &field, overlap: &cells, halves };
-    in_parts(overlap, &cells, trial.grid, |parts| by_parts(&residual, parts, above_least, enough))
+    in_parts(overlap, &cells, trial.grid, |parts| by_parts(&residual, parts, above_least, sought))
 }
 
-fn by_parts(residual: &Residual, parts: &Parts, above_least: f64, enough: f64) -> Result<[f64; 2], Missing> {
+fn by_parts(residual: &Residual, parts: &Parts, above_least: f64, sought: Sought) -> Result<[f64; 2], Missing> {
+    let enough = sought.enough;
     let Residual { field, halves, .. } = *residual;
     let pressed = &residual.pressed();
     if enough > 0.0 {
         let rough = is_rough(residual, pressed).then_some(f64::INFINITY);
-        if let Some(times) = rough.or_else(|| seen_beyond_hope(residual, pressed, parts, enough)) {
+        if let Some(times) = rough.or_else(|| seen_beyond_hope(residual, pressed, parts, sought)) {
             return Err(Missing::TooWide(times));
         }
     }
@@ -74,7 +79,7 @@ fn by_parts(residual: &Residual, parts: &Parts, above_least: f64, enough: f64) -
     let (touch, ring) = (&touch[..], cells / loaded);
     let virial = Virial::fitted(pressed, parts, [1.0, 0.0, 0.0], touch);
     let expected = left_by(pressed.disc(), virial.left, ring, 0.5 * of_residual) / (enough * pressed.force());
-    if let Some(times) = beyond_hope(expected).filter(|_| enough > 0.0) {
+    if let Some(times) = sought.beyond_hope(expected) {
         return Err(Missing::TooWide(times));
     }
     // Means may be dear: not before they are known to be needed.

@@ -6,8 +6,21 @@ use super::pressed::Pressed;
 use super::residual::{Residual, Seen};
 use super::virial::Virial;
 
-/// How many times as wide as enough bounds may be expected to be and still be looked for.
-const HOPE: f64 = 10.0;
+/// How narrow bounds are to be, and from where on they are not worked out.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Sought {
+    /// Bounds no wider than this, relative to the force, are not made narrower; 0: as narrow as they can be.
+    pub enough: f64,
+    /// How many times as wide they may be expected to be and still be worked out.
+    pub hope: f64,
+}
+
+impl Sought {
+    /// How many times too wide bounds are expected to be, where that is too much to work them out.
+    pub fn beyond_hope(self, times: f64) -> Option<f64> {
+        (self.enough > 0.0 && times > self.hope).then_some(times)
+    }
+}
 
 /// Cells that are looked at for kinks, and rows of cells side by side for the residual.
 const LOOKED_AT: usize = 64;
@@ -23,11 +36,6 @@ pub(super) fn left_by(punch: f64, left: f64, ring: f64, gamma: f64) -> f64 {
     left * (2.0 * gamma * RING[0] * ring * punch).sqrt()
 }
 
-/// How many times too wide bounds may be found to be, where that is too much to look for them.
-pub(super) fn beyond_hope(times: f64) -> Option<f64> {
-    (times > HOPE).then_some(0.5 * times)
-}
-
 /// Whether f has kinks in so many cells under pressure that little can be shown.
 pub(super) fn is_rough(residual: &Residual, pressed: &Pressed) -> bool {
     let step = pressed.cells.len().div_ceil(LOOKED_AT).max(1);
@@ -36,8 +44,8 @@ pub(super) fn is_rough(residual: &Residual, pressed: &Pressed) -> bool {
     kinked.count() as f64 > KINKED * looked_at().count() as f64
 }
 
-/// The same as [`beyond_hope`] by the residual in some cells, where there are many: `enough` is the width, relative to the force.
-pub(super) fn seen_beyond_hope(residual: &Residual, pressed: &Pressed, parts: &Parts, enough: f64) -> Option<f64> {
+/// The same as [`Sought::beyond_hope`] by the residual in some cells, where there are many.
+pub(super) fn seen_beyond_hope(residual: &Residual, pressed: &Pressed, parts: &Parts, sought: Sought) -> Option<f64> {
     let field = residual.field;
     let [nx, ny] = field.grid.shape.map(|n| n as isize);
     let inside = |i: isize, j: isize| (0..nx).contains(&i) && (0..ny).contains(&j);
@@ -51,12 +59,12 @@ pub(super) fn seen_beyond_hope(residual: &Residual, pressed: &Pressed, parts: &P
     }
     let Seen { energy, divided } = residual.seen(LOOKED_AT)?;
     let gamma = 0.5 * energy;
-    let times = |left: f64| left_by(pressed.disc(), left, ring, gamma) / (enough * pressed.force());
+    let times = |left: f64| left_by(pressed.disc(), left, ring, gamma) / (sought.enough * pressed.force());
     let plain = times(1.0);
     // Where f is so much less known than u in a cell, bounds cost many solves and miss what a grid leaves.
     if divided > KINKED && plain > 1.0 {
         return Some(plain);
     }
-    beyond_hope(plain)?;
-    beyond_hope(times(Virial::fitted(pressed, parts, [1.0, 0.0, 0.0], &[]).left))
+    sought.beyond_hope(plain)?;
+    sought.beyond_hope(times(Virial::fitted(pressed, parts, [1.0, 0.0, 0.0], &[]).left))
 }

@@ -2,6 +2,7 @@
 
 use super::any_gap::{self, Missing};
 use super::bracket::{Trial, energy_bracket};
+use super::expected::Sought;
 use super::of_gap::GapOverlap;
 use super::on_cells::OnCells;
 use crate::clock::Deadline;
@@ -36,7 +37,8 @@ pub fn force_bracket(gap: &AnyGap, depth: f64, trial: &Trial) -> Option<[f64; 2]
     let law = gap.known().law.filter(|law| law.degree != Degree::Flat);
     let above_lowest = law.map_or(f64::NAN, |law| depth - law.lowest);
     let above_least = depth - gap.known().floor;
-    bounds(&GapOverlap::new(gap, depth), law.map(|law| law.degree), above_lowest, above_least, trial, 0.0).ok()
+    let sought = Sought { enough: 0.0, hope: f64::INFINITY };
+    bounds(&GapOverlap::new(gap, depth), law.map(|law| law.degree), above_lowest, above_least, trial, sought).ok()
 }
 
 /// That no bounds were had.
@@ -53,21 +55,21 @@ impl NoBounds {
 /// How narrow bounds are wanted.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Wanted {
-    /// Bounds no wider than this, relative to the force, are not made narrower, and those that cannot come near it not worked out.
-    enough: f64,
+    sought: Sought,
     /// What means of the gap may be off by, over the depth.
     open: f64,
 }
 
 impl Wanted {
-    pub fn within(tolerance: f64) -> Self {
-        Self { enough: tolerance, open: OPEN * tolerance }
+    /// Within a tolerance; where they are expected to be `hope` times as wide, none are worked out.
+    pub fn within(tolerance: f64, hope: f64) -> Self {
+        Self { sought: Sought { enough: tolerance, hope }, open: OPEN * tolerance }
     }
 
     /// As narrow as the pressure proves, however long that takes, but for a share of `tolerance`.
     #[cfg(feature = "scene")]
     pub fn narrowest(tolerance: f64) -> Self {
-        Self { enough: 0.0, open: OPEN * tolerance }
+        Self { sought: Sought { enough: 0.0, hope: f64::INFINITY }, open: OPEN * tolerance }
     }
 }
 
@@ -80,7 +82,7 @@ pub(crate) fn force_bounds(
     deadline: Deadline,
 ) -> Result<[f64; 2], NoBounds> {
     let overlap = GapOverlap::of(scaled, wanted.open, deadline);
-    bounds(&overlap, degree, scaled.above_lowest(), scaled.depth - scaled.gap.known().floor, trial, wanted.enough)
+    bounds(&overlap, degree, scaled.above_lowest(), scaled.depth - scaled.gap.known().floor, trial, wanted.sought)
 }
 
 fn bounds(
@@ -89,7 +91,7 @@ fn bounds(
     above_lowest: f64,
     above_least: f64,
     trial: &Trial,
-    enough: f64,
+    sought: Sought,
 ) -> Result<[f64; 2], NoBounds> {
     if !is_positive(trial) {
         return Err(NoBounds::NONE);
@@ -98,7 +100,7 @@ fn bounds(
         // Where it is not known that the overlap ends, samples would have to prove it.
         None if !overlap.is_certain() => return Err(NoBounds::NONE),
         None => {
-            let bounds = |trial: &Trial| any_gap::bounds(overlap, above_least * (1.0 + ROUNDING), trial, enough);
+            let bounds = |trial: &Trial| any_gap::bounds(overlap, above_least * (1.0 + ROUNDING), trial, sought);
             // Only contact beyond the grid is a reason to enlarge it.
             let found =
                 trial.first_that(overlap, |trial| Some(bounds(trial)).filter(|found| *found != Err(Missing::Beyond)));

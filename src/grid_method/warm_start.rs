@@ -4,7 +4,7 @@ use super::dimensional::{at_least, in_users_units, stiffness_of, strongest};
 use super::domain;
 use super::expansion::expanded;
 use super::refined::Refined;
-use super::refinement;
+use super::refinement::{self, AS_THEY_ARE};
 use super::single_grid::{self, GridState};
 use super::unresolved;
 use crate::discrete::{Discrete, DiscreteSolution};
@@ -190,7 +190,7 @@ impl WarmStart {
         let trial = near.refined.state.trial();
         let unit = contact.modulus().e_star() * near.scaled.units.height * near.scaled.units.length;
         let law = near.scaled.gap.known().law.map(|law| law.degree);
-        let bounds = refinement::claimed(&near.scaled, law, &trial, settings).ok()?;
+        let bounds = refinement::claimed(&near.scaled, law, &trial, settings, AS_THEY_ARE).ok()?;
         Some(bounds.map(|force| force * unit))
     }
 

@@ -23,7 +23,13 @@ pub(super) const FINEST_PROVED: usize = 512;
 /// punches to other digits.
 const REPEATABLE: f64 = 5e-3;
 
-/// Bounds of the force by the pressure of a grid, as they are stated.
+/// How many times as wide as the tolerance bounds may be expected to be that are of use as they are: expectations are rough.
+pub(crate) const AS_THEY_ARE: f64 = 1.2;
+
+/// The same of bounds that are stated as a bracket, however wide.
+pub(crate) const AS_A_BRACKET: f64 = 10.0;
+
+/// Bounds of the force by the pressure of a grid, as they are stated; none where they are expected to be `hope` times as wide as the tolerance.
 ///
 /// # Errors
 /// How far from the tolerance they are expected to be.
@@ -32,8 +38,10 @@ pub(crate) fn claimed(
     degree: Option<Degree>,
     trial: &Trial,
     settings: &Settings,
+    hope: f64,
 ) -> Result<[f64; 2], NoBounds> {
-    let [lower, upper] = force_bounds(scaled, degree, trial, Wanted::within(settings.tolerance), settings.deadline)?;
+    let wanted = Wanted::within(settings.tolerance, hope);
+    let [lower, upper] = force_bounds(scaled, degree, trial, wanted, settings.deadline)?;
     let room = if degree.is_none() { REPEATABLE * (upper - lower) } else { 0.0 };
     Ok([lower - room, upper + room])
 }
@@ -93,14 +101,15 @@ impl Refinement<'_> {
         (wanted && degree != Some(Degree::Flat) && possible).then_some(degree)
     }
 
-    /// Proved bounds of the force from the energy of a grid ([`force_bounds`]); `None` where they are not asked for, or there is no time.
-    pub(super) fn proved(&self, state: &GridState) -> Option<Result<[f64; 2], NoBounds>> {
+    /// Proved bounds of the force from the energy of a grid ([`force_bounds`]); `None` where they are not asked for, or there is no time;
+    /// `hope` as in [`claimed`].
+    pub(super) fn proved(&self, state: &GridState, hope: f64) -> Option<Result<[f64; 2], NoBounds>> {
         let degree = self.provable()?;
         let [nx, ny] = state.problem.grid.shape;
         if degree.is_none() && (nx.max(ny) > FINEST_PROVED || self.settings.deadline.check().is_err()) {
             return None;
         }
-        Some(claimed(self.scaled, degree, &state.trial(), self.settings))
+        Some(claimed(self.scaled, degree, &state.trial(), self.settings, hope))
     }
 
     /// How far off the other kernel makes the force on the same grid. Values at centres err by up to 1.6 times that

@@ -4,7 +4,7 @@ mod error;
 mod prescribed;
 
 use error::FINEST_PROVED;
-pub(crate) use error::claimed;
+pub(crate) use error::{AS_A_BRACKET, AS_THEY_ARE, claimed};
 
 use super::domain::{coarsest, locate, locate_closely, squared};
 use super::extrapolation::{self, Ends, Estimate};
@@ -138,10 +138,11 @@ enum Step {
 const FEWEST_BOUNDED: usize = 32;
 
 /// How many times as many cells along a side as an estimate takes a proof is worth, and how many more than the order asks for it is given.
-const FARTHEST: usize = 4;
+const FARTHEST: usize = 3;
 const MORE: f64 = 1.03;
 
-/// The least and the largest order with which bounds are expected to narrow: the root of gamma alone, or with that of the ring that may touch.
+/// The least and the largest order with which bounds are expected to narrow, the latter where none is seen: roots of gamma and of the ring
+/// that may touch, which have the orders 2 to 3 and 1 (1.45 is seen beside kinks, 1.6 to 2 without).
 const ORDERS_OF_BOUNDS: [f64; 2] = [1.0, 1.5];
 
 /// The same of a force by its energy: gamma is a square.
@@ -273,25 +274,29 @@ impl Refinement<'_> {
             let finer = (MORE * cells as f64 * times.powf(1.0 / order) / 8.0).ceil() * 8.0;
             (finer <= finest as f64).then_some(finer as usize)
         };
+        // Where no finer grid follows, or none is fine enough, bounds are of use as they are or not at all.
+        let within_reach = |cells: usize| (finest as f64 / (MORE * cells as f64)).powf(ORDERS_OF_BOUNDS[1]);
+        let hope = |cells: usize| if good { within_reach(cells).max(AS_THEY_ARE) } else { AS_THEY_ARE };
         let expected = short / (tolerance * found.force);
         let mut next = finer(cells, expected, ORDER_OF_ENERGY).filter(|_| expected > 1.0);
         // Should there be no time for the next grid, this one stands by its energy and by its pressures.
         let mut alone = found.error.max(short).max((found.state.force() - found.force).abs());
         loop {
             if next.is_none() {
-                let times = match self.proved(&found.state) {
+                let (times, order) = match self.proved(&found.state, hope(cells)) {
                     Some(Ok(bounds)) => {
                         found = found.bounded_by(bounds, tolerance);
-                        (bounds[1] - bounds[0]) / (tolerance * (bounds[1] + bounds[0]))
+                        let times = (bounds[1] - bounds[0]) / (tolerance * (bounds[1] + bounds[0]));
+                        if times <= 1.0 {
+                            return Ok(Step::Done(found));
+                        }
+                        (times, if lawful { ORDER_OF_ENERGY } else { self.order_of_bounds(cells, times) })
                     }
-                    Some(Err(NoBounds { times })) if !lawful => times,
+                    // What is expected tells no order.
+                    Some(Err(NoBounds { times })) if !lawful => (times, ORDERS_OF_BOUNDS[1]),
                     // An estimate stands without bounds on a fine grid.
                     _ => return step(found, good && (!lawful || cells >= FINE_ENOUGH)),
                 };
-                if times <= 1.0 {
-                    return Ok(Step::Done(found));
-                }
-                let order = if lawful { ORDER_OF_ENERGY } else { self.order_of_bounds(cells, times) };
                 (next, alone) = (finer(cells, times, order), found.error);
             }
             let Some(n) = next.take().filter(|_| good) else { return step(found, good) };
@@ -308,7 +313,7 @@ impl Refinement<'_> {
         }
     }
 
-    /// The order that bounds are seen to narrow with from grid to grid, that of a smooth contact where only one is known.
+    /// The order that bounds are seen to narrow with from grid to grid.
     fn order_of_bounds(&mut self, cells: usize, times: f64) -> f64 {
         let before = self.times.replace((cells, times));
         let seen = before.map(|(n, t)| (t / times).ln() / (cells as f64 / n as f64).ln());

@@ -2,7 +2,7 @@
 
 use super::super::refined::Refined;
 use super::super::single_grid::{GridOptions, GridState, laid};
-use super::{PRECISE, Refinement};
+use super::{AS_A_BRACKET, PRECISE, Refinement};
 use crate::gap::Gap;
 use crate::grid::{Grid, shape};
 use crate::numeric::geometry::Rect;
@@ -55,7 +55,7 @@ impl Refinement<'_> {
         let estimated = self.error_as_given(&state, estimate)?;
         let coarser = best.map(|b| Box::new(b.state));
         // Who prescribes the grid wants the force of that grid, whether or not the bounds hold it.
-        let Some(Ok([lower, upper])) = self.proved(&state) else {
+        let Some(Ok([lower, upper])) = self.proved(&state, AS_A_BRACKET) else {
             return Ok(Some(Refined { coarser, ..Refined::of(state, estimated) }));
         };
         let force = state.force();
