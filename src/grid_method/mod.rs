@@ -10,6 +10,7 @@ pub(crate) mod gap_left;
 pub(crate) mod refined;
 pub(crate) mod refinement;
 mod separate;
+mod separate_stiffness;
 pub(crate) mod sharp_edges;
 pub(crate) mod single_grid;
 mod subcontact;

@@ -11,7 +11,7 @@ use std::f64::consts::PI;
 use super::contact_loads::{ContactLoads, PointLoads};
 use super::dimensional::in_users_units;
 use super::refined::Refined;
-use super::single_grid::{self, OF_GROWTH};
+use super::separate_stiffness::growth;
 use super::subcontact::{Cells, Solved, Subcontact, cell_loads};
 use super::together::together;
 use crate::consistency::{nothing_left_out, too_few_cells};
@@ -31,15 +31,12 @@ const FEW: usize = 16;
 const FAR: f64 = 2.0;
 
 /// Sweeps over all contacts at one tolerance, and times that their grids are laid.
-const SWEEPS: usize = 20;
+pub(super) const SWEEPS: usize = 20;
 const LAID: usize = 4;
 
 /// What of the tolerance a sweep may still change of the force, and the tolerance of the first, rough grids.
 const SETTLED: f64 = 0.1;
 const ROUGH: f64 = 0.02;
-
-/// Residual of a last, small change of the pressures that grow, in that change.
-const OF_LAST_GROWTH: f64 = 1e-3;
 
 /// Whether what is asked for allows more than one grid.
 fn may_be_several(settings: &Settings) -> bool {
@@ -138,13 +135,16 @@ impl Contacts {
         let rough = settings.tolerance.max(ROUGH);
         let tolerance = if roughly { rough } else { settings.tolerance };
         self.settle(depth, settings, if self.fine { tolerance } else { rough })?;
-        for _ in 0..LAID {
+        for laid in 1..=LAID {
             if (roughly || self.fine) && self.ones.iter().flatten().all(Subcontact::serves) {
                 break;
             }
             self.fine = !roughly;
             self.sweep(depth, settings, Some(if roughly { Cells::Rough } else { Cells::Fine }))?;
-            self.settle(depth, settings, tolerance)?;
+            // Cells that hold everything only as they were laid stay.
+            if laid < LAID {
+                self.settle(depth, settings, tolerance)?;
+            }
         }
         Ok(())
     }
@@ -268,70 +268,44 @@ pub(crate) fn solution(
     }
 }
 
-/// A contact whose pressure grows when all are moved.
-struct Growing<'a> {
-    one: &'a Subcontact,
-    solved: &'a Solved,
-    /// The rate at which its overlap grows, cell by cell, and the pressure that grows with it.
-    rates: Vec<f64>,
-    pressure: Vec<f64>,
-    loads: ContactLoads,
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gap::{Minimum, Paraboloid, Place};
+    use crate::problem::{EffectiveModulus, Loading};
 
-impl<'a> Growing<'a> {
-    fn at_rest(one: &'a Subcontact) -> Option<Self> {
-        let solved = one.solved.as_ref()?;
-        let none = vec![0.0; solved.refined.state.problem.grid.len()];
-        Some(Self { one, solved, rates: none.clone(), pressure: none, loads: ContactLoads::default() })
+    fn three_tips() -> Contact {
+        let tip = |radius: f64, at: [f64; 2]| Paraboloid::new([radius; 2]).unwrap().placed(at, 0.0).unwrap();
+        let gap = Minimum::new(vec![tip(1.0, [0.0, 0.0]), tip(0.7, [4.0, 0.5]), tip(1.3, [-1.0, 5.0])]).unwrap();
+        Contact::new(EffectiveModulus::from_e_star(1.0).unwrap(), gap, Loading::depth(1.0)).unwrap()
     }
 
-    /// Goes on with what has changed of the rates; by how much that changes the force.
-    fn grow(&mut self, rates: Vec<f64>) -> Result<f64, Unsolved> {
-        let state = &self.solved.refined.state;
-        let change: Vec<f64> = rates.iter().zip(&self.rates).map(|(now, before)| now - before).collect();
-        let pressed = |rates: &[f64]| {
-            let under = rates.iter().zip(&state.solution.pressure).filter(|(_, p)| **p > 0.0);
-            under.fold(0.0, |most: f64, (rate, _)| most.max(rate.abs()))
-        };
-        let tolerance = (OF_GROWTH * pressed(&rates) / pressed(&change)).clamp(OF_GROWTH, OF_LAST_GROWTH);
-        let more = single_grid::growth_within(tolerance, state, &change)?;
-        self.pressure.iter_mut().zip(&more).for_each(|(sum, more)| *sum += more);
-        self.rates = rates;
-        let before = self.loads.total();
-        self.loads = self.solved.loads(|k| self.pressure[k]);
-        Ok((self.loads.total() - before).abs())
+    fn at(contact: &Contact, depth: f64, held: &mut Option<Contacts>) -> Solution {
+        let settings = &Settings::default();
+        let overlap = Overlap::of(contact.gap(), depth).unwrap().unwrap();
+        let wanted = Wanted { depth, tilt: [0.0; 2], settings, with_matrix: false, roughly: false };
+        let pieces = rectangles(&overlap, settings).expect("apart");
+        solution(contact, contact.gap(), pieces, wanted, held).unwrap()
     }
-}
 
-/// Stiffness against depth, and against tilts if asked for: flat punches on all patches at once, by the same sweeps.
-fn growth(contact: &Contact, ones: &[Option<Subcontact>], with_matrix: bool) -> Result<[[f64; 3]; 3], Unsolved> {
-    let of_place: [fn([f64; 2]) -> f64; 3] = [|_| 1.0, |[x, _]| x, |[_, y]| y];
-    let mut matrix = [[0.0; 3]; 3];
-    let columns = if with_matrix { 3 } else { 1 };
-    for (column, rate) in of_place.iter().enumerate().take(columns) {
-        let mut growing: Vec<Growing> = ones.iter().flatten().filter_map(Growing::at_rest).collect();
-        for _ in 0..SWEEPS {
-            let (mut change, mut size) = (0.0, 0.0);
-            for k in 0..growing.len() {
-                let others = growing.iter().enumerate().filter(|(n, _)| *n != k).map(|(_, other)| &other.loads);
-                let Growing { one, solved, .. } = &growing[k];
-                let units = &solved.scaled.units;
-                let displaced = one.displacements(solved, others);
-                let places = solved.refined.state.problem.grid.centres().map(|p| rate(units.outward(p)));
-                let rates = places.zip(displaced).map(|(rate, by)| (rate - by) / units.height).collect();
-                change += growing[k].grow(rates)?;
-                size += growing[k].loads.iter().map(|load| load.1.abs()).sum::<f64>();
-            }
-            if change <= OF_GROWTH * size {
-                break;
-            }
-        }
-        let e_star = contact.modulus().e_star();
-        for (row, weight) in of_place.iter().enumerate() {
-            let loads = growing.iter().flat_map(|one| one.loads.iter());
-            matrix[row][column] = loads.map(|(p, q)| q * weight(*p)).sum::<f64>() * e_star;
+    #[test]
+    fn a_state_that_was_gone_on_to_is_that_of_its_depth() {
+        let contact = three_tips();
+        let mut held = None;
+        let first = at(&contact, 0.2, &mut held);
+        // dP/dd, on the same cells.
+        let next = at(&contact, 0.202, &mut held);
+        let rate = (next.force - first.force) / 0.002 / (0.5 * (first.stiffness + next.stiffness));
+        assert!((rate - 1.0).abs() < 0.01, "{rate}");
+        for depth in [0.202, 0.3, 0.15] {
+            let gone_on = at(&contact, depth, &mut held);
+            let anew = at(&contact, depth, &mut None);
+            let off = |value: fn(&Solution) -> f64| (value(&gone_on) / value(&anew) - 1.0).abs();
+            assert!(off(|s| s.force) < gone_on.force_error.unwrap(), "{depth}: {}", off(|s| s.force));
+            assert!(off(|s| s.energy.unwrap()) < gone_on.energy_error.unwrap(), "{depth}");
+            assert!(off(|s| s.patch.area) < gone_on.area_error.unwrap(), "{depth}");
+            assert!(off(|s| s.stiffness) < gone_on.stiffness_error.unwrap(), "{depth}");
+            assert!(gone_on.residuals.unwrap().penetration < 1e-4, "{depth}");
         }
     }
-    let mean = |i: usize, j: usize| if with_matrix { 0.5 * (matrix[i][j] + matrix[j][i]) } else { matrix[i][j] };
-    Ok([0, 1, 2].map(|i| [0, 1, 2].map(|j| mean(i, j))))
 }
