@@ -151,14 +151,8 @@ mod tests {
         let (problem, solution) = (&found.state.problem, &found.state.solution);
         let trial =
             Trial { grid: &problem.grid, pressure: &solution.pressure, displacement: Some(&solution.displacement) };
-        let bounds = force_bounds(
-            &scaled,
-            Some(law.degree),
-            &trial,
-            Wanted::within(settings.tolerance, f64::INFINITY),
-            settings.deadline,
-        )
-        .unwrap();
+        let wanted = Wanted::within(settings.tolerance, f64::INFINITY);
+        let bounds = force_bounds(&scaled, Some(law.degree), &trial, wanted, settings.deadline).unwrap();
         let stated = 1e-3 * found.force;
         within(bounds, Claim { force: found.force, error: found.error }, "the energy").unwrap();
         for off in [2.1, 3.4, 5.6] {

@@ -16,6 +16,9 @@ pub(super) struct Sought {
 }
 
 impl Sought {
+    /// As narrow as the pressure proves.
+    pub const NARROWEST: Self = Self { enough: 0.0, hope: f64::INFINITY };
+
     /// How many times too wide bounds are expected to be, where that is too much to work them out.
     pub fn beyond_hope(self, times: f64) -> Option<f64> {
         (self.enough > 0.0 && times > self.hope).then_some(times)

@@ -37,8 +37,8 @@ pub fn force_bracket(gap: &AnyGap, depth: f64, trial: &Trial) -> Option<[f64; 2]
     let law = gap.known().law.filter(|law| law.degree != Degree::Flat);
     let above_lowest = law.map_or(f64::NAN, |law| depth - law.lowest);
     let above_least = depth - gap.known().floor;
-    let sought = Sought { enough: 0.0, hope: f64::INFINITY };
-    bounds(&GapOverlap::new(gap, depth), law.map(|law| law.degree), above_lowest, above_least, trial, sought).ok()
+    let (overlap, degree) = (GapOverlap::new(gap, depth), law.map(|law| law.degree));
+    bounds(&overlap, degree, above_lowest, above_least, trial, Sought::NARROWEST).ok()
 }
 
 /// That no bounds were had.
@@ -69,7 +69,7 @@ impl Wanted {
     /// As narrow as the pressure proves, however long that takes, but for a share of `tolerance`.
     #[cfg(feature = "scene")]
     pub fn narrowest(tolerance: f64) -> Self {
-        Self { sought: Sought { enough: 0.0, hope: f64::INFINITY }, open: OPEN * tolerance }
+        Self { sought: Sought::NARROWEST, open: OPEN * tolerance }
     }
 }
 

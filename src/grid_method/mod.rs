@@ -50,18 +50,18 @@ pub(crate) fn solution(
 ) -> Result<Solution, Unsolved> {
     let (asked_for, settings) = (settings, &within_samples(overlap, settings));
     let (gap, depth, method) = (&overlap.gap, overlap.depth, method(settings));
-    let each_alone = |rectangles: Vec<Rect>| {
-        let wanted = Wanted { depth, tilt, settings, with_matrix, roughly: false };
-        each_with_gap(contact, gap, rectangles, wanted, &mut None)
+    let each_alone = |rectangles: &[Rect]| {
+        let wanted = Wanted { gap, rectangles, depth, tilt, settings, with_matrix, roughly: false };
+        each_with_gap(contact, wanted, &mut None)
     };
     if let Some(rectangles) = separate::rectangles(overlap, settings) {
-        return each_alone(rectangles);
+        return each_alone(&rectangles);
     }
     let (law, scaled) = (gap.known().law, overlap.scaled());
     let mut refined = refinement::refined(&scaled, settings, method, law)?;
     let units = &scaled.units;
     if let Some(rectangles) = separate::missed_by(overlap, settings, &scaled, &refined) {
-        return each_alone(rectangles);
+        return each_alone(&rectangles);
     }
     if let Some(bounds) = by_edges::force_bounds(overlap, settings) {
         let unit = units.length * units.height;
@@ -131,23 +131,17 @@ pub(crate) fn on_several_grids(
 ) -> Result<Option<Solution>, Unsolved> {
     let settings = &within_samples(overlap, settings);
     let Some(rectangles) = separate::rectangles(overlap, settings) else { return Ok(None) };
-    let wanted = Wanted { depth: overlap.depth, tilt: [0.0; 2], settings, with_matrix: false, roughly };
-    each_with_gap(contact, &overlap.gap, rectangles, wanted, held).map(Some)
+    let Overlap { gap, depth, .. } = overlap;
+    let (rectangles, depth, tilt) = (&rectangles[..], *depth, [0.0; 2]);
+    let wanted = Wanted { gap, rectangles, depth, tilt, settings, with_matrix: false, roughly };
+    each_with_gap(contact, wanted, held).map(Some)
 }
 
 /// Contacts that lie far apart, with the gap that they leave where it is asked for.
-fn each_with_gap(
-    contact: &Contact,
-    gap: &AnyGap,
-    rectangles: Vec<Rect>,
-    wanted: Wanted,
-    held: &mut Option<Contacts>,
-) -> Result<Solution, Unsolved> {
+fn each_with_gap(contact: &Contact, wanted: Wanted, held: &mut Option<Contacts>) -> Result<Solution, Unsolved> {
     let Settings { outputs, kernel, .. } = *wanted.settings;
     let with_gap = |state: Solution| gap_left::with_gap(contact, state, outputs, kernel);
-    separate::solution(contact, gap, rectangles, wanted, held)
-        .map(with_gap)
-        .map_err(|unsolved| unsolved.map_best(with_gap))
+    separate::solution(contact, wanted, held).map(with_gap).map_err(|unsolved| unsolved.map_best(with_gap))
 }
 
 /// Whether the cells of the one grid that this was solved on have missed a contact, which only [`solution`] finds.
@@ -182,9 +176,9 @@ pub(crate) fn separately(
     settings: &Settings,
 ) -> Result<Option<Solution>, Unsolved> {
     let Some(overlap) = Overlap::of(gap, depth)? else { return Ok(None) };
-    let rectangles = separate::rectangles(&overlap, settings);
-    let wanted = Wanted { depth, tilt, settings, with_matrix: true, roughly: false };
-    rectangles.map(|r| separate::solution(contact, gap, r, wanted, &mut None)).transpose()
+    let Some(rectangles) = separate::rectangles(&overlap, settings) else { return Ok(None) };
+    let wanted = Wanted { gap, rectangles: &rectangles, depth, tilt, settings, with_matrix: true, roughly: false };
+    separate::solution(contact, wanted, &mut None).map(Some)
 }
 
 /// The state at a depth and tilt on one grid that stays where it is from one tilt to the next, with its stiffness

@@ -100,8 +100,6 @@ pub(crate) struct Contacts {
     rectangles: Vec<Rect>,
     /// None of those that the first sweep has not come to.
     ones: Vec<Option<Subcontact>>,
-    /// Whether their grids are as fine as the tolerance asks for.
-    fine: bool,
     /// The forces that the last sweep has changed, all together.
     missed: f64,
     /// Iterations and products of all sweeps.
@@ -115,16 +113,16 @@ fn others(ones: &[Option<Subcontact>], but: usize) -> impl Iterator<Item = &Cont
 
 impl Contacts {
     /// Within these rectangles, from contacts at a depth before that lie in the same places.
-    fn of(gap: &AnyGap, rectangles: Vec<Rect>, before: Option<Self>) -> Self {
+    fn of(gap: &AnyGap, rectangles: &[Rect], before: Option<Self>) -> Self {
         let restricted = |within: &Rect| gap.restricted(within).unwrap_or_else(|| gap.clone());
         let gaps = rectangles.iter().map(restricted).collect();
         let same = |before: &Self| {
-            let pairs = || before.rectangles.iter().zip(&rectangles);
+            let pairs = || before.rectangles.iter().zip(rectangles);
             before.rectangles.len() == rectangles.len() && pairs().all(|(a, b)| a.contains(b.centre()))
         };
-        let anew = || (rectangles.iter().map(|_| None).collect(), false);
-        let (ones, fine) = before.filter(same).map_or_else(anew, |before| (before.ones, before.fine));
-        Self { gaps, rectangles, ones, fine, missed: 0.0, spent: (0, 0) }
+        let anew = || rectangles.iter().map(|_| None).collect();
+        let ones = before.filter(same).map_or_else(anew, |before| before.ones);
+        Self { gaps, rectangles: rectangles.to_vec(), ones, missed: 0.0, spent: (0, 0) }
     }
 
     /// All at the depth, to the tolerance or `roughly`, which comes first: what they do to one another needs few cells.
@@ -134,12 +132,11 @@ impl Contacts {
         }
         let rough = settings.tolerance.max(ROUGH);
         let tolerance = if roughly { rough } else { settings.tolerance };
-        self.settle(depth, settings, if self.fine { tolerance } else { rough })?;
+        self.settle(depth, settings, if self.all(|one| one.cells == Cells::Fine) { tolerance } else { rough })?;
         for laid in 1..=LAID {
-            if (roughly || self.fine) && self.ones.iter().flatten().all(Subcontact::serves) {
+            if self.all(|one| (roughly || one.cells == Cells::Fine) && one.serves()) {
                 break;
             }
-            self.fine = !roughly;
             self.sweep(depth, settings, Some(if roughly { Cells::Rough } else { Cells::Fine }))?;
             // Cells that hold everything only as they were laid stay.
             if laid < LAID {
@@ -170,7 +167,7 @@ impl Contacts {
                 Some(before) if cells.is_none() => before.moved(gap, depth, within, others(&self.ones, k), settings)?,
                 _ => None,
             };
-            let cells = cells.unwrap_or(if self.fine { Cells::Fine } else { Cells::Rough });
+            let cells = cells.or(self.ones[k].as_ref().map(|one| one.cells)).unwrap_or(Cells::Rough);
             let anew = || Subcontact::solve(gap, depth, within, others(&self.ones, k), settings, cells);
             let one = moved.map_or_else(anew, Ok)?;
             if let Some(Solved { refined, .. }) = &one.solved {
@@ -185,6 +182,10 @@ impl Contacts {
         Ok(())
     }
 
+    fn all(&self, that: impl Fn(&Subcontact) -> bool) -> bool {
+        self.ones.iter().all(|one| one.as_ref().is_some_and(&that))
+    }
+
     fn total(&self) -> f64 {
         self.ones.iter().flatten().map(|one| one.loads.total()).sum()
     }
@@ -193,6 +194,9 @@ impl Contacts {
 /// What is asked of the state of contacts that lie far apart.
 #[derive(Clone, Copy)]
 pub(crate) struct Wanted<'a> {
+    /// The gap under the tilt, and where its contacts lie.
+    pub gap: &'a AnyGap,
+    pub rectangles: &'a [Rect],
     pub depth: f64,
     pub tilt: [f64; 2],
     pub settings: &'a Settings,
@@ -202,26 +206,19 @@ pub(crate) struct Wanted<'a> {
     pub roughly: bool,
 }
 
-/// The state of all contacts (`gap` is the contact's gap under the tilt), in the user's units; from those that were held before, which it
-/// holds for the next.
+/// The state of all contacts, in the user's units; from those that were held before, which it holds for the next.
 ///
 /// # Errors
 /// As for a single contact; where one of them falls short of the tolerance, with the state of all.
-pub(crate) fn solution(
-    contact: &Contact,
-    gap: &AnyGap,
-    rectangles: Vec<Rect>,
-    wanted: Wanted,
-    held: &mut Option<Contacts>,
-) -> Result<Solution, Unsolved> {
-    let Wanted { depth, tilt, settings, with_matrix, roughly } = wanted;
+pub(crate) fn solution(contact: &Contact, wanted: Wanted, held: &mut Option<Contacts>) -> Result<Solution, Unsolved> {
+    let Wanted { gap, rectangles, depth, tilt, settings, with_matrix, roughly } = wanted;
     // What the others displace is known to a few digits, and proves nothing.
     let settings = &Settings { evidence: ErrorBar::Estimate, ..*settings };
     let before = held.take();
     let contacts = held.insert(Contacts::of(gap, rectangles, before));
     let out_of_time = match contacts.solve(depth, settings, roughly) {
         // The sweeps before serve.
-        Err(e) if e.verdict == Verdict::TimeLimit && contacts.ones.iter().all(Option::is_some) => Some(e),
+        Err(e) if e.verdict == Verdict::TimeLimit && contacts.all(|one| one.depth == depth) => Some(e),
         solved => solved.map(|()| None)?,
     };
     let mut states = Vec::new();
@@ -283,9 +280,10 @@ mod tests {
     fn at(contact: &Contact, depth: f64, held: &mut Option<Contacts>) -> Solution {
         let settings = &Settings::default();
         let overlap = Overlap::of(contact.gap(), depth).unwrap().unwrap();
-        let wanted = Wanted { depth, tilt: [0.0; 2], settings, with_matrix: false, roughly: false };
-        let pieces = rectangles(&overlap, settings).expect("apart");
-        solution(contact, contact.gap(), pieces, wanted, held).unwrap()
+        let (gap, pieces) = (contact.gap(), rectangles(&overlap, settings).expect("apart"));
+        let (tilt, with_matrix, roughly) = ([0.0; 2], false, false);
+        let wanted = Wanted { gap, rectangles: &pieces, depth, tilt, settings, with_matrix, roughly };
+        solution(contact, wanted, held).unwrap()
     }
 
     #[test]

@@ -1,10 +1,11 @@
 //! One of several contacts that lie far apart, solved on the gap that the loads of the others have left.
 
 use super::contact_loads::{ContactLoads, PointLoads};
+use super::dimensional::at_least;
 use super::displaced::DisplacedGap;
 use super::expansion::{expanded, touches_border};
 use super::refined::Refined;
-use super::refinement;
+use super::refinement::{self, PRECISE};
 use super::single_grid::{self, GridState};
 use crate::discrete::Discrete;
 use crate::gap::AnyGap;
@@ -19,14 +20,14 @@ const ROUGH_CELLS: usize = 32;
 
 /// How closely a change of the gap is resolved, in that change; and the least and the largest error of the gap, relative to the depth.
 const OF_CHANGE: f64 = 1e-3;
-const GAP_ERROR: [f64; 2] = [5e-8, 1e-5];
+const GAP_ERROR: [f64; 2] = [PRECISE[0], 1e-5];
 
 /// How far the gap may have moved since its grids were laid, in the deepest overlap; and where they are rough.
 const MOVED: f64 = 0.05;
 const ROUGHLY_MOVED: f64 = 0.5;
 
 /// What the grids of a contact are to tell.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq)]
 pub(super) enum Cells {
     /// What it does to the others.
     Rough,
@@ -37,15 +38,15 @@ pub(super) enum Cells {
 /// A contact, its grids, and where it has been moved to since they were laid.
 pub(super) struct Subcontact {
     gap: AnyGap,
-    cells: Cells,
+    pub cells: Cells,
     within: Rect,
-    depth: f64,
+    pub depth: f64,
     displaced: DisplacedGap,
     /// `None` when the others have pushed the surface out of reach.
     pub solved: Option<Solved>,
     pub loads: ContactLoads,
     /// What the gap has changed by since the grids were laid, in the deepest overlap.
-    pub shift: f64,
+    shift: f64,
 }
 
 /// A contact in units of its own.
@@ -74,9 +75,7 @@ impl Solved {
     /// Relative error of the stiffness by its grids.
     pub fn stiffness_error(&self) -> Result<Option<f64>, Unsolved> {
         let [(_, error)] = self.refined.estimated(|state| Ok([single_grid::stiffness(state)?]))?;
-        Ok(error.map(|change| {
-            super::dimensional::at_least(&self.refined, change) + self.refined.error / self.refined.force
-        }))
+        Ok(error.map(|change| at_least(&self.refined, change) + self.refined.error / self.refined.force))
     }
 }
 
@@ -104,7 +103,7 @@ impl Subcontact {
             Some(overlap) => {
                 let scaled = overlap.scaled();
                 let roughly = || refinement::as_far_as(ROUGH_CELLS, &scaled, settings, Method::Fft, None).ok();
-                let rough = if matches!(cells, Cells::Rough) { roughly() } else { None };
+                let rough = if cells == Cells::Rough { roughly() } else { None };
                 let refined = rough.map_or_else(|| refinement::refined(&scaled, settings, Method::Fft, None), Ok)?;
                 Some(Solved { scaled, refined })
             }
@@ -123,10 +122,11 @@ impl Subcontact {
         others: impl IntoIterator<Item = &'a ContactLoads>,
         settings: &Settings,
     ) -> Result<Option<Self>, Unsolved> {
-        let displaced = DisplacedGap::new(gap.clone(), within, others);
-        let Some(Solved { scaled, refined }) = self.solved.as_ref().filter(|own| own.refined.sequence.is_none()) else {
+        let Some(Solved { scaled, refined }) = &self.solved else { return Ok(None) };
+        if refined.sequence.is_some() {
             return Ok(None);
-        };
+        }
+        let displaced = DisplacedGap::new(gap.clone(), within, others);
         let units = scaled.units;
         let again = |before: &GridState| {
             let grid = units.grid_outward(&before.problem.grid);
@@ -135,7 +135,7 @@ impl Subcontact {
             let pressed = deeper.iter().zip(&before.solution.pressure).filter(|(_, p)| **p > 0.0);
             let most = pressed.fold(0.0, |most: f64, (by, _)| most.max(by.abs()));
             let overlap = before.problem.overlap.iter().zip(&deeper).map(|(f, by)| f + by).collect();
-            let problem = Discrete { overlap, ..before.problem.clone() };
+            let problem = Discrete { grid: before.problem.grid, kernel: before.problem.kernel, overlap };
             let settings = matrix_free::Settings {
                 threads: settings.threads,
                 deadline: settings.deadline,
@@ -165,8 +165,10 @@ impl Subcontact {
             sums: refined.sums.iter().map(|sum| sum * times).collect(),
             state,
             coarser: coarser.transpose()?,
+            grids: refined.grids,
+            stopped: refined.stopped.clone(),
+            sequence: None,
             proved: None,
-            ..refined.clone()
         };
         let solved = Solved { scaled, refined };
         let (loads, shift) = (solved.own_loads(), self.shift + shift);

@@ -29,7 +29,7 @@ const FEWEST: usize = 19;
 const MOST_RESTARTS: usize = 6;
 
 /// Error of the gap on a grid whose force is asked for, relative to the depth: it changes the force by twice that.
-const PRECISE: [f64; 2] = [5e-8, 1e-8];
+pub(super) const PRECISE: [f64; 2] = [5e-8, 1e-8];
 
 /// The same on a grid of which nothing but the energy and a start is taken: it errs by the square.
 const PASSING: f64 = 3e-4;
@@ -275,8 +275,10 @@ impl Refinement<'_> {
             (finer <= finest as f64).then_some(finer as usize)
         };
         // Where no finer grid follows, or none is fine enough, bounds are of use as they are or not at all.
-        let within_reach = |cells: usize| (finest as f64 / (MORE * cells as f64)).powf(ORDERS_OF_BOUNDS[1]);
-        let hope = |cells: usize| if good { within_reach(cells).max(AS_THEY_ARE) } else { AS_THEY_ARE };
+        let hope = |cells: usize| {
+            let reach = if good { finest as f64 / (MORE * cells as f64) } else { 0.0 };
+            reach.powf(ORDERS_OF_BOUNDS[1]).max(AS_THEY_ARE)
+        };
         let expected = short / (tolerance * found.force);
         let mut next = finer(cells, expected, ORDER_OF_ENERGY).filter(|_| expected > 1.0);
         // Should there be no time for the next grid, this one stands by its energy and by its pressures.
