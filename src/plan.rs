@@ -59,15 +59,7 @@ impl fmt::Display for Plan {
 /// `Unbounded` when the overlap has no end.
 pub fn plan(contact: &Contact, settings: &Settings) -> Result<Plan, Unsolved> {
     let Some(axes) = Axes::of(contact, settings) else { return along(contact, settings, Vec::new()) };
-    let turned = axes.inward(contact);
-    let own = || along(&turned, settings, vec![axes.found()]);
-    if !settings.outputs.pressure {
-        return own();
-    }
-    // As the solve: a field is that of a grid along the user's axes, but for that of fitted cells.
-    let fitted = if by_edges::may_fit(turned.gap(), settings) { Some(own()?) } else { None };
-    let fitted = fitted.filter(|plan| plan.method == Some(Method::EdgeFitted));
-    fitted.map_or_else(|| along(contact, settings, Vec::new()), Ok)
+    along(&axes.inward(contact), settings, vec![axes.found()])
 }
 
 /// The plan along the axes of the contact, after these steps.

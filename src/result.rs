@@ -10,7 +10,7 @@
 //! |---|---|
 //! | `scene` | the scene as it was read |
 //! | `method` | what ran |
-//! | `origin` | how the force was found: `{kind, grids?, count?}`, `kind` one of `closed_form`, `approximate`, `one_grid`, `many_grids`, `separate_contacts`, `edge_fitted`, `no_contact` |
+//! | `origin` | how the force was found: `{kind, grids?, count?, turned?}`, `kind` one of `closed_form`, `approximate`, `one_grid`, `many_grids`, `separate_contacts`, `edge_fitted`, `no_contact`; `turned`, degrees, where it was solved along other axes: the pressure field is then a mean, over upright cells, of that of turned ones |
 //! | `grid` | `{shape, spacing}` of the finest grid |
 //! | `depth`, `force`, `stiffness` | approach, normal force, dP/dd |
 //! | `map_error` | the part of `force_error` (of the force at the depth, under a force) that the samples of a measured gap leave open; left out where nothing was measured |
@@ -189,6 +189,8 @@ pub(crate) struct Origin<'a> {
     pub grids: Option<usize>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub count: Option<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub turned: Option<f64>,
 }
 
 #[derive(Debug, Clone, Serialize, Deserialize)]

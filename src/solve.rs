@@ -14,7 +14,7 @@ use crate::loading::respond;
 use crate::loading::tilting;
 use crate::overlap::{Overlap, least};
 use crate::problem::{Contact, Load, Settings};
-use crate::solution::{Origin, Solution, Unsolved, Verdict};
+use crate::solution::{Solution, Unsolved, Verdict};
 
 /// Solves every state of the loading, in order.
 ///
@@ -34,31 +34,11 @@ pub fn solve(contact: &Contact, settings: &Settings) -> Vec<Result<Solution, Uns
         return loads.iter().map(|&load| within_memory(at(contact, load, settings, &mut similar), &mut held)).collect();
     };
     let (turned, own) = (axes.inward(contact), Axes::settings_inward(settings));
-    let mut along = None;
-    let may_fit = by_edges::may_fit(turned.gap(), settings);
     let states = turned.loading().loads().iter().zip(loads).map(|(&inward, &load)| {
-        let mut in_own_axes = || axes.outward(at(&turned, inward, &own, &mut along), load, settings);
-        // A field is that of a grid along the user's axes, where that is good enough; that of fitted cells is drawn on a grid anyway.
-        let answer = if settings.outputs.pressure {
-            match may_fit.then(&mut in_own_axes) {
-                Some(answer) if is_fitted(&answer) => answer,
-                first => match at(contact, load, settings, &mut similar) {
-                    Err(e) if Axes::may_help(e.verdict) => first.unwrap_or_else(in_own_axes),
-                    upright => upright,
-                },
-            }
-        } else {
-            in_own_axes()
-        };
+        let answer = axes.outward(at(&turned, inward, &own, &mut similar), load, settings);
         within_memory(answer, &mut held)
     });
     states.collect()
-}
-
-/// Whether the state is that of cells fitted to edges.
-fn is_fitted(answer: &Result<Solution, Unsolved>) -> bool {
-    let state = answer.as_ref().map_or_else(|unsolved| unsolved.best.as_deref(), Some);
-    state.is_some_and(|state| state.origin == Origin::EdgeFitted)
 }
 
 /// A solved state of a homogeneous gap, from which every other follows.

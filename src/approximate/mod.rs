@@ -158,6 +158,7 @@ fn dimensional(contact: &Contact, depth: f64, tilt: [f64; 2], settings: &Setting
     Solution {
         method: settings.method,
         origin: Origin::Approximate,
+        turned: None,
         grid: None,
         depth,
         tilt,

@@ -322,6 +322,7 @@ fn in_users_units(
     Solution {
         method: Method::EdgeFitted,
         origin: Origin::EdgeFitted,
+        turned: None,
         grid: found.field.as_ref().map(|field| field.grid),
         depth,
         tilt,

@@ -37,28 +37,34 @@ impl State<'_> {
             ("approximate", "ritz") => Method::Ritz,
             ("approximate", "fabrikant") => Method::Fabrikant,
             ("edge_fitted", "edge_fitted") => Method::EdgeFitted,
+            ("one_grid" | "many_grids" | "separate_contacts", "fft") => Method::Fft,
+            ("one_grid" | "many_grids" | "separate_contacts", "qp") => Method::Qp,
             (origin, method) => {
                 found.require(false, format!("the origin {origin} is that of the method {method}"));
                 return;
             }
         };
-        let fitted = method == Method::EdgeFitted;
-        let cells = self.field.as_ref().map(|field| field.grid.shape[0].max(field.grid.shape[1])).filter(|_| !fitted);
+        let turned = matches!(method, Method::Fft | Method::Qp);
+        // The same cells, solved again.
+        let by_cells = turned || method == Method::EdgeFitted;
+        let cells = self.field.as_ref().map(|field| field.grid.shape[0].max(field.grid.shape[1])).filter(|_| !by_cells);
         let outputs = Outputs {
             pressure: self.field.is_some(),
             patch: self.get(key!(patch.boundary)).is_some(),
             energy: self.get(key!(energy)).is_some(),
-            bracket: fitted && scene.settings.outputs.bracket,
+            bracket: by_cells && scene.settings.outputs.bracket,
             ..Outputs::default()
         };
         let load = match (load, self.tilt) {
             // The cells depend on what was given.
-            (Load::ForceMoment { .. }, _) if fitted => load,
+            (Load::ForceMoment { .. }, _) if by_cells => load,
+            _ if turned => load,
             (_, [0.0, 0.0]) => Load::Depth(self.depth),
             (_, tilt) => Load::Tilted { depth: self.depth, tilt },
         };
         // The tolerance is that of the scene, and the verdict of no concern.
-        let settings = Settings { method, cells, outputs, ..scene.settings };
+        let asked = if turned { scene.settings.method } else { method };
+        let settings = Settings { method: asked, cells, outputs, ..scene.settings };
         let answer = solve(&scene.contact.under(Loading::Single(load)), &settings).pop();
         let own = answer.and_then(|answer| answer.map_or_else(|e| e.best.map(|best| *best), Some));
         let Some(own) = own else {
@@ -66,15 +72,15 @@ impl State<'_> {
             return;
         };
         // The same cells for the same tolerance; else both err by what they state.
-        let other_cells = fitted && !close(own.force, self.force, ROUNDING);
+        let other_cells = by_cells && !close(own.force, self.force, ROUNDING);
         let share = match method {
             Method::ClosedForm => ROUNDING,
-            Method::EdgeFitted if other_cells => self.error().unwrap_or(0.0) + own.force_error.unwrap_or(0.0),
-            Method::EdgeFitted => ROUNDING,
+            _ if other_cells => self.error().unwrap_or(0.0) + own.force_error.unwrap_or(0.0),
+            _ if by_cells => ROUNDING,
             _ => APPROXIMATE,
         };
         self.agrees_with(&own, share, other_cells, found);
-        if fitted {
+        if by_cells {
             self.holds_bracket_of(&own, other_cells, found);
             if let Load::ForceMoment { .. } = load {
                 self.is_tilted_as(&own, share, found);

@@ -28,6 +28,9 @@ impl State<'_> {
         match self.origin.as_str() {
             "no_contact" => self.apart(&gap, &mut found),
             "closed_form" | "approximate" | "edge_fitted" => self.applied_again(scene, &gap, load, &mut found),
+            "one_grid" | "many_grids" | "separate_contacts" if self.is_turned() => {
+                self.applied_again(scene, &gap, load, &mut found);
+            }
             "one_grid" | "many_grids" => self.on_grid(scene, &gap, load, &mut found)?,
             "separate_contacts" => found.require(
                 false,
@@ -50,6 +53,11 @@ impl State<'_> {
         }
         found.unchecked = self.unused();
         Ok(found)
+    }
+
+    /// Whether it was solved along axes other than the user's: the field is a mean of that of turned cells, and shows nothing by itself.
+    pub(super) fn is_turned(&self) -> bool {
+        self.said.origin.one().is_some_and(|origin| origin.turned.is_some())
     }
 
     /// What the error is said to be: one of the words for it, and what goes with that.
@@ -218,7 +226,7 @@ impl State<'_> {
             self.origin == "approximate" || (claimed.lower - room <= self.force && self.force <= claimed.upper + room),
             format!("the force {:e} lies in the bracket, but for its own error", self.force),
         );
-        let checked = if self.origin == "edge_fitted" {
+        let checked = if self.origin == "edge_fitted" || self.is_turned() {
             // With the other numbers, by the same cells.
             Verification::default()
         } else if claimed.is_of_energy() {

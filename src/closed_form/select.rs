@@ -244,6 +244,7 @@ pub(crate) fn solution(
     let mut solution = Solution {
         method: Method::ClosedForm,
         origin: Origin::ClosedForm,
+        turned: None,
         grid: None,
         depth,
         tilt,

@@ -147,6 +147,7 @@ pub(crate) fn in_users_units(
     Ok(Solution {
         method: state.method,
         origin: if refined.grids > 1 { Origin::ManyGrids { grids: refined.grids } } else { Origin::OneGrid },
+        turned: None,
         grid: Some(outward_grid),
         depth,
         tilt,

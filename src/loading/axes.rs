@@ -10,7 +10,7 @@ use crate::edge_fitted::resample;
 use crate::grid::{Grid, Pressure, shape};
 use crate::numeric::geometry::Rect;
 use crate::problem::{Contact, Load, Loading, Method, Outputs, Settings};
-use crate::solution::{Origin, Patch, Solution, Unsolved, Verdict};
+use crate::solution::{Origin, Patch, Solution, Unsolved};
 
 /// Axes turned from the user's by an angle, about the user's origin.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -46,11 +46,6 @@ impl Axes {
     /// In words.
     pub fn found(&self) -> String {
         format!("solved along axes turned by {:.3} degrees, along which the gap was drawn", self.angle.to_degrees())
-    }
-
-    /// Whether a contact that was not solved along the user's axes may be along these.
-    pub fn may_help(verdict: Verdict) -> bool {
-        matches!(verdict, Verdict::ToleranceNotReached | Verdict::TimeLimit | Verdict::TooLarge)
     }
 
     /// The contact in these axes.
@@ -108,6 +103,7 @@ impl Axes {
         };
         state.stiffness_matrix = state.stiffness_matrix.map(|matrix| self.matrix_outward(matrix));
         self.patch_outward(&mut state.patch, settings.outputs.patch);
+        state.turned = (state.force > 0.0).then_some(self.angle);
         let pressure = &mut state.pressure;
         pressure.at = pressure.at.map(|at| self.vector_outward(at));
         pressure.field = pressure.field.take().map(|field| self.field_outward(&field));

@@ -96,7 +96,7 @@ impl<'a> Outcome<'a> {
         Document {
             scene: Some(&self.scene.document),
             method: self.given(|s| Some(s.method.name().into())),
-            origin: self.given(|s| Some(origin(s.origin))),
+            origin: self.given(|s| Some(origin(s))),
             grid: self.given(|s| s.grid.map(|Grid { shape, spacing, .. }| FinestGrid { shape, spacing })),
             depth: self.given(|s| finite(s.depth)),
             force: self.given(|s| finite(s.force)),
@@ -165,13 +165,13 @@ fn finite(x: f64) -> Option<f64> {
     x.is_finite().then_some(x)
 }
 
-fn origin<'a>(origin: solution::Origin) -> Origin<'a> {
-    let (grids, count) = match origin {
+fn origin<'a>(state: &Solution) -> Origin<'a> {
+    let (grids, count) = match state.origin {
         solution::Origin::ManyGrids { grids } => (Some(grids), None),
         solution::Origin::SeparateContacts { count } => (None, Some(count)),
         _ => (None, None),
     };
-    Origin { kind: origin.kind().into(), grids, count }
+    Origin { kind: state.origin.kind().into(), grids, count, turned: state.turned.map(f64::to_degrees) }
 }
 
 fn patch(patch: &solution::Patch) -> Patch<'_> {

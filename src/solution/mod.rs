@@ -67,6 +67,9 @@ pub struct Solution {
     pub method: Method,
     /// How the force was found.
     pub origin: Origin,
+    /// Angle from the user's axes to those along which it was solved, radians counter-clockwise; `None` where they are the same. The
+    /// pressure field is then a mean, over upright cells, of that of turned ones.
+    pub turned: Option<f64>,
     /// The finest grid; `None` for methods without one.
     pub grid: Option<Grid>,
     /// Approach of the bodies at the origin.
@@ -210,6 +213,7 @@ impl Solution {
         Self {
             method,
             origin: Origin::NoContact,
+            turned: None,
             grid: None,
             depth,
             tilt,
