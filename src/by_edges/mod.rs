@@ -217,11 +217,6 @@ pub(crate) fn is_asked_for(settings: &Settings) -> bool {
     }
 }
 
-/// Whether this gap may have contacts that are solved by cells along its axes: which of them are depends on the depth.
-pub(crate) fn may_fit(gap: &AnyGap, settings: &Settings) -> bool {
-    is_asked_for(settings) && (roller::Roller::may_be(gap.known()) || oval::Strip::may_be(gap.known()))
-}
-
 /// The state at the overlap of the contact's gap under this tilt; `with_matrix`: its stiffness against tilts too. `None` where nothing is
 /// known that cells can be fitted to.
 ///

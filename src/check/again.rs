@@ -75,7 +75,7 @@ impl State<'_> {
         let other_cells = by_cells && !close(own.force, self.force, ROUNDING);
         let share = match method {
             Method::ClosedForm => ROUNDING,
-            _ if other_cells => self.error().unwrap_or(0.0) + own.force_error.unwrap_or(0.0),
+            _ if other_cells => self.error().unwrap_or(0.0) + error_at_depth(&own).unwrap_or(0.0),
             _ if by_cells => ROUNDING,
             _ => APPROXIMATE,
         };
@@ -189,7 +189,7 @@ impl State<'_> {
             }
         }
         if let Some(error) = self.error() {
-            let least = own.force_error.unwrap_or(f64::INFINITY);
+            let least = error_at_depth(own).unwrap_or(f64::INFINITY);
             found.require(
                 error >= least * (1.0 - ROUNDING) - LAST_DIGITS,
                 format!("the stated error {error:.1e} is no less than that of {}, {least:.1e}", self.method),
@@ -265,6 +265,14 @@ impl State<'_> {
             self.use_up(key!(pressure.field));
             self.grid_is_that_of(a, found);
         }
+    }
+}
+
+/// The relative error of the force at the depth of a state: under a force that of the depth, by the stiffness.
+fn error_at_depth(own: &Solution) -> Option<f64> {
+    match own.depth_error {
+        Some(error) if error != 0.0 => Some(error * (own.depth * own.stiffness / own.force).abs()),
+        _ => own.force_error,
     }
 }
 
