@@ -6,7 +6,7 @@ use super::Found;
 use super::estimated::in_users_units;
 use super::strip::{Lines, interval};
 use crate::edge_fitted::{Limits, oval};
-use crate::gap::{AnyGap, Gap, Known};
+use crate::gap::{AnyGap, Gap};
 use crate::numeric::geometry::{Rect, farthest};
 use crate::overlap::{Overlap, Scaled, Units};
 use crate::problem::{Contact, Settings};
@@ -33,15 +33,10 @@ const OF_SLENDERNESS: f64 = 8.0;
 const WIDEST: f64 = 0.5;
 
 impl Strip {
-    /// Whether the gap may have such a strip at some depth.
-    pub fn may_be(known: &Known) -> bool {
-        known.mirrors == [true; 2] && known.law.is_none()
-    }
-
     /// `None` where the overlap is no such strip, or is not known to be nowhere else.
     pub fn of(overlap: &Overlap) -> Option<Self> {
         let known = overlap.known();
-        if !Self::may_be(known) || !overlap.certain {
+        if known.mirrors != [true; 2] || known.law.is_some() || !overlap.certain {
             return None;
         }
         let Scaled { gap, depth, reach, units, .. } = overlap.scaled();

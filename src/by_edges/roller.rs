@@ -4,7 +4,7 @@ use super::Found;
 use super::estimated::in_users_units;
 use super::strip::{Lines, interval};
 use crate::edge_fitted::{self, Limits, mirrors, roller};
-use crate::gap::{AnyGap, Gap, Known};
+use crate::gap::{AnyGap, Gap};
 use crate::numeric::geometry::{Rect, area, centroid};
 use crate::overlap::{Overlap, Scaled, Units};
 use crate::problem::{Contact, Settings};
@@ -41,15 +41,10 @@ fn inward(along: usize, Rect { min, max }: &Rect) -> Rect {
 }
 
 impl Roller {
-    /// Whether the gap may have such a strip at some depth.
-    pub fn may_be(known: &Known) -> bool {
-        known.ends.as_ref().is_some_and(|corners| corners.len() == 4)
-    }
-
     /// `None` where the overlap is no such strip, or is not known to be nowhere else.
     pub fn of(overlap: &Overlap) -> Option<Self> {
         let known = overlap.known();
-        let corners = known.ends.as_ref().filter(|_| Self::may_be(known) && overlap.certain)?;
+        let corners = known.ends.as_ref().filter(|corners| corners.len() == 4 && overlap.certain)?;
         let rect = Rect::holding(corners.iter().copied())?;
         let [w, h] = rect.size();
         if !((area(corners) / (w * h)).abs() >= 1.0 - ROUNDING) {

@@ -57,13 +57,13 @@ impl State<'_> {
         };
         let load = match (load, self.tilt) {
             // The cells depend on what was given.
-            (Load::ForceMoment { .. }, _) if by_cells => load,
-            _ if turned => load,
+            _ if by_cells => load,
             (_, [0.0, 0.0]) => Load::Depth(self.depth),
             (_, tilt) => Load::Tilted { depth: self.depth, tilt },
         };
         // The tolerance is that of the scene, and the verdict of no concern.
-        let asked = if turned { scene.settings.method } else { method };
+        // The choice goes the same way.
+        let asked = if by_cells { scene.settings.method } else { method };
         let settings = Settings { method: asked, cells, outputs, ..scene.settings };
         let answer = solve(&scene.contact.under(Loading::Single(load)), &settings).pop();
         let own = answer.and_then(|answer| answer.map_or_else(|e| e.best.map(|best| *best), Some));
@@ -72,7 +72,8 @@ impl State<'_> {
             return;
         };
         // The same cells for the same tolerance; else both err by what they state.
-        let other_cells = by_cells && !close(own.force, self.force, ROUNDING);
+        let said = self.said.cost.one().map(|cost| cost.unknowns);
+        let other_cells = by_cells && said.is_some_and(|unknowns| unknowns != own.cost.unknowns);
         let share = match method {
             Method::ClosedForm => ROUNDING,
             _ if other_cells => self.error().unwrap_or(0.0) + error_at_depth(&own).unwrap_or(0.0),
@@ -252,18 +253,20 @@ impl State<'_> {
             found.require(holds, format!("the boundary is that of {}", self.method));
             self.use_up(key!(patch.boundary));
         }
-        if let (Some(said), Some(own)) = (&self.field, &own.pressure.field) {
-            let ([a, b], highest) = ([said, own].map(|f| f.grid), own.values.iter().copied().fold(0.0, f64::max));
+        if let (Some(said), Some(field)) = (&self.field, &own.pressure.field) {
+            let ([a, b], highest) = ([said, field].map(|f| f.grid), field.values.iter().copied().fold(0.0, f64::max));
             let same = a.shape == b.shape
                 && (0..2).all(|m| {
                     let size = b.spacing[m] * b.shape[m] as f64;
                     close(a.spacing[m], b.spacing[m], ROUNDING) && (a.origin[m] - b.origin[m]).abs() <= ROUNDING * size
                 });
-            let each = said.values.len() == own.values.len()
-                && said.values.iter().zip(&own.values).all(|(p, q)| (p - q).abs() <= 1e-6 * highest);
+            let each = said.values.len() == field.values.len()
+                && said.values.iter().zip(&field.values).all(|(p, q)| (p - q).abs() <= 1e-6 * highest);
             found.require(same && each, format!("the pressure field is that of {}", self.method));
             self.use_up(key!(pressure.field));
-            self.grid_is_that_of(a, found);
+            // Fitted cells are drawn on a grid; turned ones are not that of the field.
+            let of_turned = own.grid.filter(|_| self.origin != "edge_fitted");
+            self.grid_is_that_of(of_turned.unwrap_or(a), found);
         }
     }
 }

@@ -79,7 +79,7 @@ impl State<'_> {
     /// The grid that is named is that of the field.
     pub(super) fn grid_is_that_of(&self, grid: Grid, found: &mut Verification) {
         let Some(said) = self.get(key!(grid)) else { return };
-        let holds = said.shape == grid.shape && said.spacing == grid.spacing;
+        let holds = said.shape == grid.shape && (0..2).all(|m| close(said.spacing[m], grid.spacing[m], ROUNDING));
         found.require(holds, "the finest grid is that of the field");
         self.use_up(key!(grid));
     }
