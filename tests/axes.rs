@@ -114,6 +114,28 @@ fn tilts_and_moments_turn_with_the_body() {
 }
 
 #[test]
+fn a_field_that_is_asked_for_changes_no_number() {
+    // Wide enough that the contact ends inside of the material, and so narrow that it ends at its edges.
+    for (b, load) in [(1.5, json!({"depth": 1e-3})), (0.01, json!({"force": 1e-3}))] {
+        let gap = json!({"kind": "formula", "expression": "x^2/2 + y^4/3", "region": {"polygon": rectangle(0.9, b)}, "rotate": 20.0});
+        let scene = |output: Value| json!({"effective_modulus": 1.0, "gap": gap, "loading": load, "output": output});
+        let without = states(&scene(json!(["patch"]))).remove(0);
+        let with = states(&scene(json!(["patch", "pressure"]))).remove(0);
+        assert_eq!((without.origin, without.turned), (with.origin, with.turned));
+        assert!((with.turned.unwrap() - 20f64.to_radians()).abs() < 1e-12);
+        assert!(
+            (with.force - without.force).abs() <= 1e-6 * with.force
+                && (with.depth - without.depth).abs() <= 1e-6 * with.depth
+        );
+        // Its means carry the load of the cells, at the same place.
+        let field = with.pressure.field.unwrap();
+        assert!(
+            (field.force() / with.force - 1.0).abs() < with.force_error.unwrap().max(with.depth_error.unwrap()) + 1e-2
+        );
+    }
+}
+
+#[test]
 fn a_field_has_its_force_along_whatever_axes() {
     let gap =
         json!({"kind": "formula", "expression": "x^2/2", "region": {"polygon": rectangle(0.9, 1.5)}, "rotate": 50.0});

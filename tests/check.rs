@@ -111,6 +111,36 @@ fn honest_results_are_accepted() {
             json!({}),
             json!(["pressure", "energy", "patch"]),
         ),
+        // Cells along turned axes, whose field is a mean over upright ones: one grid, and the limit of several.
+        (
+            json!({"kind": "formula", "expression": "x^2/0.02 + 1e9*abs(y)^4",
+                   "region": {"polygon": [[-1e-3, -2e-3], [1e-3, -2e-3], [1e-3, 2e-3], [-1e-3, 2e-3]]}, "rotate": 20.0}),
+            json!({"force": 30.0}),
+            json!({}),
+            json!(["pressure", "energy", "patch"]),
+        ),
+        (
+            json!({"kind": "formula", "expression": "x^2/0.02 - 1.59155e-5*log(1 - (2*y/4.04e-3)^2)",
+                   "region": {"polygon": [[-1e-3, -2e-3], [1e-3, -2e-3], [1e-3, 2e-3], [-1e-3, 2e-3]]}, "rotate": -19.0}),
+            json!({"force": 900.0}),
+            json!({}),
+            json!(["pressure", "patch"]),
+        ),
+        // Contacts far apart, each on its own grid.
+        (
+            json!({"kind": "min", "of": [{"kind": "cone", "inclination": 2.0},
+                                         {"kind": "cone", "inclination": 3.0, "at": [2e-3, 0.0]}]}),
+            json!({"depth": 1e-6}),
+            json!({}),
+            json!(["pressure", "patch"]),
+        ),
+        // The limit of several grids of a gap without a law.
+        (
+            json!({"kind": "sum", "of": [{"kind": "pyramid", "faces": 4, "inclination": 5.0}, {"kind": "sphere", "radius": 1e-4}]}),
+            json!({"depth": 1e-6}),
+            json!({"method": "fft", "tolerance": 1e-2}),
+            json!(["pressure"]),
+        ),
         (pyramid(), json!({"depth": 1e-6}), json!({"method": "ritz"}), json!(["bracket"])),
         (pyramid(), json!({"depth": 1e-6}), json!({"method": "fabrikant"}), json!(["bracket"])),
     ] {

@@ -1,5 +1,5 @@
-//! States by a formula or an approximate method: what they rest on is applied again, and the field of a formula is checked by the
-//! displacement of its cells.
+//! States that no field shows by itself - by a formula, an approximate method, fitted or turned cells, a limit of grids: what they rest on is
+//! applied again, and the field of a formula is checked by the displacement of its cells.
 
 use super::result::{Key, State, key};
 use super::state::ROUNDING;
@@ -44,15 +44,15 @@ impl State<'_> {
                 return;
             }
         };
-        let turned = matches!(method, Method::Fft | Method::Qp);
         // The same cells, solved again.
-        let by_cells = turned || method == Method::EdgeFitted;
+        let by_cells = matches!(method, Method::EdgeFitted | Method::Fft | Method::Qp);
         let cells = self.field.as_ref().map(|field| field.grid.shape[0].max(field.grid.shape[1])).filter(|_| !by_cells);
         let outputs = Outputs {
             pressure: self.field.is_some(),
             patch: self.get(key!(patch.boundary)).is_some(),
             energy: self.get(key!(energy)).is_some(),
             bracket: by_cells && scene.settings.outputs.bracket,
+            gap: by_cells && self.get(key!(gap.field)).is_some(),
             ..Outputs::default()
         };
         let load = match (load, self.tilt) {
@@ -61,10 +61,12 @@ impl State<'_> {
             (_, [0.0, 0.0]) => Load::Depth(self.depth),
             (_, tilt) => Load::Tilted { depth: self.depth, tilt },
         };
-        // The tolerance is that of the scene, and the verdict of no concern.
-        // The choice goes the same way.
-        let asked = if by_cells { scene.settings.method } else { method };
-        let settings = Settings { method: asked, cells, outputs, ..scene.settings };
+        // The tolerance is that of the scene, the verdict of no concern, and cells are chosen as they were.
+        let settings = if by_cells {
+            Settings { outputs, ..scene.settings }
+        } else {
+            Settings { method, cells, outputs, ..scene.settings }
+        };
         let answer = solve(&scene.contact.under(Loading::Single(load)), &settings).pop();
         let own = answer.and_then(|answer| answer.map_or_else(|e| e.best.map(|best| *best), Some));
         let Some(own) = own else {
@@ -82,6 +84,11 @@ impl State<'_> {
         };
         self.agrees_with(&own, share, other_cells, found);
         if by_cells {
+            let said_so = own.origin.kind() == self.origin;
+            found.require(said_so, format!("the origin {} is that of the state found again", self.origin));
+            if let Some(residuals) = own.residuals {
+                self.residuals(&residuals, "those found again", found);
+            }
             self.holds_bracket_of(&own, other_cells, found);
             if let Load::ForceMoment { .. } = load {
                 self.is_tilted_as(&own, share, found);

@@ -6,11 +6,11 @@
 //! | origin of the force | what is checked | window of the force |
 //! |---|---|---|
 //! | `one_grid` | the contact conditions in the cells; every number that follows from the field | the sum of the field |
-//! | `many_grids` | the same, on the finest | from the energy of the field, for a homogeneous gap: see below; else none is shown |
+//! | `many_grids` of a homogeneous gap | the same, on the finest | from the energy of the field: see below |
+//! | `many_grids` of another | the contact conditions on the finest; else all grids, solved again: no independent code | rounding |
 //! | `closed_form`, `approximate` | the formula, applied again; its field by the displacement of neighbours | rounding |
-//! | `edge_fitted` | the same cells, solved again: no independent code | rounding |
+//! | `edge_fitted`, `separate_contacts`, grids that were turned | the same cells, solved again: no independent code | rounding |
 //! | `no_contact` | that the bodies do not overlap | zero |
-//! | `separate_contacts` | refused: the field is not that of one grid of equal cells | |
 //!
 //! **Force of many grids.** For any p >= 0 that vanishes where there is no material, U_h = integral of p f - p S p/2 is at most the
 //! stored energy U (minimum principle), and P d = (2 + 1/k) U where the gap is homogeneous of degree k. So the field itself proves

@@ -27,18 +27,13 @@ impl State<'_> {
         self.error_is_allowed(scene, load, &mut found);
         match self.origin.as_str() {
             "no_contact" => self.apart(&gap, &mut found),
-            "closed_form" | "approximate" | "edge_fitted" => self.applied_again(scene, &gap, load, &mut found),
-            "one_grid" | "many_grids" | "separate_contacts" if self.is_turned() => {
+            "one_grid" | "many_grids" if !self.is_turned() => self.on_grid(scene, &gap, load, &mut found)?,
+            "closed_form" | "approximate" | "edge_fitted" | "one_grid" | "many_grids" | "separate_contacts" => {
                 self.applied_again(scene, &gap, load, &mut found);
             }
-            "one_grid" | "many_grids" => self.on_grid(scene, &gap, load, &mut found)?,
-            "separate_contacts" => found.require(
-                false,
-                "the field is the contact on one grid; here it is a mean of several, one for each of contacts far apart, and shows \
-                 nothing: solve with \"cells\" in \"solve\" for one grid",
-            ),
             other => {
-                let known = "closed_form, approximate, one_grid, many_grids, separate_contacts, edge_fitted or no_contact";
+                let known =
+                    "closed_form, approximate, one_grid, many_grids, separate_contacts, edge_fitted or no_contact";
                 return Err(InputError::new("origin.kind", format!("\"{other}\""), known));
             }
         }
@@ -53,6 +48,11 @@ impl State<'_> {
         }
         found.unchecked = self.unused();
         Ok(found)
+    }
+
+    /// Whether it is solved again as a whole, its bounds among the rest.
+    fn is_solved_again(&self) -> bool {
+        self.is_turned() || matches!(self.origin.as_str(), "edge_fitted" | "separate_contacts")
     }
 
     /// Whether it was solved along axes other than the user's: the field is a mean of that of turned cells, and shows nothing by itself.
@@ -226,7 +226,7 @@ impl State<'_> {
             self.origin == "approximate" || (claimed.lower - room <= self.force && self.force <= claimed.upper + room),
             format!("the force {:e} lies in the bracket, but for its own error", self.force),
         );
-        let checked = if self.origin == "edge_fitted" || self.is_turned() {
+        let checked = if self.is_solved_again() {
             // With the other numbers, by the same cells.
             Verification::default()
         } else if claimed.is_of_energy() {
