@@ -340,7 +340,7 @@ fn between(a: Point, b: Point, s: f64) -> Point {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::edge_fitted::polygon::{cleaned, convex_pieces};
+    use crate::edge_fitted::polygon::{cleaned, convex_cuts};
     use crate::numeric::geometry::area;
 
     fn check(outline: &[Point], pieces: &[Vec<Point>], area: f64, n: usize, length: f64) {
@@ -377,7 +377,7 @@ mod tests {
         let bow: Vec<Point> = (0..30).map(|k| turn(k, 1.0)).chain((0..30).rev().map(|k| turn(k, 0.8))).collect();
         for p in [vec![[0.0, 0.0], [2.0, 0.1], [0.4, 1.1]], star, bow] {
             let length = (0..p.len()).map(|i| norm(minus(p[i], p[(i + 1) % p.len()]))).sum();
-            let pieces: Vec<_> = convex_pieces(&p).unwrap().iter().map(|q| cleaned(q)).collect();
+            let pieces: Vec<_> = convex_cuts(&p)[0].iter().map(|q| cleaned(q)).collect();
             check(&p, &pieces, area(&p), 5, length);
         }
     }

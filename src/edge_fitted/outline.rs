@@ -6,7 +6,7 @@ use super::Limits;
 use super::ellipse;
 use super::kites;
 use super::mesh::{Mesh, Point, dot};
-use super::polygon::{STRAIGHT, cleaned, convex_pieces, rectilinear_frame, symmetries};
+use super::polygon::{STRAIGHT, cleaned, convex_cuts, rectilinear_frame, symmetries};
 use super::rectilinear::{graded_both, split, tensor};
 use super::symmetry::{Isometry, Orbits};
 use crate::numeric::geometry::{area, clip};
@@ -80,8 +80,18 @@ impl Outline {
             return None;
         }
         let corners = cleaned(corners);
-        let pieces: Vec<Vec<Point>> = convex_pieces(&corners)?.iter().map(|p| cleaned(p)).collect();
         let frame = rectilinear_frame(&corners);
+        let mut cuts = convex_cuts(&corners).into_iter().map(|cut| cut.iter().map(|p| cleaned(p)).collect()).peekable();
+        // The first that cells fit, or the last.
+        let has_mesh = |pieces: &Vec<Vec<Point>>| {
+            frame.is_some() || kites::mesh(&corners, pieces, COARSEST, EXPONENT, f64::INFINITY).is_some()
+        };
+        let pieces = loop {
+            let pieces: Vec<Vec<Point>> = cuts.next()?;
+            if cuts.peek().is_none() || has_mesh(&pieces) {
+                break pieces;
+            }
+        };
         let displaced = displaced(&corners, &pieces)?;
         let outline = Self { corners, semi_axes: None, reach: None, frame, pieces, displaced };
         (area(&outline.corners) > 0.0 && displaced < 1e-3).then_some(outline)

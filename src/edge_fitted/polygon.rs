@@ -61,6 +61,11 @@ pub(crate) fn rectilinear_frame(p: &[Point]) -> Option<Point> {
 
 /// The rotations and mirrors about the centroid that map the corners to each other.
 pub(crate) fn symmetries(p: &[Point]) -> Vec<Isometry> {
+    with_images(p).into_iter().map(|(isometry, _)| isometry).collect()
+}
+
+/// The same, with the corner that each takes every corner to.
+fn with_images(p: &[Point]) -> Vec<(Isometry, Vec<usize>)> {
     let n = p.len();
     let c = centroid(p);
     let size = p.iter().map(|q| norm(minus(*q, c))).fold(0.0, f64::max);
@@ -75,18 +80,18 @@ pub(crate) fn symmetries(p: &[Point]) -> Vec<Isometry> {
         }
         let exact = |x: f64| if (x - x.round()).abs() < 1e-14 { x.round() } else { x };
         let (cos, sin) = (exact(dot(v[0], v[k]) / scale), exact(cross(v[0], v[k]) / scale));
-        let turn = Isometry { centre: c, matrix: [[cos, -sin], [sin, cos]] };
-        if (0..n).all(|i| close(turn.apply(p[i]), p[(i + k) % n])) {
-            group.push(turn);
-        }
         // The mirror that takes v0 to vk: conjugate of v0, turned.
         let (x, y) = (
             exact((v[0][0] * v[k][0] - v[0][1] * v[k][1]) / scale),
             exact((v[0][0] * v[k][1] + v[0][1] * v[k][0]) / scale),
         );
-        let mirror = Isometry { centre: c, matrix: [[x, y], [y, -x]] };
-        if (0..n).all(|i| close(mirror.apply(p[i]), p[(n + k - i) % n])) {
-            group.push(mirror);
+        let turned = ([[cos, -sin], [sin, cos]], (0..n).map(|i| (i + k) % n).collect::<Vec<_>>());
+        let mirrored = ([[x, y], [y, -x]], (0..n).map(|i| (n + k - i) % n).collect());
+        for (matrix, images) in [turned, mirrored] {
+            let isometry = Isometry { centre: c, matrix };
+            if (0..n).all(|i| close(isometry.apply(p[i]), p[images[i]])) {
+                group.push((isometry, images));
+            }
         }
     }
     group
@@ -120,33 +125,75 @@ fn diagonal(p: &[Point], i: usize, j: usize) -> bool {
     })
 }
 
-/// Cuts a simple polygon into convex pieces by diagonals, each piece a list of corners counter-clockwise: at the first
-/// re-entrant corner by the diagonal that leaves the fattest parts, and again.
-pub(crate) fn convex_pieces(p: &[Point]) -> Option<Vec<Vec<Point>>> {
-    let n = p.len();
-    let turn = |a: Point, b: Point, c: Point| cross(minus(b, a), minus(c, b));
-    let Some(i) = (0..n).find(|&i| turn(p[(i + n - 1) % n], p[i], p[(i + 1) % n]) <= 0.0) else {
-        return Some(vec![p.to_vec()]);
+/// Cuts of a simple polygon into convex pieces by diagonals, each piece a list of corners counter-clockwise, the best first: cells of pieces
+/// that the symmetries of the polygon map to each other are solved once for all of them.
+pub(crate) fn convex_cuts(p: &[Point]) -> Vec<Vec<Vec<Point>>> {
+    let images: Vec<Vec<usize>> = with_images(p).into_iter().map(|(_, images)| images).collect();
+    let unmoved = [(0..p.len()).collect()];
+    let (alike, any) = (convex_pieces(p, &images), convex_pieces(p, &unmoved));
+    alike.filter(|alike| any.as_ref() != Some(alike)).into_iter().chain(any).collect()
+}
+
+/// Convex pieces: cut at the first re-entrant corner of each by the diagonal that leaves the fattest parts, together with its images under
+/// these maps of the corners, which form a group; and again.
+fn convex_pieces(p: &[Point], images: &[Vec<usize>]) -> Option<Vec<Vec<Point>>> {
+    let mut pieces = vec![(0..p.len()).collect::<Vec<_>>()];
+    let places = |piece: &[usize]| piece.iter().map(|&k| p[k]).collect::<Vec<_>>();
+    let orbit = |[i, j]: [usize; 2]| images.iter().map(move |image| [image[i], image[j]]);
+    // Diagonals cross where their ends alternate.
+    let cross_one_another = |cut: [usize; 2]| {
+        let [a, b] = [cut[0].min(cut[1]), cut[0].max(cut[1])];
+        let between = |k: usize| a < k && k < b;
+        orbit(cut).any(|[c, d]| {
+            let apart = ![a, b].contains(&c) && ![a, b].contains(&d);
+            apart && between(c) != between(d)
+        })
     };
+    while let Some((own, corner)) =
+        pieces.iter().enumerate().find_map(|(k, piece)| Some((k, reentrant(&places(piece))?)))
+    {
+        let piece = &pieces[own];
+        let allowed = |j: usize| !cross_one_another([piece[corner], piece[j]]);
+        let end = best_diagonal(&places(piece), corner, allowed)?;
+        for cut in orbit([piece[corner], piece[end]]).collect::<Vec<_>>() {
+            let ends = pieces.iter().enumerate().find_map(|(k, piece)| {
+                let [i, j] = cut.map(|end| piece.iter().position(|&c| c == end));
+                let (i, j) = (i?.min(j?), i?.max(j?));
+                // Two images may be the same diagonal.
+                (j - i > 1 && j - i + 1 < piece.len()).then_some((k, i, j))
+            });
+            if let Some((k, i, j)) = ends {
+                let whole = pieces.remove(k);
+                pieces.push(whole[i..=j].to_vec());
+                pieces.push(whole[j..].iter().chain(&whole[..=i]).copied().collect());
+            }
+        }
+    }
+    Some(pieces.iter().map(|piece| places(piece)).collect())
+}
+
+/// The first corner that does not turn left.
+fn reentrant(p: &[Point]) -> Option<usize> {
+    let n = p.len();
+    let turn = |i: usize| cross(minus(p[i], p[(i + n - 1) % n]), minus(p[(i + 1) % n], p[i]));
+    (0..n).find(|&i| turn(i) <= 0.0)
+}
+
+/// The diagonal from corner i that meets the corner's bisector best and is short: both parts should be convex at the corner.
+fn best_diagonal(p: &[Point], i: usize, allowed: impl Fn(usize) -> bool) -> Option<usize> {
+    let n = p.len();
     let before = minus(p[i], p[(i + n - 1) % n]);
     let after = minus(p[(i + 1) % n], p[i]);
-    // The diagonal that meets the corner's bisector best and is short: both parts should be convex at the corner.
-    let best =
-        (0..n).filter(|&j| j != i && (j + 1) % n != i && (i + 1) % n != j && diagonal(p, i, j)).max_by(|&a, &b| {
-            let score = |j: usize| {
-                let v = minus(p[j], p[i]);
-                let open = (cross(before, v) / (norm(before) * norm(v))).min(cross(after, v) / (norm(v) * norm(after)));
-                // Convex at the corner on both sides, then the shorter one.
-                (if open >= -1e-12 { 1.0 } else { open }) / norm(v).powf(if open >= -1e-12 { 1.0 } else { 0.0 })
-            };
-            score(a).total_cmp(&score(b))
-        })?;
-    let (low, high) = (i.min(best), i.max(best));
-    let first: Vec<Point> = p[low..=high].to_vec();
-    let second: Vec<Point> = p[high..].iter().chain(&p[..=low]).copied().collect();
-    let mut pieces = convex_pieces(&first)?;
-    pieces.extend(convex_pieces(&second)?);
-    Some(pieces)
+    let candidates = (0..n).filter(|&j| j != i && (j + 1) % n != i && (i + 1) % n != j && diagonal(p, i, j));
+    candidates.filter(|&j| allowed(j)).max_by(|&a, &b| {
+        let score = |j: usize| {
+            let v = minus(p[j], p[i]);
+            let open = (cross(before, v) / (norm(before) * norm(v))).min(cross(after, v) / (norm(v) * norm(after)));
+            // Convex at the corner on both sides, then the shorter one.
+            (if open >= -1e-12 { 1.0 } else { open }) / norm(v).powf(if open >= -1e-12 { 1.0 } else { 0.0 })
+        };
+        score(a).total_cmp(&score(b))
+    })
 }
 
 #[cfg(test)]
@@ -164,11 +211,15 @@ mod tests {
             .collect();
         let ell = vec![[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]];
         for p in [&star, &ell] {
-            let pieces = convex_pieces(p).unwrap();
-            let covered: f64 = pieces.iter().map(|q| area(q)).sum();
-            assert!((covered - area(p)).abs() < 1e-12);
-            assert!(pieces.iter().all(|q| is_convex(&cleaned(q))));
+            for pieces in convex_cuts(p) {
+                let covered: f64 = pieces.iter().map(|q| area(q)).sum();
+                assert!((covered - area(p)).abs() < 1e-12);
+                assert!(pieces.iter().all(|q| is_convex(&cleaned(q))));
+            }
         }
+        // A pentagon and five triangles, all alike.
+        let sides = |k: usize| convex_cuts(&star)[0].iter().filter(|q| q.len() == k).count();
+        assert_eq!([sides(3), sides(4), sides(5)], [5, 0, 1]);
         assert_eq!(symmetries(&star).len(), 10);
         assert_eq!(symmetries(&ell).len(), 2);
         assert!(rectilinear_frame(&ell).is_some() && rectilinear_frame(&star).is_none());
