@@ -9,7 +9,7 @@ use crate::gap::AnyGap;
 use crate::problem::{Load, Loading, Method, Outputs, Settings};
 use crate::result;
 use crate::scene::Scene;
-use crate::solution::Solution;
+use crate::solution::{Origin, Solution};
 use crate::solve::solve;
 
 /// Share by which the value of a cell may differ from what the displacement of its neighbours asks for.
@@ -61,15 +61,16 @@ impl State<'_> {
             (_, [0.0, 0.0]) => Load::Depth(self.depth),
             (_, tilt) => Load::Tilted { depth: self.depth, tilt },
         };
-        // The tolerance is that of the scene, the verdict of no concern, and cells are chosen as they were.
-        let settings = if by_cells {
-            Settings { outputs, ..scene.settings }
-        } else {
-            Settings { method, cells, outputs, ..scene.settings }
+        // The tolerance is that of the scene, and the verdict of no concern.
+        let by = |method: Method, cells: Option<usize>| {
+            let settings = Settings { method, cells, outputs, ..scene.settings };
+            let answer = solve(&scene.contact.under(Loading::Single(load)), &settings).pop()?;
+            answer.map_or_else(|e| e.best.map(|best| *best), Some)
         };
-        let answer = solve(&scene.contact.under(Loading::Single(load)), &settings).pop();
-        let own = answer.and_then(|answer| answer.map_or_else(|e| e.best.map(|best| *best), Some));
-        let Some(own) = own else {
+        // Cells are chosen as the scene says, unless another method was asked for.
+        let chosen = by_cells.then(|| by(scene.settings.method, scene.settings.cells)).flatten();
+        let of_kind = chosen.filter(|own| own.origin.kind() == self.origin);
+        let Some(own) = of_kind.or_else(|| by(method, if by_cells { scene.settings.cells } else { cells })) else {
             found.require(false, format!("{} answers this scene", method.name()));
             return;
         };
@@ -84,8 +85,7 @@ impl State<'_> {
         };
         self.agrees_with(&own, share, other_cells, found);
         if by_cells {
-            let said_so = own.origin.kind() == self.origin;
-            found.require(said_so, format!("the origin {} is that of the state found again", self.origin));
+            self.origin_is_that_of(&own, other_cells, found);
             if let Some(residuals) = own.residuals {
                 self.residuals(&residuals, "those found again", found);
             }
@@ -117,6 +117,29 @@ impl State<'_> {
             let holds = own.as_ref().is_ok_and(|own| own.upper() >= self.force * (1.0 - APPROXIMATE));
             found.require(holds, "the force is no more than that of a simpler gap which lies below");
         }
+    }
+
+    /// Found in the same way, on as many grids, along the same axes.
+    fn origin_is_that_of(&self, own: &Solution, other_cells: bool, found: &mut Verification) {
+        let (grids, count) = match own.origin {
+            Origin::ManyGrids { grids } => (Some(grids), None),
+            Origin::SeparateContacts { count } => (None, Some(count)),
+            _ => (None, None),
+        };
+        let turned = match (self.get(key!(origin.turned)), own.turned) {
+            (Some(said), Some(own)) => (said - own.to_degrees()).abs() <= 1e-9,
+            (said, own) => said.is_none() && own.is_none(),
+        };
+        let as_many = self.get(key!(origin.grids)) == grids && self.get(key!(origin.count)) == count;
+        found.require(
+            own.origin.kind() == self.origin && turned && (as_many || other_cells),
+            format!("the origin {} is that of the state found again", self.origin),
+        );
+        self.use_all(|said| {
+            if let Some(origin) = said.origin.one_mut() {
+                (origin.grids, origin.count, origin.turned) = (None, None, None);
+            }
+        });
     }
 
     /// The bracket that is claimed holds the one that was found again, or, on other cells, lies about it.
