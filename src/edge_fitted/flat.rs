@@ -20,8 +20,10 @@ pub(crate) struct FlatStiffness {
 /// Share of the tolerance that the next mesh is to meet: one that just misses it costs as much as the one that has to follow.
 pub(super) const AIM: f64 = 0.9;
 
-/// Twice the half width times n^3 as it chooses the first mesh, no more: 0.13 to 0.5 for outlines of 3 to 60 corners.
-const WIDTH: f64 = 0.38;
+/// Twice the half width times n^3 of an outline of so many corners, as it chooses the first mesh, no more: the wider the fewer they are.
+pub(super) fn usual_width(corners: usize) -> f64 {
+    (0.08 + 1.6 / corners as f64).min(0.4)
+}
 
 /// CPU seconds below which the coarsest mesh comes first, so that there is an answer at all.
 const SHORT: f64 = 2.0;
@@ -32,7 +34,8 @@ fn first(outline: &Outline, limits: &Limits) -> usize {
         return COARSEST;
     }
     let fits = |n: &usize| outline.mesh(*n).is_some_and(|fitted| fitted.is_within(limits, 1));
-    let wanted = (WIDTH / (2.0 * AIM * limits.tolerance)).cbrt().round().min(FINEST as f64) as usize;
+    let usual = usual_width(outline.corners().len());
+    let wanted = (usual / (2.0 * AIM * limits.tolerance)).cbrt().round().min(FINEST as f64) as usize;
     (COARSEST..=wanted).rev().find(fits).unwrap_or(COARSEST)
 }
 

@@ -22,7 +22,7 @@ pub(crate) struct Edge {
 #[derive(Debug, Clone)]
 pub(crate) struct Mesh {
     pub(crate) nodes: Vec<Point>,
-    /// The first `loaded` may carry pressure; the others are the strip beyond the outline, as thick as the cells at it.
+    /// The first `loaded` may carry pressure; the others are the strip beyond the outline.
     pub(crate) cells: Vec<[usize; 4]>,
     pub(crate) loaded: usize,
     pub(crate) edges: Vec<Edge>,

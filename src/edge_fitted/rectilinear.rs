@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use super::mesh::{Mesh, Point};
+use super::strip::STRIP;
 
 /// Nodes from `from` to `to`, `n` cells, graded to `to` with exponent `beta`: distance ((n - i)/n)^beta from it.
 pub(crate) fn graded(from: f64, to: f64, n: usize, beta: f64) -> Vec<f64> {
@@ -35,13 +36,13 @@ pub(crate) fn split(nodes: &[f64], most: f64) -> Vec<f64> {
 }
 
 /// The cells of the grid of lines `x`, `y` that `inside` keeps (by the indices of the column and row), with a strip all
-/// around as thick as the cells at the edge.
+/// around, [`STRIP`] as thick as the cells at the edge.
 pub(crate) fn tensor(x: &[f64], y: &[f64], inside: &dyn Fn(usize, usize) -> bool) -> Mesh {
     let outer = |v: &[f64]| -> Vec<f64> {
         let n = v.len();
-        let mut all = vec![2.0 * v[0] - v[1]];
+        let mut all = vec![v[0] - STRIP * (v[1] - v[0])];
         all.extend_from_slice(v);
-        all.push(2.0 * v[n - 1] - v[n - 2]);
+        all.push(v[n - 1] + STRIP * (v[n - 1] - v[n - 2]));
         all
     };
     let (gx, gy) = (outer(x), outer(y));

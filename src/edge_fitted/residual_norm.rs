@@ -190,9 +190,10 @@ impl<const K: usize> Scan<'_, K> {
     }
 }
 
-/// l0 at the nodes: (h_s^-2 + h_t^-2)^(-1/2) of the thinnest cells that meet there.
+/// l0 at the nodes: the geometric mean of (h_s^-2 + h_t^-2)^(-1/2) over the cells that meet there.
 pub(crate) fn decay_lengths(mesh: &Mesh) -> Vec<f64> {
-    let mut l = vec![f64::INFINITY; mesh.nodes.len()];
+    // Sums of logarithms, and of how many.
+    let mut sums = vec![(0.0, 0.0); mesh.nodes.len()];
     for (cell, nodes) in mesh.cells.iter().enumerate() {
         let map = Bilinear::new(mesh.corners(cell));
         let [u, v] = map.along;
@@ -200,8 +201,9 @@ pub(crate) fn decay_lengths(mesh: &Mesh) -> Vec<f64> {
         // Distances between opposite sides.
         let (hs, ht) = (2.0 * area / norm(v), 2.0 * area / norm(u));
         for &n in nodes {
-            l[n] = l[n].min((hs.powi(-2) + ht.powi(-2)).powf(-0.5));
+            sums[n].0 -= 0.5 * (hs.powi(-2) + ht.powi(-2)).ln();
+            sums[n].1 += 1.0;
         }
     }
-    l
+    sums.into_iter().map(|(sum, count): (f64, f64)| (sum / count.max(1.0)).exp()).collect()
 }

@@ -1,4 +1,4 @@
-//! The strip of cells around a mesh over which w is continued and faded: as thick as the cells at the outline, and thinner where
+//! The strip of cells around a mesh over which w is continued and faded: thinner than the cells at the outline, and more so where
 //! the outline faces itself.
 //!
 //! Where strips overlap nothing, w fades alone; where they do, the bound holds all the same as long as no cell is turned
@@ -10,6 +10,9 @@ use std::collections::HashMap;
 use super::bilinear::CORNERS;
 use super::mesh::{Bilinear, Mesh, Point, cross, dot, minus, norm};
 
+/// Thickness over that of the cells at the outline: w grows beyond it, and fades the more steeply the thinner the strip; about the best for
+/// flat polygons.
+pub(super) const STRIP: f64 = 0.6;
 /// Of its distance from what it faces, a node of the outline leaves this to its strip,
 const OWN: f64 = 0.4;
 /// and each end of an edge at most this to that of the edge, over the weight of the end at the place nearest to the node.
@@ -103,7 +106,7 @@ impl Outline {
     fn thickness(&self, mesh: &Mesh) -> Vec<f64> {
         let mut thickness = vec![f64::INFINITY; mesh.nodes.len()];
         for side in &self.sides {
-            let height = Bilinear::new(mesh.corners(side.cell)).area() / side.length;
+            let height = STRIP * Bilinear::new(mesh.corners(side.cell)).area() / side.length;
             for n in [side.start, side.end] {
                 thickness[n] = thickness[n].min(height);
             }

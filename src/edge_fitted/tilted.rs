@@ -87,6 +87,7 @@ pub(crate) fn tilted(outline: &Outline, given: Given, limits: &Limits) -> Option
         return Some(found);
     }
     let mut size = first.size;
+    let corners = outline.corners().len();
     let provable = outline.is_covered() && limits.proof;
     let lifts = first.lifts() || !provable;
     let enough = (ENOUGH[0] + ENOUGH[1] * first.varies) * (1e-3 / limits.tolerance).cbrt();
@@ -94,7 +95,7 @@ pub(crate) fn tilted(outline: &Outline, given: Given, limits: &Limits) -> Option
     let mut n = if lifts {
         ((BEFORE * enough).round() as usize).max(COARSEST)
     } else {
-        look.enough(&first, given, AIM * limits.tolerance)
+        look.enough(&first, given, corners, AIM * limits.tolerance)
     };
     // An estimate takes two meshes.
     let second = |n: usize| (n as f64 / BEFORE).ceil().min(enough).max(n as f64 + 1.0);
@@ -116,7 +117,7 @@ pub(crate) fn tilted(outline: &Outline, given: Given, limits: &Limits) -> Option
             size = pressed.size;
             if !pressed.lifts() && !told {
                 told = true;
-                let wanted = punch.enough(pressed, given, AIM * limits.tolerance);
+                let wanted = punch.enough(pressed, given, corners, AIM * limits.tolerance);
                 if let Some(finer) = (n + 1..=wanted).rev().find(|n| fits(*n, size)) {
                     n = finer;
                     continue;
@@ -139,7 +140,7 @@ pub(crate) fn tilted(outline: &Outline, given: Given, limits: &Limits) -> Option
         });
         let wanted =
             if width < 1.0 { n as f64 * (width / (AIM * limits.tolerance)).powf(1.0 / order) } else { second(n) };
-        let mut next = (wanted.ceil() as usize).max(n + 1).min(2 * n);
+        let mut next = ((0.98 * wanted).ceil() as usize).max(n + 1).min(2 * n);
         while next > n && !fits(next, size) {
             next -= 1;
         }

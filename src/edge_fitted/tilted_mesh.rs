@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 
 use super::active_set::{Planes, balance, solve, solve_from};
 use super::compliance::Compliance;
+use super::flat::usual_width;
 use super::line_potential::Lines;
 use super::mesh::{Bilinear, Mesh, Point};
 use super::mirrored::Mirrored;
@@ -11,9 +12,12 @@ use super::outline::{COARSEST, Fitted, Outline};
 use super::region::{Region, regions};
 use crate::clock::Deadline;
 
-/// gamma over Q, and a'' over K, times n^3, as they choose the first mesh, no more. Under a load they are 0.2 to 0.45 for outlines of 4 to 60
-/// corners; at a given plane the lower bound of the force is sharper than that.
-const LEFT: [f64; 2] = [0.12, 0.25];
+/// gamma over Q, and a'' over K, times n^3, over the usual width of a level punch, as they choose the first mesh, no more; at a given plane
+/// the lower bound of the force is sharper than under a load.
+const LEFT: [f64; 2] = [0.24, 0.45];
+
+/// That width at least: of many corners, one may all but lift off.
+const LEAST: f64 = 0.2;
 
 /// The n that no mesh goes beyond.
 pub(super) const FINEST: usize = 64;
@@ -165,10 +169,13 @@ impl Punch {
         (high > 0.0 && size > 0.0).then_some(Pressed { pressure, planes, plane, contact, varies, size })
     }
 
-    /// The n for which the error of the force may be within the tolerance, where it touches everywhere: gamma and a'' are about [`LEFT`]
-    /// n^-3 of Q and K.
-    pub fn enough(&self, pressed: &Pressed, given: Given, tolerance: f64) -> usize {
-        let of_form = LEFT[usize::from(matches!(given, Given::Load { .. }))];
+    /// The n for which the error of the force may be within the tolerance, where it touches everywhere.
+    pub fn enough(&self, pressed: &Pressed, given: Given, corners: usize, tolerance: f64) -> usize {
+        let usual = usual_width(corners);
+        let of_form = match given {
+            Given::Plane(_) => LEFT[0] * usual,
+            Given::Load { .. } => LEFT[1] * usual.max(LEAST),
+        };
         let Pressed { pressure: p, planes, plane: g, .. } = pressed;
         let k = planes.stiffness(&self.weights);
         let [form, load] = [g.dot(&(k * g)), self.load(p)[0]];
