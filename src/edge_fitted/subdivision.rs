@@ -13,7 +13,7 @@ use super::surroundings::Surroundings;
 
 /// How much of the slope's size in a cell interpolation may leave out: with a half or twice as much, a width costs about the
 /// same.
-const SHARE: f64 = 0.07;
+const SHARE: f64 = 0.06;
 /// Halvings of a cell's side at most.
 const DEPTH: u32 = 40;
 /// Subcells of a panel at most: a hundred times what those of a star come to. Beyond them nothing is proved.

@@ -14,10 +14,10 @@ use crate::clock::Deadline;
 
 /// gamma over Q, and a'' over K, times n^3, over the usual width of a level punch, as they choose the first mesh, no more; at a given plane
 /// the lower bound of the force is sharper than under a load.
-const LEFT: [f64; 2] = [0.24, 0.45];
+const LEFT: [f64; 2] = [0.24, 0.5];
 
 /// That width at least: of many corners, one may all but lift off.
-const LEAST: f64 = 0.2;
+const LEAST: f64 = 0.18;
 
 /// The n that no mesh goes beyond.
 pub(super) const FINEST: usize = 64;
