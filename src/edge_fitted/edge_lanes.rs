@@ -187,6 +187,8 @@ impl<const K: usize> pulp::WithSimd for Add<'_, K> {
             }
             let line = v.larger(v.larger(low, simd.neg_f64s(high)), zero);
             delta = v.larger(delta, line);
+            // Zero without a sign: odd powers of a negative infinity would be less than nothing, and no number without strength.
+            (r0, r1, delta) = (simd.abs_f64s(r0), simd.abs_f64s(r1), simd.abs_f64s(delta));
             let beside = simd.or_m64s(simd.greater_than_f64s(first, length), simd.less_than_f64s(last, zero));
             let on_line = simd.equal_f64s(line, zero);
             let long = simd.div_f64s(length, delta);
