@@ -1,6 +1,6 @@
 //! Two curved bodies: the sum of several gaps.
 
-use super::{AnyGap, Axis, Gap, Generatrix, Growth, Known, Law, Material, Quadratic, Reach, Taylor, enclosure, growth};
+use super::{AnyGap, Axis, Degree, Face, Gap, Generatrix, Growth, Known, Law, Material, Quadratic, Reach, Taylor, enclosure, growth};
 use crate::error::InputError;
 use crate::numeric::Interval;
 use crate::numeric::geometry::Rect;
@@ -102,6 +102,9 @@ fn known_of(parts: &[AnyGap]) -> Known {
     });
     // Flat punches together are one only where they cover the same.
     let law = law.flatten().filter(|law| common && law.degree.inverse() > 0.0);
+    let face = face_of(parts);
+    let level = face.as_ref().filter(|face| face.slope == [0.0; 2]);
+    let law = law.or_else(|| level.map(|face| Law { degree: Degree::Flat, lowest: face.value }));
     let material = all().map(|k| k.material).reduce(|a, b| match (a, b) {
         (Material::Within(a), Material::Within(b)) => {
             Material::Within(a.intersection(&b).unwrap_or(Rect { min: a.min, max: a.min }))
@@ -120,7 +123,7 @@ fn known_of(parts: &[AnyGap]) -> Known {
         law: law.or_else(|| quadratic.and_then(law_of)),
         quadratic,
         axis: common_axis(parts, &mut Generatrix::plus),
-        face: None,
+        face,
         material: material.unwrap_or(Material::Unknown),
         mirrors: common_mirrors(parts, centre),
         ends: all().find_map(|k| k.ends.clone()),
@@ -128,10 +131,22 @@ fn known_of(parts: &[AnyGap]) -> Known {
     }
 }
 
+/// One face, and planes that tilt and move it.
+fn face_of(parts: &[AnyGap]) -> Option<Face> {
+    let mut faces = parts.iter().enumerate().filter_map(|(k, part)| part.known().face.clone().map(|face| (k, face)));
+    let (own, mut face) = faces.next().filter(|_| faces.next().is_none())?;
+    for (_, part) in parts.iter().enumerate().filter(|(k, _)| *k != own) {
+        let plane = part.known().quadratic.filter(|q| q.hessian == [0.0; 3])?.about(face.at);
+        face.value += plane.value;
+        (0..2).for_each(|m| face.slope[m] += plane.gradient[m]);
+    }
+    Some(face)
+}
+
 /// A quadratic form that curves upwards is homogeneous about its lowest point.
 pub(super) fn law_of(quadratic: Quadratic) -> Option<Law> {
     let lowest = quadratic.about(quadratic.lowest()?).value;
-    Some(Law { degree: super::Degree::Power(2.0), lowest })
+    Some(Law { degree: Degree::Power(2.0), lowest })
 }
 
 /// The tips of a part, or the point that it is drawn about.
