@@ -1,11 +1,11 @@
 //! A level face in a polygon with no material outside: P = E* K d.
 
 use super::{Found, field_grid};
-use crate::edge_fitted::{FlatStiffness, Limits, Outline, flat_stiffness, resample};
+use crate::edge_fitted::{FlatStiffness, Limits, Outline, Region, flat_stiffness, resample};
 use crate::gap::Face;
 use crate::numeric::geometry::{Rect, area, centroid, farthest};
 use crate::problem::{Contact, Settings};
-use crate::solution::Patch;
+use crate::solution::{Patch, Piece};
 
 /// A polygon, and the outline that the cells are fitted to: in units of half its longer side, about the middle of its box.
 pub(crate) struct Flat {
@@ -144,6 +144,35 @@ impl Flat {
             left_out: "the surface grid: cells follow the edges of the material",
             proved: true,
             tilting: None,
+        }
+    }
+
+    /// The regions of contact in the user's frame.
+    pub(super) fn patch(&self, regions: &[Region], of_force: f64, reference: [f64; 2]) -> Patch {
+        let outward = |line: &Vec<[f64; 2]>| line.iter().map(|p| self.outward(*p)).collect::<Vec<_>>();
+        let pieces = regions.iter().map(|region| {
+            let boundary = region.boundary.iter().flat_map(outward);
+            let extent = Rect::holding(boundary).unwrap_or(Rect::around(self.origin, [0.0; 2]));
+            Piece {
+                area: region.area * self.length * self.length,
+                force: region.force * of_force,
+                centroid: self.outward(region.centroid),
+                extent: [extent.min, extent.max],
+                max_pressure: None,
+            }
+        });
+        let pieces: Vec<Piece> = pieces.collect();
+        let area: f64 = pieces.iter().map(|piece| piece.area).sum();
+        let boundary: Vec<Vec<[f64; 2]>> = regions.iter().flat_map(|region| &region.boundary).map(outward).collect();
+        Patch {
+            area,
+            centroid: Some([0, 1].map(|m| pieces.iter().map(|p| p.area * p.centroid[m]).sum::<f64>() / area)),
+            regions: pieces.len(),
+            max_radius: farthest(boundary.iter().flatten(), reference),
+            boundary: Some(boundary),
+            pieces,
+            semi_axes: None,
+            angle: None,
         }
     }
 

@@ -6,9 +6,9 @@ use super::flat::Flat;
 use super::{Found, Moments, field_grid};
 use crate::edge_fitted::{Given, Limits, Tilted, resample, tilted};
 use crate::gap::Face;
-use crate::numeric::geometry::{Rect, convex_hull, farthest, left_of};
+use crate::numeric::geometry::{Rect, convex_hull, left_of};
 use crate::problem::{Contact, Settings};
-use crate::solution::{Patch, Piece, Unsolved, Verdict};
+use crate::solution::{Unsolved, Verdict};
 
 /// A polygon with the plane of its face: the gap at x is value + slope . (x - at).
 pub(crate) struct Tilting {
@@ -110,26 +110,11 @@ impl Tilting {
         let load = basis * Vector3::from(state.load) * (middle * of_force);
         let matrix = basis * Matrix3::from_fn(|i, j| state.matrix[i][j]) * basis.transpose() * (e_star * length);
         let reference = contact.gap().known().reference;
-        let outward = |line: &Vec<[f64; 2]>| line.iter().map(|p| flat.outward(*p)).collect::<Vec<_>>();
-        let pieces = state.regions.iter().map(|region| {
-            let boundary = region.boundary.iter().flat_map(outward);
-            let extent = Rect::holding(boundary).unwrap_or(Rect::around(flat.origin, [0.0; 2]));
-            Piece {
-                area: region.area * length * length,
-                force: region.force * of_force,
-                centroid: flat.outward(region.centroid),
-                extent: [extent.min, extent.max],
-                max_pressure: None,
-            }
-        });
-        let pieces: Vec<Piece> = pieces.collect();
-        let area: f64 = pieces.iter().map(|piece| piece.area).sum();
+        let patch = flat.patch(&state.regions, of_force, reference);
         let of_pressure = e_star * unit / length;
         let cells: Vec<_> = state.cells.iter().map(|(c, p)| (c.map(|q| flat.outward(q)), p * of_pressure)).collect();
-        let boundary: Vec<Vec<[f64; 2]>> =
-            state.regions.iter().flat_map(|region| &region.boundary).map(outward).collect();
-        let max_radius = farthest(boundary.iter().flatten(), reference);
-        let rect = Rect::holding(boundary.iter().flatten().copied()).unwrap_or(Rect::around(flat.origin, [length; 2]));
+        let boundary = patch.boundary.iter().flatten().flatten().copied();
+        let rect = Rect::holding(boundary).unwrap_or(Rect::around(flat.origin, [length; 2]));
         let strongest =
             cells.iter().max_by(|a, b| a.1.total_cmp(&b.1)).map_or(flat.origin, |(c, _)| super::flat::middle(c));
         let touch =
@@ -140,16 +125,7 @@ impl Tilting {
             stiffness: matrix[(0, 0)],
             stiffness_error: Some(state.stiffness_error),
             area_error: Some(state.area_error() + super::flat::ROUNDING),
-            patch: Patch {
-                area,
-                centroid: Some([0, 1].map(|m| pieces.iter().map(|p| p.area * p.centroid[m]).sum::<f64>() / area)),
-                regions: pieces.len(),
-                max_radius,
-                boundary: Some(boundary),
-                pieces,
-                semi_axes: None,
-                angle: None,
-            },
+            patch,
             centre: flat.centre_of(&cells),
             max: None,
             at: strongest,

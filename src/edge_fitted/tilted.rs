@@ -52,19 +52,19 @@ use super::tilted_mesh::{FINEST, Given, Punch, Tilted};
 
 /// Constant pressures on cells of size h leave of a pressure that varies by the share v of itself over a length l an energy of the order
 /// of v^2 (h/l)^3: cells are at most this times l v^(-2/3)/n, which leaves as much as the edges do.
-const FINE: f64 = 0.9;
+pub(super) const FINE: f64 = 0.9;
 
 /// n that is mostly enough for an error of 1e-3 where it lifts off: of a level punch, and more by the share that f varies by.
-const ENOUGH: [f64; 2] = [4.5, 1.3];
+pub(super) const ENOUGH: [f64; 2] = [4.5, 1.3];
 
 /// The mesh before the first one, where it lifts off, over that.
-const BEFORE: f64 = 0.67;
+pub(super) const BEFORE: f64 = 0.67;
 
 /// The least order that the error is taken to fall with.
-const SLOWEST: f64 = 0.5;
+pub(super) const SLOWEST: f64 = 0.5;
 
 /// Cells of the first look, over half the size of the outline.
-const LOOK: f64 = 0.4;
+pub(super) const LOOK: f64 = 0.4;
 
 /// Meshes of rising n until the error of the force is within the tolerance. `None` where the outline has no mesh that can be solved on, the
 /// load has no balance, and where the time ends before the first one is solved.

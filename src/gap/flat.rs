@@ -55,6 +55,8 @@ impl Gap for Flat {
             material: Material::Within(self.outline.bounds()),
             // A disc or an ellipse about its centre.
             mirrors: [round.is_some(); 2],
+            ends: round.is_none().then(|| self.outline.corners().into()),
+            drawn_along: self.outline.longest_side(),
             ..Known::nothing()
         }
     }

@@ -26,6 +26,8 @@ pub struct Known {
     pub axis: Option<Axis>,
     /// A flat (or tilted) face with a sharp edge: a plane inside an outline, no material outside.
     pub face: Option<Face>,
+    /// The same with a curved face.
+    pub crown: Option<Crown>,
     /// Where there can be material.
     pub material: Material,
     /// Whether the gap is its own image in the lines x = c and y = c through [`Known::centre`].
@@ -50,6 +52,7 @@ impl Known {
             quadratic: None,
             axis: None,
             face: None,
+            crown: None,
             material: Material::Unknown,
             mirrors: [false; 2],
             ends: None,
@@ -307,6 +310,36 @@ pub struct Face {
     pub value: f64,
     /// Its slopes along x and y.
     pub slope: [f64; 2],
+}
+
+impl Face {
+    /// As a form without curvature.
+    pub(super) fn crown(&self) -> Crown {
+        let form = Quadratic { about: self.at, value: self.value, gradient: self.slope, hessian: [0.0; 3] };
+        Crown { outline: self.outline.clone(), at: self.at, turn: self.turn, form }
+    }
+}
+
+/// A polynomial of second degree inside an outline, no material outside.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Crown {
+    /// The outline, in a frame of its own.
+    pub outline: Outline,
+    /// Where the origin of that frame lies.
+    pub at: [f64; 2],
+    /// By how much it is turned, radians.
+    pub turn: f64,
+    /// The gap inside.
+    pub form: Quadratic,
+}
+
+impl Crown {
+    /// The plane that it is where nothing curves.
+    pub(super) fn face(&self) -> Option<Face> {
+        let plane = Some(self.form.about(self.at)).filter(|form| form.hessian == [0.0; 3])?;
+        let (outline, value, slope) = (self.outline.clone(), plane.value, plane.gradient);
+        Some(Face { outline, at: self.at, turn: self.turn, value, slope })
+    }
 }
 
 /// Where there can be material.

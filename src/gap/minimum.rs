@@ -124,6 +124,7 @@ fn known_of(parts: &[AnyGap]) -> Known {
         quadratic: None,
         axis: common_axis(parts, &mut |_, _| Generatrix::General),
         face: None,
+        crown: None,
         material: material.unwrap_or(Material::Unknown),
         mirrors: common_mirrors(parts, centre),
         ends: None,

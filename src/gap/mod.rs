@@ -46,7 +46,7 @@ pub use flat::Flat;
 pub use formula::Formula;
 pub use growth::Growth;
 pub use height_map::{HeightMap, Heights, MapFormat, Surface, Zero};
-pub use known::{Axis, Degree, Face, Generatrix, Known, Law, Material, Quadratic};
+pub use known::{Axis, Crown, Degree, Face, Generatrix, Known, Law, Material, Quadratic};
 pub use minimum::Minimum;
 pub use outline::Outline;
 pub use paraboloid::Paraboloid;

@@ -1,6 +1,6 @@
 //! Two curved bodies: the sum of several gaps.
 
-use super::{AnyGap, Axis, Degree, Face, Gap, Generatrix, Growth, Known, Law, Material, Quadratic, Reach, Taylor, enclosure, growth};
+use super::{AnyGap, Axis, Crown, Degree, Face, Gap, Generatrix, Growth, Known, Law, Material, Quadratic, Reach, Taylor, enclosure, growth};
 use crate::error::InputError;
 use crate::numeric::Interval;
 use crate::numeric::geometry::Rect;
@@ -102,7 +102,8 @@ fn known_of(parts: &[AnyGap]) -> Known {
     });
     // Flat punches together are one only where they cover the same.
     let law = law.flatten().filter(|law| common && law.degree.inverse() > 0.0);
-    let face = face_of(parts);
+    let crown = crown_of(parts);
+    let face = crown.as_ref().and_then(Crown::face);
     let level = face.as_ref().filter(|face| face.slope == [0.0; 2]);
     let law = law.or_else(|| level.map(|face| Law { degree: Degree::Flat, lowest: face.value }));
     let material = all().map(|k| k.material).reduce(|a, b| match (a, b) {
@@ -124,6 +125,7 @@ fn known_of(parts: &[AnyGap]) -> Known {
         quadratic,
         axis: common_axis(parts, &mut Generatrix::plus),
         face,
+        crown: crown.filter(|crown| crown.form.hessian != [0.0; 3]),
         material: material.unwrap_or(Material::Unknown),
         mirrors: common_mirrors(parts, centre),
         ends: all().find_map(|k| k.ends.clone()),
@@ -131,16 +133,17 @@ fn known_of(parts: &[AnyGap]) -> Known {
     }
 }
 
-/// One face, and planes that tilt and move it.
-fn face_of(parts: &[AnyGap]) -> Option<Face> {
-    let mut faces = parts.iter().enumerate().filter_map(|(k, part)| part.known().face.clone().map(|face| (k, face)));
-    let (own, mut face) = faces.next().filter(|_| faces.next().is_none())?;
-    for (_, part) in parts.iter().enumerate().filter(|(k, _)| *k != own) {
-        let plane = part.known().quadratic.filter(|q| q.hessian == [0.0; 3])?.about(face.at);
-        face.value += plane.value;
-        (0..2).for_each(|m| face.slope[m] += plane.gradient[m]);
-    }
-    Some(face)
+/// One part with a sharp edge, and forms that hold everywhere.
+fn crown_of(parts: &[AnyGap]) -> Option<Crown> {
+    let sharp = |part: &AnyGap| {
+        let known = part.known();
+        known.crown.clone().or_else(|| known.face.as_ref().map(Face::crown))
+    };
+    let mut found = parts.iter().enumerate().filter_map(|(k, part)| sharp(part).map(|crown| (k, crown)));
+    let (own, crown) = found.next().filter(|_| found.next().is_none())?;
+    let others = parts.iter().enumerate().filter(|(k, _)| *k != own);
+    let form = others.map(|(_, part)| part.known().quadratic).try_fold(crown.form, |sum, q| Some(sum.plus(&q?)))?;
+    Some(Crown { form, ..crown })
 }
 
 /// A quadratic form that curves upwards is homogeneous about its lowest point.

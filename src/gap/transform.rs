@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix2, Rotation2, Vector2};
 
-use super::{Axis, Degree, Face, Generatrix, Growth, Known, Law, Material, Quadratic, Reach, Taylor};
+use super::{Axis, Crown, Degree, Face, Generatrix, Growth, Known, Law, Material, Quadratic, Reach, Taylor};
 use crate::numeric::Interval;
 use crate::numeric::geometry::Rect;
 
@@ -286,6 +286,7 @@ impl Transform {
             quadratic,
             axis: own.axis.filter(|_| !tilted).map(|axis| self.axis_outward(axis)),
             face: own.face.as_ref().filter(|_| self.scale == 1.0).map(|face| self.face_outward(face)),
+            crown: own.crown.as_ref().filter(|_| self.scale == 1.0).map(|crown| self.crown_outward(crown)),
             material: match own.material {
                 Material::Within(rect) => {
                     Material::Within(self.within_ends(own.ends.as_deref(), self.rect_outward(&rect)))
@@ -347,6 +348,15 @@ impl Transform {
             turn: face.turn + self.turn.angle(),
             value: self.height_outward(face.value, at),
             slope: self.gradient_outward(face.slope),
+        }
+    }
+
+    fn crown_outward(&self, crown: &Crown) -> Crown {
+        Crown {
+            outline: crown.outline.clone(),
+            at: self.outward(crown.at),
+            turn: crown.turn + self.turn.angle(),
+            form: self.quadratic_outward(&crown.form),
         }
     }
 

@@ -15,7 +15,7 @@ mod tape;
 use std::sync::OnceLock;
 
 use super::{
-    Axis, Degree, Face, Gap, Generatrix, Known, Law, Material, Outline, Polyhedron, Reach, enclosure, growth, sum,
+    Axis, Crown, Degree, Gap, Generatrix, Known, Law, Material, Outline, Polyhedron, Reach, enclosure, growth, sum,
 };
 use crate::error::InputError;
 use crate::numeric::Interval;
@@ -138,9 +138,8 @@ impl Formula {
     fn cut(&self, known: Known, region: &Outline) -> Known {
         let round = region.semi_axes();
         let disc = round.is_some_and(|[a, b]| a == b);
-        let plane = known.quadratic.filter(|q| q.hessian == [0.0; 3]).map(|q| q.about([0.0; 2]));
-        let face =
-            plane.map(|q| Face { outline: region.clone(), at: [0.0; 2], turn: 0.0, value: q.value, slope: q.gradient });
+        let crown = known.quadratic.map(|form| Crown { outline: region.clone(), at: [0.0; 2], turn: 0.0, form });
+        let face = crown.as_ref().and_then(Crown::face);
         let level = face.as_ref().filter(|face| face.slope == [0.0; 2]);
         let inside = region.contains(known.centre);
         let at = |[x, y]: [f64; 2]| self.value(x, y);
@@ -157,6 +156,7 @@ impl Formula {
             material: Material::Within(region.bounds()),
             mirrors: region.mirrors_of(&known, centre),
             face,
+            crown: crown.filter(|crown| crown.form.hessian != [0.0; 3]),
             ends: (round.is_none()).then(|| region.corners().into()),
             drawn_along: region.longest_side(),
             ..known
