@@ -1,4 +1,4 @@
-//! Crowned punches: a face that is a polynomial of second degree in a polygon with sharp edges, in contact up to some of these.
+//! Crowned punches: a face that is a polynomial of second degree in a polygon or an ellipse with sharp edges, in contact up to some of these.
 
 use super::flat::{Flat, middle};
 use super::{Found, field_grid};
@@ -8,7 +8,7 @@ use crate::numeric::geometry::Rect;
 use crate::overlap::Overlap;
 use crate::problem::{Contact, Settings};
 
-/// The polygon with the overlap inside, a polynomial in the outline's axes.
+/// The outline with the overlap inside, a polynomial in the outline's axes.
 pub(crate) struct Crowning {
     flat: Flat,
     /// In units of `height`.
@@ -21,7 +21,10 @@ impl Crowning {
     pub fn of(overlap: &Overlap) -> Option<Self> {
         let Crown { outline, at, turn, form } = overlap.known().crown.as_ref()?;
         let (sin, cos) = turn.sin_cos();
-        let flat = Flat::polygon(outline.corners(), *at, [cos, sin], 0.0)?;
+        let flat = match outline.semi_axes() {
+            Some(semi_axes) => Flat::round(semi_axes, *at, [cos, sin], 0.0),
+            None => Flat::polygon(outline.corners(), *at, [cos, sin], 0.0)?,
+        };
         let Flat { origin, turn: [cos, sin], length, .. } = flat;
         let (form, height) = (form.about(origin), overlap.deepest);
         let per = length / height;
@@ -42,6 +45,9 @@ impl Crowning {
     }
 
     pub fn found(&self) -> String {
+        if self.flat.outline.is_curved() {
+            return "a curved face in an ellipse with a sharp edge".to_owned();
+        }
         format!("a curved face in a polygon of {} corners with sharp edges", self.flat.corners.len())
     }
 

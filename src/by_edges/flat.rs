@@ -51,14 +51,17 @@ impl Flat {
 
     /// A face in an ellipse, whatever its slope: for tilts past lift-off, which no formula reaches.
     pub(super) fn ellipse(face: &Face) -> Option<Self> {
-        let semi_axes = face.outline.semi_axes()?;
-        let length = semi_axes[0].max(semi_axes[1]);
         let (sin, cos) = face.turn.sin_cos();
+        Some(Self::round(face.outline.semi_axes()?, face.at, [cos, sin], face.value))
+    }
+
+    /// The ellipse with these semi-axes, turned by the angle with this cosine and sine.
+    pub(super) fn round(semi_axes: [f64; 2], at: [f64; 2], turn: [f64; 2], value: f64) -> Self {
+        let length = semi_axes[0].max(semi_axes[1]);
         let outline = Outline::ellipse(semi_axes.map(|a| a / length));
-        let mut flat =
-            Self { outline, corners: Vec::new(), origin: face.at, turn: [cos, sin], length, value: face.value };
+        let mut flat = Self { outline, corners: Vec::new(), origin: at, turn, length, value };
         flat.corners = flat.outline.corners().iter().map(|p| flat.outward(*p)).collect();
-        Some(flat)
+        flat
     }
 
     /// The polygon with these corners in axes about `at`, turned by the angle with this cosine and sine.

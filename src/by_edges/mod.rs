@@ -10,7 +10,7 @@
 //! | an axis, bounds along the radius | rings | the bracket of the force, else an estimate |
 //! | two mirrors, one closed strip around them | cells along the strip | an estimate |
 //! | material in a rectangle, a strip from one side to the other | rows of cells across it | an estimate |
-//! | a polynomial of second degree in a polygon, up to its edge | the cells that stay in contact | an estimate |
+//! | a polynomial of second degree in a polygon or an ellipse, up to its edge | the cells that stay in contact | an estimate |
 
 mod crowned;
 mod estimated;
@@ -42,7 +42,7 @@ pub(crate) enum Route {
     Flanked { tip: flanked::FlankedTip, tolerance: f64, flat: layer::FlatTip },
     Rings(rings::Section),
     Oval(oval::Strip),
-    Roller(roller::Roller),
+    Roller(roller::Roller, Option<crowned::Crowning>),
     Crowned(crowned::Crowning),
 }
 
@@ -116,9 +116,11 @@ impl Route {
         match known.axis {
             Some(axis) => rings::Section::of(overlap, axis).map(Self::Rings),
             None => {
-                let roller = roller::Roller::of(overlap).map(Self::Roller);
-                let oval = || oval::Strip::of(overlap).map(Self::Oval);
-                roller.or_else(oval).or_else(|| crowned::Crowning::of(overlap).map(Self::Crowned))
+                let crowned = crowned::Crowning::of(overlap);
+                match roller::Roller::of(overlap) {
+                    Some(roller) => Some(Self::Roller(roller, crowned)),
+                    None => crowned.map(Self::Crowned).or_else(|| oval::Strip::of(overlap).map(Self::Oval)),
+                }
             }
         }
     }
@@ -132,7 +134,7 @@ impl Route {
             Self::Flanked { tip, .. } => tip.found(),
             Self::Rings(section) => section.found(),
             Self::Oval(strip) => strip.found(),
-            Self::Roller(roller) => roller.found(),
+            Self::Roller(roller, _) => roller.found(),
             Self::Crowned(crowning) => crowning.found(),
         }
     }
@@ -150,7 +152,7 @@ impl Route {
             }
             Self::Rings(_) => "rings about the axis, and the force is proved, else estimated",
             Self::Oval(_) => "cells along the closed strip, and the error is estimated",
-            Self::Roller(_) => "cells graded to both ends, and the error is estimated",
+            Self::Roller(..) => "cells graded to both ends, and the error is estimated",
             Self::Crowned(_) => "cells graded to the edges of the material, and the error is estimated",
         }
     }
@@ -168,7 +170,10 @@ impl Route {
             }
             Self::Rings(section) => section.solve(contact, settings, &limits),
             Self::Oval(strip) => strip.solve(contact, settings, &limits),
-            Self::Roller(roller) => roller.solve(contact, settings, &limits),
+            Self::Roller(roller, crowned) => {
+                let otherwise = || crowned.as_ref()?.solve(contact, settings, &limits);
+                roller.solve(contact, settings, &limits).or_else(otherwise)
+            }
             Self::Crowned(crowning) => crowning.solve(contact, settings, &limits),
         }
     }
@@ -283,7 +288,7 @@ fn judged(state: Solution, settings: &Settings) -> Result<Solution, Unsolved> {
 
 /// The verdict where this method is prescribed and does not apply.
 pub(crate) fn not_applicable() -> Unsolved {
-    let reason = "the gap is not known to be a flat polygon or ellipse, planes with a level one among them, of revolution, upright, an oval ring, a roller that ends at two sides of a rectangle, or a polynomial of second degree in a polygon whose edge it reaches";
+    let reason = "the gap is not known to be a flat polygon or ellipse, planes with a level one among them, of revolution, upright, an oval ring, a roller that ends at two sides of a rectangle, or a polynomial of second degree in an outline whose edge it reaches";
     Unsolved::new(Verdict::NotApplicable, reason)
 }
 

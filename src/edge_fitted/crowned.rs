@@ -6,7 +6,7 @@
 
 use super::Limits;
 use super::estimated::{Estimated, Solved, Touching};
-use super::mesh::{Bilinear, Point, dot, minus, norm};
+use super::mesh::{Bilinear, Point, minus, norm};
 use super::outline::{COARSEST, Fitted, Outline};
 use super::region::{Region, regions};
 use super::symmetry::Isometry;
@@ -19,9 +19,6 @@ const ROUNDS: usize = 5;
 
 /// Share of the tolerance that the next mesh aims at.
 const AIM: f64 = 0.9;
-
-/// Distance from an edge, over the size of the outline, of what lies on it.
-const ON_EDGE: f64 = 1e-9;
 
 /// A crowned punch in contact, in the outline's axes.
 pub(crate) struct Crowned {
@@ -39,7 +36,8 @@ pub(crate) fn crowned(outline: &Outline, f: &Quadratic, limits: &Limits) -> Opti
     let unknowns = limits.unknowns + limits.unknowns / 2;
     let limits = &Limits { unknowns, ..*limits };
     let solve = |n: usize, most: f64| State::new(outline, f, n, most, limits);
-    let look = solve(COARSEST, 0.5 * LOOK * outline.extent()).or_else(|| solve(COARSEST, f64::INFINITY))?;
+    let look = solve(COARSEST, 0.5 * LOOK * outline.extent()).or_else(|| solve(COARSEST, f64::INFINITY));
+    let look = look.filter(|look| look.reaches_edge)?;
     let mut size = look.size;
     let enough = (ENOUGH[0] + ENOUGH[1] * look.varies) * (1e-3 / limits.tolerance).cbrt();
     let enough = (enough.round() as usize).min(FINEST);
@@ -102,8 +100,7 @@ impl State {
         let contact: Vec<bool> = solved.pressure.iter().map(|p| *p > 0.0).collect();
         let mut regions = regions(&solved.mesh, &contact, &solved.pressure);
         regions.iter_mut().for_each(|region| region.map(outward));
-        let cells: Vec<_> =
-            solved.cells(Touching::Some).into_iter().map(|(c, p)| (c.map(outward), p)).collect();
+        let cells: Vec<_> = solved.cells(Touching::Some).into_iter().map(|(c, p)| (c.map(outward), p)).collect();
         let corners = || cells.iter().flat_map(|(corners, _)| *corners);
         let range = |of: &dyn Fn(Point) -> f64| {
             corners().map(of).fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)))
@@ -173,17 +170,8 @@ fn keeps(f: &Quadratic, fitted: &Fitted, g: &Isometry) -> bool {
 
 /// Whether a side of a cell lies on the outline.
 fn touches(outline: &Outline, cell: &[Point; 4]) -> bool {
-    let corners = outline.corners();
-    let on = |p: Point, a: Point, b: Point| {
-        let (along, from) = (minus(b, a), minus(p, a));
-        let across = along[0] * from[1] - along[1] * from[0];
-        let share = dot(along, from) / dot(along, along);
-        across.abs() <= ON_EDGE * norm(along) && (-ON_EDGE..=1.0 + ON_EDGE).contains(&share)
-    };
-    (0..4).filter(|&k| cell[k] != cell[(k + 1) % 4]).any(|k| {
-        let mut sides = (0..corners.len()).map(|i| (corners[i], corners[(i + 1) % corners.len()]));
-        sides.any(|(a, b)| on(cell[k], a, b) && on(cell[(k + 1) % 4], a, b))
-    })
+    let sides = (0..4).map(|k| (cell[k], cell[(k + 1) % 4]));
+    sides.filter(|(a, b)| a != b).any(|(a, b)| outline.is_along_edge(a, b))
 }
 
 #[cfg(test)]
@@ -201,7 +189,8 @@ mod tests {
         for slope in [0.2, 0.9, 2.5] {
             let f = Quadratic { about: [0.0; 2], value: 1.0, gradient: [slope, 0.3], hessian: [0.0; 3] };
             let found = crowned(&outline, &f, &Limits::default()).unwrap();
-            let plane = tilted(&outline, Given::Plane([1.0, slope, 0.3]), &Limits { proof: false, ..Limits::default() });
+            let plane =
+                tilted(&outline, Given::Plane([1.0, slope, 0.3]), &Limits { proof: false, ..Limits::default() });
             let plane = plane.unwrap();
             let [low, high] = plane.force;
             let force = 0.5 * (low + high);

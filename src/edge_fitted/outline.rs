@@ -5,7 +5,7 @@ use nalgebra::Matrix3;
 use super::Limits;
 use super::ellipse;
 use super::kites;
-use super::mesh::{Mesh, Point, dot};
+use super::mesh::{Mesh, Point, cross, dot, minus, norm};
 use super::polygon::{STRAIGHT, cleaned, convex_cuts, rectilinear_frame, symmetries};
 use super::rectilinear::{graded_both, split, tensor};
 use super::symmetry::{Isometry, Orbits};
@@ -33,6 +33,9 @@ pub(crate) struct Outline {
     /// By how much more or less a punch displaces whose edge lies elsewhere by the rounding of the meshes, relative.
     displaced: f64,
 }
+
+/// Distance from an edge, in units of the outline, of what lies on it.
+const ON_EDGE: f64 = 1e-9;
 
 /// Corners of the polygon that stands for an ellipse.
 const CHORDS: usize = 96;
@@ -135,6 +138,22 @@ impl Outline {
     /// Its corners, counter-clockwise.
     pub(crate) fn corners(&self) -> &[Point] {
         &self.corners
+    }
+
+    /// Whether the side of a cell between two points lies on it: on an edge of a polygon, beside an ellipse on a chord of it.
+    pub(crate) fn is_along_edge(&self, p: Point, q: Point) -> bool {
+        if let Some([a, b]) = self.semi_axes {
+            return [p, q].iter().all(|[x, y]| (x / a).hypot(y / b) >= 1.0 - ON_EDGE);
+        }
+        let on = |p: Point, a: Point, b: Point| {
+            let (along, from) = (minus(b, a), minus(p, a));
+            let share = dot(along, from) / dot(along, along);
+            cross(along, from).abs() <= ON_EDGE * norm(along) && (-ON_EDGE..=1.0 + ON_EDGE).contains(&share)
+        };
+        let corners = &self.corners;
+        (0..corners.len())
+            .map(|k| (corners[k], corners[(k + 1) % corners.len()]))
+            .any(|(a, b)| on(p, a, b) && on(q, a, b))
     }
 
     /// The longer side of its box.

@@ -1,6 +1,9 @@
 //! Two curved bodies: the sum of several gaps.
 
-use super::{AnyGap, Axis, Crown, Degree, Face, Gap, Generatrix, Growth, Known, Law, Material, Quadratic, Reach, Taylor, enclosure, growth};
+use super::{
+    AnyGap, Axis, Crown, Degree, Face, Gap, Generatrix, Growth, Known, Law, Material, Quadratic, Reach, Taylor,
+    enclosure, growth,
+};
 use crate::error::InputError;
 use crate::numeric::Interval;
 use crate::numeric::geometry::Rect;
