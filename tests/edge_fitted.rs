@@ -3,7 +3,7 @@
 mod random;
 
 use contact_patch::bracket::Evidence;
-use contact_patch::gap::{AnyGap, Flat, Gap, Outline, Paraboloid, Place, Polyhedron, Revolved};
+use contact_patch::gap::{AnyGap, Flat, Gap, Outline, Paraboloid, Place, Polyhedron, Revolved, Sum};
 use contact_patch::{
     Contact, EffectiveModulus, ErrorBar, Load, Loading, Method, Origin, Outputs, Settings, Solution, Unsolved, Verdict,
     plan, solve,
@@ -149,6 +149,60 @@ fn lift_off_is_that_of_a_grid() {
         assert!((state.force / grid.force - 1.0).abs() <= allowed, "{} {} {allowed:e}", state.force, grid.force);
         let pieces: f64 = state.patch.pieces.iter().map(|piece| piece.force).sum();
         assert!((pieces / state.force - 1.0).abs() < 1e-9);
+    }
+}
+
+/// Polynomials of second degree in an outline, in contact up to its edge: what a grid says, the same elsewhere, turned and in other units,
+/// and one state there and back.
+#[test]
+fn crowned_punches_are_those_of_a_grid() {
+    let star = ring(10, |k| if k % 2 == 0 { 1.0 } else { 0.6 });
+    let round = Outline::ellipse([1.0, 0.6]).unwrap();
+    let polygon = |corners: Vec<[f64; 2]>| Outline::polygon(&corners).unwrap();
+    let cases = [
+        (polygon(regular(6)), [1.0, 2.0], 0.4, 0.99),
+        (polygon(star), [0.8, 1.5], 0.3, 0.99),
+        (polygon(L.to_vec()), [2.0, f64::INFINITY], 0.5, 1.0),
+        (round, [1.5, 4.0], 0.8, 1.0),
+    ];
+    for (outline, radii, depth, at_most) in cases {
+        let punch = |l: f64| {
+            let scaled = match outline.semi_axes() {
+                Some(axes) => Outline::ellipse(axes.map(|a| a * l)),
+                None => Outline::polygon(&outline.corners().iter().map(|c| c.map(|v| v * l)).collect::<Vec<_>>()),
+            };
+            let crown = Paraboloid::new(radii.map(|r| r * l)).unwrap().placed([0.1 * l, 0.0], 0.3).unwrap();
+            Sum::new(vec![AnyGap::new(Flat::new(scaled.unwrap())), crown]).unwrap()
+        };
+        let state = fitted(1.0, punch(1.0), Load::Depth(depth), &Settings::default());
+        assert!(state.patch.area <= at_most * outline.area() * (1.0 + 1e-9) && state.bracket.is_none());
+        let settings = Settings { method: Method::Fft, tolerance: 5e-3, ..Settings::default() };
+        let grid = solve(&contact(1.0, punch(1.0), Loading::depth(depth)), &settings).remove(0).unwrap();
+        within(&state, grid.force, grid.force_error.unwrap());
+        let known = grid.energy_error.unwrap() + state.energy_error.unwrap();
+        assert!((state.energy.unwrap() / grid.energy.unwrap() - 1.0).abs() <= known);
+        let known = grid.stiffness_error.unwrap() + state.stiffness_error.unwrap();
+        assert!((state.stiffness / grid.stiffness - 1.0).abs() <= known);
+        let placed = punch(1e-3).placed([2e-3, -1e-3], 0.7).unwrap();
+        let turned = fitted(3e9, placed, Load::Depth(1e-3 * depth), &Settings::default());
+        within(&turned, 3e3 * state.force, state.force_error.unwrap());
+        let back = fitted(1.0, punch(1.0), Load::Force(state.force), &Settings::default());
+        let allowed = back.depth_error.unwrap() + 2.0 * state.force_error.unwrap();
+        assert!((back.depth / depth - 1.0).abs() < allowed, "{} {allowed:e}", back.depth);
+    }
+}
+
+/// A plane that is added to a flat punch tilts it.
+#[test]
+fn a_flat_and_a_plane_are_a_tilted_flat() {
+    let flat = || Flat::new(Outline::polygon(&[[-1.0, -0.8], [1.0, -0.5], [0.3, 0.9]]).unwrap());
+    for slope in [[0.1, -0.05], [0.6, 0.4]] {
+        let [a, b] = slope;
+        let plane = Polyhedron::new(vec![[-a, -b, 0.25]]).unwrap();
+        let sum = Sum::new(vec![AnyGap::new(flat()), AnyGap::new(plane)]).unwrap();
+        let one = fitted(1.0, sum, Load::Depth(0.75), &Settings::default());
+        let other = fitted(1.0, flat().tilted(slope), Load::Depth(0.5), &Settings::default());
+        assert!((one.force / other.force - 1.0).abs() < 1e-12 && one.bracket.is_some() == other.bracket.is_some());
     }
 }
 

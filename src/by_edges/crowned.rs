@@ -53,7 +53,7 @@ impl Crowning {
 
     pub(super) fn solve(&self, contact: &Contact, settings: &Settings, limits: &Limits) -> Option<Found> {
         let Self { flat, height, .. } = self;
-        let Crowned { state, regions, everywhere } = crowned(&flat.outline, &self.overlap, limits)?;
+        let Crowned { state, energy_error, regions, everywhere } = crowned(&flat.outline, &self.overlap, limits)?;
         let (length, e_star) = (flat.length, contact.modulus().e_star());
         let of_force = e_star * length * height;
         let of_pressure = e_star * height / length;
@@ -63,11 +63,11 @@ impl Crowning {
         let boundary = patch.boundary.iter().flatten().flatten().copied();
         let rect = Rect::holding(boundary).unwrap_or(Rect::around(flat.origin, [length; 2]));
         let at = cells.iter().max_by(|a, b| a.1.total_cmp(&b.1)).map_or(flat.origin, |(c, _)| middle(c));
-        let bounds = |value: f64| [value * (1.0 - state.error), value * (1.0 + state.error)];
+        let bounds = |value: f64, error: f64| [value * (1.0 - error), value * (1.0 + error)];
         let touch = if everywhere { "it touches everywhere" } else { "it touches on a part, up to the edge" };
         Some(Found {
-            force: bounds(state.force * of_force),
-            energy: bounds(state.energy * of_force * height),
+            force: bounds(state.force * of_force, state.error),
+            energy: bounds(state.energy * of_force * height, energy_error),
             stiffness: state.stiffness * e_star * length,
             stiffness_error: Some(state.stiffness_error),
             area_error: Some(state.area_error + super::flat::ROUNDING),
