@@ -14,6 +14,13 @@ use super::tilted::{BEFORE, ENOUGH, FINE, LOOK, SLOWEST};
 use super::tilted_mesh::FINEST;
 use crate::gap::Quadratic;
 
+/// Orders that errors of force and energy are taken to fall with where the end of the contact is not resolved, the force stationary in it.
+const ORDER: f64 = 2.0;
+const OF_ENERGY: f64 = 1.5;
+
+/// The order that no error is taken to fall faster with: two meshes may agree by chance.
+const FASTEST: f64 = 3.0;
+
 /// Meshes at most.
 const ROUNDS: usize = 5;
 
@@ -58,8 +65,7 @@ pub(crate) fn crowned(outline: &Outline, f: &Quadratic, limits: &Limits) -> Opti
         let finer = n as f64 / coarser as f64;
         let mut found = state.after(&other, finer);
         before = Some((n, state));
-        // Two meshes may agree by chance: errors fall no faster than n^-3.
-        let least = last.map_or(0.0, |error: f64| error * finer.powi(-3));
+        let least = last.map_or(0.0, |error: f64| error * finer.powf(-FASTEST));
         let error = found.state.error.max(least);
         (found.state.error, found.energy_error) = (error, found.energy_error.max(error));
         last = Some(error);
@@ -67,8 +73,8 @@ pub(crate) fn crowned(outline: &Outline, f: &Quadratic, limits: &Limits) -> Opti
         if seen.is_none_or(|least| error < least) {
             best = Some((error, found));
         }
-        let order = seen.map_or(2.0, |before| (before / error).ln() / finer.ln());
-        let wanted = n as f64 * (error / (AIM * limits.tolerance)).powf(1.0 / order.clamp(SLOWEST, 3.0));
+        let order = seen.map_or(ORDER, |before| (before / error).ln() / finer.ln());
+        let wanted = n as f64 * (error / (AIM * limits.tolerance)).powf(1.0 / order.clamp(SLOWEST, FASTEST));
         let next = (wanted.ceil() as usize).max(n + 1).min(2 * n).min(FINEST);
         let growth = (next * next) as f64 / (n * n) as f64;
         let remaining = limits.deadline.remaining();
@@ -130,7 +136,7 @@ impl State {
         let change = |of: fn(&Solved) -> f64, order: f64| {
             (of(own) / of(&coarser.solved) - 1.0).abs() / (ratio.powf(order) - 1.0)
         };
-        let error = change(|s| s.energy, 2.0).max(change(|s| s.force, 2.0));
+        let error = change(|s| s.energy, ORDER).max(change(|s| s.force, ORDER));
         let off: f64 = self.regions.iter().map(|region| 0.5 * region.doubt).sum();
         let area: f64 = self.regions.iter().map(|region| region.area).sum();
         let area_error = off / area;
@@ -150,7 +156,7 @@ impl State {
         Crowned {
             state,
             // The energy comes from below alone, and more slowly where the end of the contact is not resolved.
-            energy_error: error.max(change(|s| s.energy, 1.5)),
+            energy_error: error.max(change(|s| s.energy, OF_ENERGY)),
             regions: self.regions.clone(),
             everywhere: self.everywhere,
         }
