@@ -42,7 +42,7 @@ pub(crate) enum Route {
     Flanked { tip: flanked::FlankedTip, tolerance: f64, flat: layer::FlatTip },
     Rings(rings::Section),
     Oval(oval::Strip),
-    Roller(roller::Roller, Option<crowned::Crowning>),
+    Roller { roller: Box<roller::Roller>, otherwise: Option<Box<crowned::Crowning>> },
     Crowned(crowned::Crowning),
 }
 
@@ -118,7 +118,7 @@ impl Route {
             None => {
                 let crowned = crowned::Crowning::of(overlap);
                 match roller::Roller::of(overlap) {
-                    Some(roller) => Some(Self::Roller(roller, crowned)),
+                    Some(roller) => Some(Self::Roller { roller: Box::new(roller), otherwise: crowned.map(Box::new) }),
                     None => crowned.map(Self::Crowned).or_else(|| oval::Strip::of(overlap).map(Self::Oval)),
                 }
             }
@@ -134,7 +134,7 @@ impl Route {
             Self::Flanked { tip, .. } => tip.found(),
             Self::Rings(section) => section.found(),
             Self::Oval(strip) => strip.found(),
-            Self::Roller(roller, _) => roller.found(),
+            Self::Roller { roller, .. } => roller.found(),
             Self::Crowned(crowning) => crowning.found(),
         }
     }
@@ -152,7 +152,7 @@ impl Route {
             }
             Self::Rings(_) => "rings about the axis, and the force is proved, else estimated",
             Self::Oval(_) => "cells along the closed strip, and the error is estimated",
-            Self::Roller(..) => "cells graded to both ends, and the error is estimated",
+            Self::Roller { .. } => "cells graded to both ends, and the error is estimated",
             Self::Crowned(_) => "cells graded to the edges of the material, and the error is estimated",
         }
     }
@@ -170,8 +170,8 @@ impl Route {
             }
             Self::Rings(section) => section.solve(contact, settings, &limits),
             Self::Oval(strip) => strip.solve(contact, settings, &limits),
-            Self::Roller(roller, crowned) => {
-                let otherwise = || crowned.as_ref()?.solve(contact, settings, &limits);
+            Self::Roller { roller, otherwise } => {
+                let otherwise = || otherwise.as_ref()?.solve(contact, settings, &limits);
                 roller.solve(contact, settings, &limits).or_else(otherwise)
             }
             Self::Crowned(crowning) => crowning.solve(contact, settings, &limits),
