@@ -383,6 +383,8 @@ fn touches_edge(gap: &AnyGap, boundary: &[Vec<[f64; 2]>]) -> Option<TouchesEdge>
         let off = 1e-6;
         [0.5 * (ax + bx) + off * (by - ay), 0.5 * (ay + by) - off * (bx - ax)]
     };
-    let edge = looks.map(outside).find_map(|[x, y]| gap.end_of_data(x, y))?;
+    // Corners of what stands for an ellipse lie outside of it, the middles of its chords do not.
+    let corners = boundary.iter().flatten().copied();
+    let edge = looks.map(outside).chain(corners).find_map(|[x, y]| gap.end_of_data(x, y))?;
     Some(TouchesEdge { edge, share: None })
 }

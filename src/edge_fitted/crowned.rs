@@ -16,10 +16,13 @@ use crate::gap::Quadratic;
 
 /// Orders that errors of force and energy are taken to fall with where the end of the contact is not resolved, the force stationary in it.
 const ORDER: f64 = 2.0;
-const OF_ENERGY: f64 = 1.5;
+const OF_ENERGY: f64 = 1.0;
 
 /// The order that no error is taken to fall faster with: two meshes may agree by chance.
 const FASTEST: f64 = 3.0;
+
+/// The least width over the length of a contact that lifts off: cells for less are too many, and too few tell too small an error.
+const SLENDEREST: f64 = 0.35;
 
 /// Meshes at most.
 const ROUNDS: usize = 5;
@@ -123,11 +126,22 @@ impl State {
         };
         let (low, high) = range(&|p| f.about(p).value);
         let varies = ((high - low) / high).clamp(1e-3, 1.0);
-        let size = 0.5 * extent(0).max(extent(1)) * varies.powf(-2.0 / 3.0);
+        let everywhere = all && contact.iter().all(|c| *c);
+        let (length, area) = (extent(0).max(extent(1)), regions.iter().map(|region| region.area).sum::<f64>());
+        // Where it lifts off cells have to follow what it is wide.
+        let width = if everywhere { length } else { area / length };
+        let size = 0.5 * (length * width).sqrt() * varies.powf(-2.0 / 3.0);
         let reaches_edge = cells.iter().any(|(corners, _)| touches(outline, corners));
         let finite = solved.force > 0.0 && solved.stiffness > 0.0 && size > 0.0;
-        let everywhere = all && contact.iter().all(|c| *c);
-        finite.then_some(Self { solved, regions, cells, everywhere, reaches_edge, varies, size })
+        (finite && width >= SLENDEREST * length).then_some(Self {
+            solved,
+            regions,
+            cells,
+            everywhere,
+            reaches_edge,
+            varies,
+            size,
+        })
     }
 
     /// With errors by what changed since a mesh that was coarser by `ratio`.
