@@ -50,10 +50,18 @@ fn by_trial(
     let cells = OnCells::new(overlap, trial.grid);
     let (field, halves) = trial.field(&cells, known).ok_or(Missing::TooWide(f64::INFINITY))?;
     let residual = Residual { field: &field, overlap: &cells, halves };
-    in_parts(overlap, &cells, trial.grid, |parts| by_parts(&residual, parts, above_least, sought))
+    // Where the displacement is known everywhere a larger grid tells no more of what has no bound.
+    let unbounded = if known { Missing::Beyond } else { Missing::TooWide(f64::INFINITY) };
+    in_parts(overlap, &cells, trial.grid, |parts| by_parts(&residual, parts, above_least, sought, unbounded))
 }
 
-fn by_parts(residual: &Residual, parts: &Parts, above_least: f64, sought: Sought) -> Result<[f64; 2], Missing> {
+fn by_parts(
+    residual: &Residual,
+    parts: &Parts,
+    above_least: f64,
+    sought: Sought,
+    unbounded: Missing,
+) -> Result<[f64; 2], Missing> {
     let enough = sought.enough;
     let Residual { field, halves, .. } = *residual;
     let pressed = &residual.pressed();
@@ -67,7 +75,7 @@ fn by_parts(residual: &Residual, parts: &Parts, above_least: f64, sought: Sought
     let mut dips = vec![f64::INFINITY; field.grid.len()];
     let of_residual = residual.norms_and_dips(&set, Some(&mut dips)).energy();
     if !of_residual.is_finite() {
-        return Err(Missing::Beyond);
+        return Err(unbounded);
     }
     // The contact alone, with all that may touch: where that is more than is under pressure, bounds are too wide for use.
     let loaded = pressed.count();
@@ -89,13 +97,13 @@ fn by_parts(residual: &Residual, parts: &Parts, above_least: f64, sought: Sought
     });
     let gamma = 0.5 * of_residual + open;
     if !(below > 0.0 && gamma.is_finite()) {
-        return Err(Missing::Beyond);
+        return Err(unbounded);
     }
     let force = 2.5 * below / above_least;
     let cut = Cut::around(field, touch, halves);
     let contact = Contact { residual, parts, pressed, means, cut, below, open, gamma, touch, ring };
     let found = contact.bounds(&virial, above_least, enough * force);
-    found.filter(|[low, high]| low <= high).ok_or(Missing::Beyond)
+    found.filter(|[low, high]| low <= high).ok_or(unbounded)
 }
 
 /// Places of a cell and its images.

@@ -9,7 +9,8 @@ use crate::gap::{AnyGap, Gap, Taylor};
 use crate::grid::Grid;
 use crate::numeric::geometry::Rect;
 
-/// Side of the blocks of cells in which a gap of planes or a quadratic one is looked at together.
+/// Side of the blocks of cells in which a gap of planes or a quadratic one is looked at together, and in which those parts of a composed
+/// one are told that matter there.
 const BLOCK: usize = 4;
 
 /// What is known of rectangles of a lattice: each by its number among those that were looked at.
@@ -45,6 +46,8 @@ pub(super) struct OnCells<'a> {
     cells: RefCell<Looked>,
     /// Blocks of cells, where second derivatives are constants.
     blocks: Option<RefCell<Looked>>,
+    /// What a composed gap is in each block of cells that was looked at: the gap itself, where it is no simpler there.
+    simpler: Option<RefCell<Vec<Option<AnyGap>>>>,
 }
 
 impl<'a> OnCells<'a> {
@@ -53,8 +56,10 @@ impl<'a> OnCells<'a> {
         let looked = |count: usize| RefCell::new(Looked { places: vec![0; count], list: Vec::new() });
         let gap = overlap.gap();
         let constant = gap.planes().is_some() || gap.known().quadratic.is_some();
-        let blocks = constant.then(|| looked(wide[0].div_ceil(BLOCK) * wide[1].div_ceil(BLOCK)));
-        Self { overlap, grid: *grid, wide, cells: looked(wide[0] * wide[1]), blocks }
+        let count = wide[0].div_ceil(BLOCK) * wide[1].div_ceil(BLOCK);
+        let blocks = constant.then(|| looked(count));
+        let simpler = gap.is_composed().then(|| RefCell::new(vec![None; count]));
+        Self { overlap, grid: *grid, wide, cells: looked(wide[0] * wide[1]), blocks, simpler }
     }
 
     pub fn gap(&self) -> &'a AnyGap {
@@ -79,20 +84,45 @@ impl<'a> OnCells<'a> {
         (0..2).all(|m| cell.min[m] <= rect.min[m] && rect.max[m] <= cell.max[m]).then_some((at, cell))
     }
 
+    /// The number of the block that a cell lies in, and its rectangle.
+    fn block(&self, at: [usize; 2]) -> (usize, Rect) {
+        let of = at.map(|n| n / BLOCK);
+        let end = [0, 1].map(|m| ((of[m] + 1) * BLOCK).min(self.wide[m]));
+        (of[1] * self.wide[0].div_ceil(BLOCK) + of[0], self.between(of.map(|n| n * BLOCK), end))
+    }
+
     /// The gap in a cell; `None` where it is not smooth.
     fn gap_in(&self, at: [usize; 2], cell: &Rect) -> Option<Taylor> {
-        let gap = self.overlap.gap();
         let place = at[1] * self.wide[0] + at[0];
         let from_block = || {
-            let of = at.map(|n| n / BLOCK);
-            let end = [0, 1].map(|m| ((of[m] + 1) * BLOCK).min(self.wide[m]));
-            let rect = self.between(of.map(|n| n * BLOCK), end);
-            let place = of[1] * self.wide[0].div_ceil(BLOCK) + of[0];
-            let taylor = self.blocks.as_ref()?.borrow_mut().at(place, || gap.taylor(&rect))?;
+            let blocks = self.blocks.as_ref()?;
+            let (place, rect) = self.block(at);
+            let taylor = blocks.borrow_mut().at(place, || self.overlap.gap().taylor(&rect))?;
             let (c, at) = (rect.centre(), cell.centre());
             Some(taylor.moved([0, 1].map(|m| at[m] - c[m])))
         };
-        self.cells.borrow_mut().at(place, || from_block().or_else(|| gap.taylor(cell)))
+        let look = || from_block().or_else(|| self.of_parts_within(at, |overlap| overlap.gap().taylor(cell)));
+        self.cells.borrow_mut().at(place, look)
+    }
+
+    /// What `look` tells of the overlap by the parts of the gap that matter around a cell.
+    fn of_parts_within<T>(&self, at: [usize; 2], look: impl FnOnce(&GapOverlap) -> T) -> T {
+        let Some(simpler) = &self.simpler else { return look(self.overlap) };
+        let (place, rect) = self.block(at);
+        let mut simpler = simpler.borrow_mut();
+        let gap = simpler[place].get_or_insert_with(|| {
+            let gap = self.overlap.gap();
+            gap.restricted(&rect).unwrap_or_else(|| gap.clone())
+        });
+        look(&self.overlap.of_part(gap))
+    }
+
+    /// The same around the cell that a rectangle lies in.
+    fn of_parts<T>(&self, rect: &Rect, look: impl FnOnce(&GapOverlap) -> T) -> T {
+        match self.around(rect) {
+            Some((at, _)) => self.of_parts_within(at, look),
+            None => look(self.overlap),
+        }
     }
 
     /// The gap about the middle of a part of a cell.
@@ -116,11 +146,14 @@ impl OverlapBounds for OnCells<'_> {
             let [w, h] = rect.size();
             (high - low <= gx * w + gy * h).then_some([low, high])
         });
-        from_cell.map_or_else(|| self.overlap.bounds(rect, slope), |bounds| self.overlap.below_depth(bounds))
+        from_cell.map_or_else(
+            || self.of_parts(rect, |overlap| overlap.bounds(rect, slope)),
+            |bounds| self.overlap.below_depth(bounds),
+        )
     }
 
     fn slopes(&self, rect: &Rect) -> [Interval; 2] {
-        self.overlap.slopes(rect)
+        self.of_parts(rect, |overlap| overlap.slopes(rect))
     }
 
     /// That of a whole cell is kept; one of a part of it is closer than what the cell tells.
@@ -133,6 +166,7 @@ impl OverlapBounds for OnCells<'_> {
             if self.blocks.is_some() && whole.is_some() {
                 return self.gap_about(rect).map(|taylor| self.overlap.jet_of(&taylor));
             }
+            return self.of_parts_within(at, |overlap| overlap.jet(rect));
         }
         self.overlap.jet(rect)
     }
@@ -140,7 +174,7 @@ impl OverlapBounds for OnCells<'_> {
     fn mean(&self, rect: &Rect) -> Interval {
         let from_cell = self.gap_about(rect).map(|taylor| taylor.mean(rect.size()));
         let close = from_cell.map(|mean| [mean.lo, mean.hi]).filter(|mean| self.overlap.is_close(*mean));
-        close.map_or_else(|| self.overlap.mean(rect), |mean| self.overlap.below_depth(mean))
+        close.map_or_else(|| self.of_parts(rect, |overlap| overlap.mean(rect)), |mean| self.overlap.below_depth(mean))
     }
 
     fn ends(&self) -> bool {
@@ -149,7 +183,7 @@ impl OverlapBounds for OnCells<'_> {
 
     fn material(&self, rect: &Rect) -> bool {
         // Where f is smooth there is material.
-        self.gap_about(rect).is_some() || self.overlap.material(rect)
+        self.gap_about(rect).is_some() || self.of_parts(rect, |overlap| overlap.material(rect))
     }
 
     fn reach(&self) -> Option<Rect> {

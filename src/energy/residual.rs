@@ -216,6 +216,9 @@ impl Residual<'_> {
                 let lanes = LANES.min((end[0] - i) as usize);
                 let mut deepest = dips.is_some().then_some([f64::INFINITY; LANES]);
                 let (found, _) = self.lanes(set, i, j, lanes, &mut room, deepest.as_mut());
+                if !found.as_flattened().iter().all(|v| v.is_finite()) {
+                    return Norms { gradient: f64::INFINITY, value: f64::INFINITY, cells };
+                }
                 if let (Some(dips), Some(deepest)) = (&mut dips, deepest) {
                     for (k, dip) in
                         deepest.into_iter().enumerate().take(lanes).filter(|(k, _)| set.whole(i + *k as isize, j))

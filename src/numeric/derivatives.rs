@@ -36,6 +36,8 @@ pub(crate) trait Real:
     fn powi(self, n: i32) -> Self;
     fn powf(self, exponent: Self) -> Self;
     fn hypot(self, other: Self) -> Self;
+    /// a/r, |a| <= r.
+    fn share_of(self, r: Self) -> Self;
     fn atan2(self, other: Self) -> Self;
     fn min(self, other: Self) -> Self;
     fn max(self, other: Self) -> Self;
@@ -76,6 +78,10 @@ impl Real for f64 {
 
     fn hypot(self, other: Self) -> Self {
         f64::hypot(self, other)
+    }
+
+    fn share_of(self, r: Self) -> Self {
+        self / r
     }
 
     fn atan2(self, other: Self) -> Self {
@@ -133,6 +139,15 @@ impl Real for Interval {
 
     fn hypot(self, other: Self) -> Self {
         Interval::hypot(self, other)
+    }
+
+    fn share_of(self, r: Self) -> Self {
+        if self.is_empty() || r.is_empty() {
+            return Self::EMPTY;
+        }
+        let all = Self::new(if self.lo >= 0.0 { 0.0 } else { -1.0 }, if self.hi <= 0.0 { 0.0 } else { 1.0 });
+        let share = if r.lo > 0.0 { (self / r).intersection(all) } else { all };
+        Self { defined: self.defined && r.defined, ..share }
     }
 
     fn atan2(self, other: Self) -> Self {

@@ -160,7 +160,10 @@ impl Two {
                 let s = v.powi(2) + w.powi(2);
                 [w / s, -v / s]
             }
-            Self::Hypot => [v / v.hypot(w), w / v.hypot(w)],
+            Self::Hypot => {
+                let r = v.hypot(w);
+                [v.share_of(r), w.share_of(r)]
+            }
         }
     }
 

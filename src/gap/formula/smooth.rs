@@ -1,7 +1,8 @@
 //! A formula as it is enclosed with its derivatives: powers of |u| and of r are taken as a whole.
 //!
 //! |u|^p has p |u|^(p-1) sign u and p (p - 1) |u|^(p-2), and r^p has p r^(p-2) x and p r^(p-2) (1 + (p - 2) x^2/r^2): bounded and continuous
-//! for p > 2 where |u| and r themselves are not smooth. One function after the other would lose that.
+//! for p > 2 where |u| and r themselves are not smooth. One function after the other would lose that, and that the root of a sum of
+//! squares, hypot(a, b), is no steeper than a and b.
 
 use super::R;
 use super::functions::{Number, One, Two};
@@ -30,6 +31,12 @@ impl Smooth {
     pub fn of(tape: &Tape) -> Self {
         let mut steps: Vec<Step> = Vec::new();
         for &op in tape.ops() {
+            if let Some(length) = (op == Op::One(One::Sqrt)).then(|| root(&steps)).flatten() {
+                steps.truncate(start(&steps));
+                steps.extend(length);
+                steps.extend((steps.last() != Some(&HYPOT)).then_some(Step::Plain(Op::One(One::Abs))));
+                continue;
+            }
             let exponent = match (op, steps.last()) {
                 (Op::Whole(n), _) => Some((f64::from(n), 0)),
                 (Op::Two(Two::Power), Some(Step::Plain(Op::Constant(p)))) => Some((*p, 1)),
@@ -79,6 +86,53 @@ impl Smooth {
     /// Whether r or theta are used by themselves.
     pub fn uses(&self, variable: usize) -> bool {
         self.0.contains(&Step::Plain(Op::Variable(variable)))
+    }
+}
+
+const HYPOT: Step = Step::Plain(Op::Two(Two::Hypot));
+
+/// Where the operand begins that the last step ends.
+fn start(steps: &[Step]) -> usize {
+    let mut wanted = 1;
+    for (k, step) in steps.iter().enumerate().rev() {
+        match step {
+            Step::Plain(Op::Constant(_) | Op::Variable(_)) | Step::Radial(_) => wanted -= 1,
+            Step::Plain(Op::Whole(_) | Op::One(_)) | Step::Absolute(_) => {}
+            Step::Plain(Op::Two(_)) => wanted += 1,
+        }
+        if wanted == 0 {
+            return k;
+        }
+    }
+    0
+}
+
+/// What the operand at the end is the square of: of a power, of a multiple of one, of hypot(a, b) where it is a^2 + b^2.
+fn root(steps: &[Step]) -> Option<Vec<Step>> {
+    let (last, before) = steps.split_last()?;
+    let times = |of: &[Step], factor: f64, by: Two| {
+        let constant = [Op::Constant(factor), Op::One(One::Sqrt), Op::Two(by)].map(Step::Plain);
+        (factor > 0.0).then(|| root(of)).flatten().map(|of| [of, constant.to_vec()].concat())
+    };
+    let operand = &before[start(before)..];
+    match *last {
+        Step::Plain(Op::Whole(n)) if n > 0 && n % 2 == 0 => {
+            let half = (n > 2).then_some(Step::Plain(Op::Whole(n / 2)));
+            Some(operand.iter().copied().chain(half).collect())
+        }
+        Step::Absolute(2.0) => Some(operand.to_vec()),
+        Step::Plain(Op::Two(f)) => {
+            let first = &before[..before.len() - operand.len()];
+            let first = &first[start(first)..];
+            match (f, first, operand) {
+                (Two::Add, a, b) => Some([root(a)?, root(b)?, vec![HYPOT]].concat()),
+                (Two::Multiply, a, b) if a == b => Some(a.to_vec()),
+                (Two::Multiply | Two::Divide, a, &[Step::Plain(Op::Constant(c))]) => times(a, c, f),
+                (Two::Multiply, &[Step::Plain(Op::Constant(c))], b) => times(b, c, f),
+                _ => None,
+            }
+        }
+        _ => None,
     }
 }
 

@@ -67,17 +67,15 @@ impl Mul for Interval {
                 return Self { defined, ..Self::ZERO };
             }
         }
-        let mut corners = [self.lo * other.lo, self.lo * other.hi, self.hi * other.lo, self.hi * other.hi];
-        if corners.iter().any(|c| c.is_nan()) {
-            corners = [
-                times(self.lo, other.lo),
-                times(self.lo, other.hi),
-                times(self.hi, other.lo),
-                times(self.hi, other.hi),
-            ];
-        }
-        let [a, b, c, d] = corners;
-        let (lo, hi) = (a.min(b).min(c.min(d)), a.max(b).max(c.max(d)));
+        let corners = [self.lo * other.lo, self.lo * other.hi, self.hi * other.lo, self.hi * other.hi];
+        let [a, b, c, d] = if corners.iter().any(|c| c.is_nan()) {
+            [times(self.lo, other.lo), times(self.lo, other.hi), times(self.hi, other.lo), times(self.hi, other.hi)]
+        } else {
+            corners
+        };
+        // None of them is NaN, which f64::min and max have to look for.
+        let (least, most) = (|a: f64, b: f64| if a < b { a } else { b }, |a: f64, b: f64| if a > b { a } else { b });
+        let (lo, hi) = (least(least(a, b), least(c, d)), most(most(a, b), most(c, d)));
         let product = Self::outward(lo, hi, defined);
         // The sign of a product is exact.
         let positive = (self.lo >= 0.0 && other.lo >= 0.0) || (self.hi <= 0.0 && other.hi <= 0.0);
