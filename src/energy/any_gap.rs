@@ -112,3 +112,29 @@ fn images([i, j]: [usize; 2], [nx, ny]: [usize; 2], halves: Halves) -> impl Iter
     let rows = [Some(j), halves[1].then_some(ny - 1 - j)];
     rows.into_iter().flatten().flat_map(move |j| columns.into_iter().flatten().map(move |i| j * nx + i))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::force::force_bracket;
+    use crate::gap::{AnyGap, Formula};
+    use crate::numeric::geometry::Rect;
+    use crate::{Discrete, Grid, Kernel, matrix_free};
+
+    use super::super::bracket::Trial;
+
+    #[test]
+    fn a_tip_that_is_no_cone_within_a_curved_body_is_bounded() {
+        let gap = AnyGap::from(&Formula::new("0.5*hypot(x, 2*y) + (x^2 + y^2)/4 + 0.1*x").unwrap());
+        let solved = |cells: usize| {
+            let grid = Grid::over(&Rect::around([-0.02, 0.0], [0.48, 0.28]), [cells, cells]);
+            let problem = Discrete::sample(&gap, 0.2, grid, Kernel::Galerkin);
+            let solved = matrix_free::solve_nested(&problem, &matrix_free::Settings::default()).unwrap();
+            let trial = Trial { grid: &grid, pressure: &solved.pressure, displacement: Some(&solved.displacement) };
+            (solved.pressure.iter().sum::<f64>() * grid.cell_area(), force_bracket(&gap, 0.2, &trial))
+        };
+        let (finer, _) = solved(160);
+        let (force, bounds) = solved(48);
+        let [low, high] = bounds.expect("bounded");
+        assert!(low < finer && finer < high && high - low < 0.1 * force, "{low} {finer} {high}");
+    }
+}

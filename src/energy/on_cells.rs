@@ -198,3 +198,54 @@ impl OverlapBounds for OnCells<'_> {
         self.overlap.mirrors()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gap::{Minimum, Paraboloid, Place, Polyhedron, Sum};
+
+    #[test]
+    fn cells_of_a_composed_gap_hold_its_overlap() {
+        let round =
+            |at: [f64; 2], radius: f64| Paraboloid::new([radius, 2.0 * radius]).unwrap().placed(at, 0.3).unwrap();
+        let pyramid = Polyhedron::pyramid(4, 0.2).unwrap().placed([0.5, 0.1], 0.1).unwrap();
+        let sum = AnyGap::new(Sum::new(vec![round([-0.4, 0.2], 0.8), pyramid]).unwrap());
+        let gap = AnyGap::new(Minimum::new(vec![sum, round([0.3, -0.3], 0.5), round([-0.6, -0.5], 1.0)]).unwrap());
+        let overlap = GapOverlap::new(&gap, 0.4);
+        let grid = Grid::over(&Rect::around([0.0; 2], [1.0, 0.8]), [20, 16]);
+        let cells = OnCells::new(&overlap, &grid);
+        let (mut smooth, mut kinked) = (0, 0);
+        for k in 0..grid.len() {
+            let cell = grid.cell(k % 20, k / 20);
+            let c = cell.centre();
+            for rect in [cell, Rect { min: cell.min, max: c }, Rect { min: c, max: cell.max }] {
+                let (middle, [w, h]) = (rect.centre(), rect.size());
+                let [low, high] = cells.bounds(&rect, [0.1, -0.2]);
+                let (slopes, mean, jet) = (cells.slopes(&rect), cells.mean(&rect), cells.jet(&rect));
+                if jet.is_some() {
+                    smooth += 1
+                } else {
+                    kinked += 1
+                }
+                let [mut least, mut most] = [f64::INFINITY, f64::NEG_INFINITY];
+                for n in 0..49 {
+                    let (s, t) = (f64::from(n % 7) / 6.0 - 0.5, f64::from(n / 7) / 6.0 - 0.5);
+                    let (x, y) = (middle[0] + s * w, middle[1] + t * h);
+                    let f = 0.4 - gap.gap(x, y);
+                    (least, most) = (least.min(f), most.max(f));
+                    let less = f - 0.1 * s * w + 0.2 * t * h;
+                    assert!(low <= less + 1e-14 && less <= high + 1e-14, "{rect:?}: {less} {low} {high}");
+                    let Some(own) = gap.gradient(x, y) else { continue };
+                    assert!((0..2).all(|m| slopes[m][0] <= 1e-12 - own[m] && -1e-12 - own[m] <= slopes[m][1]));
+                    if let Some(jet) = &jet {
+                        let of = super::super::overlap::Taylor::of(jet, [0.5 * w, 0.5 * h]);
+                        let off = (of.at([s * w, t * h])[0] - f).abs();
+                        assert!(off <= of.most[0] + 1e-14, "{rect:?}: {off} {}", of.most[0]);
+                    }
+                }
+                assert!(least <= mean[1] && mean[0] <= most, "{rect:?}: {mean:?} of {least} to {most}");
+            }
+        }
+        assert!(smooth > 5 * kinked && kinked > 20, "{smooth} {kinked}");
+    }
+}

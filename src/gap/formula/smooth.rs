@@ -110,9 +110,9 @@ fn start(steps: &[Step]) -> usize {
 /// What the operand at the end is the square of: of a power, of a multiple of one, of hypot(a, b) where it is a^2 + b^2.
 fn root(steps: &[Step]) -> Option<Vec<Step>> {
     let (last, before) = steps.split_last()?;
-    let times = |of: &[Step], factor: f64, by: Two| {
+    let times = |of: Option<Vec<Step>>, factor: f64, by: Two| {
         let constant = [Op::Constant(factor), Op::One(One::Sqrt), Op::Two(by)].map(Step::Plain);
-        (factor > 0.0).then(|| root(of)).flatten().map(|of| [of, constant.to_vec()].concat())
+        of.filter(|_| factor > 0.0).map(|of| [of, constant.to_vec()].concat())
     };
     let operand = &before[start(before)..];
     match *last {
@@ -127,8 +127,14 @@ fn root(steps: &[Step]) -> Option<Vec<Step>> {
             match (f, first, operand) {
                 (Two::Add, a, b) => Some([root(a)?, root(b)?, vec![HYPOT]].concat()),
                 (Two::Multiply, a, b) if a == b => Some(a.to_vec()),
-                (Two::Multiply | Two::Divide, a, &[Step::Plain(Op::Constant(c))]) => times(a, c, f),
-                (Two::Multiply, &[Step::Plain(Op::Constant(c))], b) => times(b, c, f),
+                (Two::Multiply | Two::Divide, a, &[Step::Plain(Op::Constant(c))]) => times(root(a), c, f),
+                (Two::Multiply, &[Step::Plain(Op::Constant(c))], b) => times(root(b), c, f),
+                // c u u, from the left.
+                (
+                    Two::Multiply,
+                    &[Step::Plain(Op::Constant(c)), ref of @ .., Step::Plain(Op::Two(Two::Multiply))],
+                    b,
+                ) if of == b => times(Some(b.to_vec()), c, f),
                 _ => None,
             }
         }
@@ -267,6 +273,32 @@ mod tests {
                         assert!(bounds.lo - room <= d && d <= bounds.hi + room, "{text} at {x} {y}: {d} {bounds:?}");
                     }
                     let own = gap.gradient(x, y).unwrap();
+                    (0..2).for_each(|m| assert!(slopes[m].lo <= own[m] && own[m] <= slopes[m].hi, "{text} at {x} {y}"));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn roots_of_sums_of_squares_are_no_steeper_than_what_is_squared() {
+        for text in [
+            "0.5*hypot(x, 2*y)",
+            "sqrt(x^2 + 4*y^2)",
+            "sqrt(x^2/9 + abs(y)^2) + x^2",
+            "sqrt(2*x*x + (x - y)^4 + y^2)",
+            "0.1*sqrt(3*(x + y)^2)",
+        ] {
+            let gap = Formula::new(text).unwrap();
+            for (c, half) in [([0.0; 2], [0.1, 0.07]), ([0.05, -0.03], [0.06, 0.05]), ([0.4, 0.3], [0.02, 0.03])] {
+                let rect = Rect::around(c, half);
+                let slopes = gap.slopes(&rect).unwrap_or_else(|| panic!("{text} at {c:?}"));
+                let [low, high] = gap.bounds(&rect, [0.0; 2]).unwrap();
+                assert!(slopes.into_iter().all(|s| s.magnitude() < 2.5), "{text}: {slopes:?}");
+                for k in 0..400 {
+                    let at = |m: usize, n: usize| c[m] + half[m] * ((n as f64 + 0.5) / 10.0 - 1.0);
+                    let (x, y) = (at(0, k % 20), at(1, k / 20));
+                    assert!(low <= gap.gap(x, y) && gap.gap(x, y) <= high, "{text} at {x} {y}");
+                    let Some(own) = gap.gradient(x, y) else { continue };
                     (0..2).for_each(|m| assert!(slopes[m].lo <= own[m] && own[m] <= slopes[m].hi, "{text} at {x} {y}"));
                 }
             }
