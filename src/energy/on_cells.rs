@@ -119,7 +119,7 @@ impl<'a> OnCells<'a> {
 
     /// The same around the cell that a rectangle lies in.
     fn of_parts<T>(&self, rect: &Rect, look: impl FnOnce(&GapOverlap) -> T) -> T {
-        match self.around(rect) {
+        match self.simpler.as_ref().and_then(|_| self.around(rect)) {
             Some((at, _)) => self.of_parts_within(at, look),
             None => look(self.overlap),
         }

@@ -31,6 +31,11 @@ pub(super) struct Norms {
 }
 
 impl Norms {
+    /// Where no bound is known: of the cells as far as they were worked out.
+    fn unbounded(cells: Vec<[f64; 2]>) -> Self {
+        Self { gradient: f64::INFINITY, value: f64::INFINITY, cells }
+    }
+
     /// Bound of a(w, w) <= |w| |grad w|/2.
     pub fn energy(&self) -> f64 {
         0.5 * (self.gradient * self.value).sqrt() * (1.0 + 1e-14)
@@ -205,7 +210,7 @@ impl Residual<'_> {
         let end = shape.map(|n| (n + RING) as isize);
         for j in first[1]..end[1] {
             if !self.overlap.has_time() {
-                return Norms { gradient: f64::INFINITY, value: f64::INFINITY, cells };
+                return Norms::unbounded(cells);
             }
             let mut i = first[0];
             while i < end[0] {
@@ -217,7 +222,7 @@ impl Residual<'_> {
                 let mut deepest = dips.is_some().then_some([f64::INFINITY; LANES]);
                 let (found, _) = self.lanes(set, i, j, lanes, &mut room, deepest.as_mut());
                 if !found.as_flattened().iter().all(|v| v.is_finite()) {
-                    return Norms { gradient: f64::INFINITY, value: f64::INFINITY, cells };
+                    return Norms::unbounded(cells);
                 }
                 if let (Some(dips), Some(deepest)) = (&mut dips, deepest) {
                     for (k, dip) in

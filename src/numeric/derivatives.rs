@@ -146,8 +146,7 @@ impl Real for Interval {
             return Self::EMPTY;
         }
         let all = Self::new(if self.lo >= 0.0 { 0.0 } else { -1.0 }, if self.hi <= 0.0 { 0.0 } else { 1.0 });
-        let share = if r.lo > 0.0 { (self / r).intersection(all) } else { all };
-        Self { defined: self.defined && r.defined, ..share }
+        Self { defined: self.defined && r.defined, ..self.quotient_within(r, all) }
     }
 
     fn atan2(self, other: Self) -> Self {

@@ -142,17 +142,14 @@ fn root(steps: &[Step]) -> Option<Vec<Step>> {
     }
 }
 
-/// How many steps at the end make a power of the distance from the origin, and which: r, hypot(x, y), sqrt(x^2 + y^2), x^2 + y^2.
+/// How many steps at the end make a power of the distance from the origin, and which: r, hypot(x, y) (sqrt(x^2 + y^2) is one by then),
+/// x^2 + y^2.
 fn distance(steps: &[Step]) -> Option<(usize, f64)> {
     let [x, y] = [0, 1].map(|k| Step::Plain(Op::Variable(k)));
     let two = Step::Plain(Op::Whole(2));
-    let (add, root) = (Step::Plain(Op::Two(Two::Add)), Step::Plain(Op::One(One::Sqrt)));
-    let ways: [(&[Step], f64); 4] = [
-        (&[Step::Plain(Op::Variable(R))], 1.0),
-        (&[x, y, Step::Plain(Op::Two(Two::Hypot))], 1.0),
-        (&[x, two, y, two, add, root], 1.0),
-        (&[x, two, y, two, add], 2.0),
-    ];
+    let add = Step::Plain(Op::Two(Two::Add));
+    let ways: [(&[Step], f64); 3] =
+        [(&[Step::Plain(Op::Variable(R))], 1.0), (&[x, y, HYPOT], 1.0), (&[x, two, y, two, add], 2.0)];
     ways.into_iter().find(|(way, _)| steps.ends_with(way)).map(|(way, times)| (way.len(), times))
 }
 
@@ -193,10 +190,7 @@ fn radial([x, y]: [Interval; 2], p: f64) -> (Interval, [Interval; 2], Interval, 
     let r = x.hypot(y);
     let factor = Interval::point(p) * power(r, p - 2.0);
     let square = r.powi(2);
-    let share = |of: Interval, low: f64, high: f64| {
-        let all = Interval::new(low, high);
-        if square.lo > 0.0 { (of / square).intersection(all) } else { all }
-    };
+    let share = |of: Interval, low: f64, high: f64| of.quotient_within(square, Interval::new(low, high));
     let shares = [share(x.powi(2), 0.0, 1.0), share(x * y, -0.5, 0.5), share(y.powi(2), 0.0, 1.0)];
     (power(r, p), [factor * x, factor * y], factor, shares)
 }
@@ -239,6 +233,18 @@ mod tests {
     use crate::numeric::Interval;
     use crate::numeric::geometry::Rect;
 
+    /// Centres and half sides: about the origin, with it, away from it.
+    const RECTANGLES: [([f64; 2], [f64; 2]); 3] =
+        [([0.0; 2], [0.1, 0.07]), ([0.05, -0.03], [0.06, 0.05]), ([0.4, 0.3], [0.02, 0.03])];
+
+    /// 20 x 20 points of a rectangle.
+    fn points(c: [f64; 2], half: [f64; 2]) -> impl Iterator<Item = [f64; 2]> {
+        (0..400).map(move |k| {
+            let at = |m: usize, n: usize| c[m] + half[m] * ((n as f64 + 0.5) / 10.0 - 1.0);
+            [at(0, k % 20), at(1, k / 20)]
+        })
+    }
+
     #[test]
     fn second_derivatives_hold_where_a_distance_or_a_size_is_zero() {
         for text in [
@@ -250,14 +256,12 @@ mod tests {
             "(x^2 + y^2)^1.5 + x^2",
         ] {
             let gap = Formula::new(text).unwrap();
-            for (c, half) in [([0.0; 2], [0.1, 0.07]), ([0.05, -0.03], [0.06, 0.05]), ([0.4, 0.3], [0.02, 0.03])] {
+            for (c, half) in RECTANGLES {
                 let rect = Rect::around(c, half);
                 let taylor = gap.taylor(&rect).unwrap_or_else(|| panic!("{text} at {c:?}"));
                 let slopes = taylor.slopes(rect.size());
                 let [low, high] = taylor.bounds(rect.size(), [0.0; 2]);
-                for k in 0..400 {
-                    let at = |m: usize, n: usize| c[m] + half[m] * ((n as f64 + 0.5) / 10.0 - 1.0);
-                    let (x, y) = (at(0, k % 20), at(1, k / 20));
+                for [x, y] in points(c, half) {
                     let g = gap.gap(x, y);
                     assert!(low <= g && g <= high, "{text} at {x} {y}");
                     let h = 1e-4;
@@ -289,14 +293,12 @@ mod tests {
             "0.1*sqrt(3*(x + y)^2)",
         ] {
             let gap = Formula::new(text).unwrap();
-            for (c, half) in [([0.0; 2], [0.1, 0.07]), ([0.05, -0.03], [0.06, 0.05]), ([0.4, 0.3], [0.02, 0.03])] {
+            for (c, half) in RECTANGLES {
                 let rect = Rect::around(c, half);
                 let slopes = gap.slopes(&rect).unwrap_or_else(|| panic!("{text} at {c:?}"));
                 let [low, high] = gap.bounds(&rect, [0.0; 2]).unwrap();
                 assert!(slopes.into_iter().all(|s| s.magnitude() < 2.5), "{text}: {slopes:?}");
-                for k in 0..400 {
-                    let at = |m: usize, n: usize| c[m] + half[m] * ((n as f64 + 0.5) / 10.0 - 1.0);
-                    let (x, y) = (at(0, k % 20), at(1, k / 20));
+                for [x, y] in points(c, half) {
                     assert!(low <= gap.gap(x, y) && gap.gap(x, y) <= high, "{text} at {x} {y}");
                     let Some(own) = gap.gradient(x, y) else { continue };
                     (0..2).for_each(|m| assert!(slopes[m].lo <= own[m] && own[m] <= slopes[m].hi, "{text} at {x} {y}"));

@@ -91,6 +91,11 @@ impl Interval {
         Self { lo: self.lo.max(other.lo), hi: self.hi.min(other.hi), defined: self.defined || other.defined }
     }
 
+    /// a/b for b >= 0, known to lie in `all` wherever it has a value.
+    pub(crate) fn quotient_within(self, b: Self, all: Self) -> Self {
+        if b.lo > 0.0 { (self / b).intersection(all) } else { all }
+    }
+
     /// With ends one float further out. An end that overflowed leaves the value undefined.
     fn outward(lo: f64, hi: f64, defined: bool) -> Self {
         if lo.is_nan() || hi.is_nan() {
