@@ -92,7 +92,8 @@ impl Interval {
     }
 
     /// a/b for b >= 0, known to lie in `all` wherever it has a value.
-    pub(crate) fn quotient_within(self, b: Self, all: Self) -> Self {
+    #[must_use]
+    pub fn quotient_within(self, b: Self, all: Self) -> Self {
         if b.lo > 0.0 { (self / b).intersection(all) } else { all }
     }
 
