@@ -1,15 +1,23 @@
 //! A contact of a body of revolution on a disc: whether it is one, its pressure, its energy; D and d as in [`super::sneddon`].
 
 use std::f64::consts::PI;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use super::Revolution;
 use super::generatrix::Generatrix;
+use super::interpolated::Interpolated;
 use crate::numeric::quadrature::{adaptive, from_zero};
 use crate::numeric::scalar::maximum;
 
 /// Points at which the conditions of a disc are looked at.
 const LOOKS: usize = 96;
+
+/// Radii at which the largest pressure is looked for, and halvings of the first of them around the axis.
+const PEAK_LOOKS: usize = 24;
+const PEAK_HALVINGS: i32 = 8;
+
+/// What pressures around the axis may differ by from that on it.
+const PEAK_ROUNDING: f64 = 1e-10;
 
 /// A contact of a body of revolution on a disc, if it is one.
 #[derive(Debug)]
@@ -20,9 +28,20 @@ pub(super) struct DiscContact {
     pub depth: f64,
     /// d - D(a): not zero only where the rim is sharp.
     pub edge: f64,
+    /// D within the contact, once a pressure was asked for: each takes hundreds of its values.
+    within: OnceLock<Interpolated>,
 }
 
 impl DiscContact {
+    pub fn new(generatrix: Arc<Generatrix>, a: f64, depth: f64, edge: f64) -> Self {
+        Self { generatrix, a, depth, edge, within: OnceLock::new() }
+    }
+
+    fn within(&self) -> &Interpolated {
+        let g = &self.generatrix;
+        self.within.get_or_init(|| Interpolated::new(|s| g.abel(s).value, &g.kinks, self.a, 0.1 * g.tolerance()))
+    }
+
     /// Why the contact is not a disc, if it is not.
     pub fn is_disc(&self) -> Result<(), String> {
         let (g, a, d) = (&self.generatrix, self.a, self.depth);
@@ -79,7 +98,8 @@ impl DiscContact {
         Ok(())
     }
 
-    /// p/E* without a second derivative, s^2 = r^2 + w^2, W^2 = a^2 - r^2:
+    /// p/E* with s^2 = r^2 + w^2, W^2 = a^2 - r^2: by the slope of what interpolates D,
+    /// p = (E*/pi) [(d - D(a))/W + int_0^W D'(s)/s dw], and where nothing does without it,
     /// p = (E*/pi) [(d - D(r))/W + int_0^W (D(s) - D(r))/w^2 dw].
     fn pressure_to(&self, r: f64, tolerance: f64) -> f64 {
         let (g, a) = (&self.generatrix, self.a);
@@ -87,24 +107,35 @@ impl DiscContact {
         if width == 0.0 {
             return if self.edge > 0.0 { f64::INFINITY } else { 0.0 };
         }
-        let here = if r > 0.0 { g.abel(r).value } else { 0.0 };
-        let share = |w: f64| (g.abel(r.hypot(w)).value - here) / w / w;
-        let breaks: Vec<f64> =
-            g.kinks.iter().filter(|&&b| b > r && b < a).map(|b| ((b - r) * (b + r)).sqrt()).chain([r]).collect();
+        let within = self.within();
+        let (at_rim, integral) = if within.covers_from(r, a) {
+            let share = |w: f64| within.slope_over_radius(r.hypot(w)).unwrap_or(f64::NAN);
+            (self.edge, self.across(r, width, share, tolerance))
+        } else {
+            let here = if r > 0.0 { g.abel(r).value } else { 0.0 };
+            let share = |w: f64| (g.abel(r.hypot(w)).value - here) / w / w;
+            (self.depth - here, self.across(r, width, share, tolerance))
+        };
+        (at_rim / width + integral) / PI
+    }
+
+    /// int_0^W of a share of the pressure, smooth but for the kinks.
+    fn across(&self, r: f64, width: f64, share: impl Fn(f64) -> f64, tolerance: f64) -> f64 {
+        let (g, a) = (&self.generatrix, self.a);
+        let breaks = g.kinks.iter().filter(|&&b| b > r && b < a).map(|b| ((b - r) * (b + r)).sqrt()).chain([r]);
         // Past a kink b, D goes like (s - b)^(1/2): smooth in v, w = w_b + v^2.
         let past = |from: f64, to: f64| {
             adaptive(|v| 2.0 * v * share(from + v * v), 0.0, (to - from).sqrt(), &[], tolerance).value
         };
-        let mut ends: Vec<f64> = breaks.into_iter().filter(|&b| b > 0.0 && b < width).chain([width]).collect();
+        let mut ends: Vec<f64> = breaks.filter(|&b| b > 0.0 && b < width).chain([width]).collect();
         ends.sort_by(f64::total_cmp);
         let first = ends[0];
         let inner = if r > 0.0 {
-            adaptive(share, 0.0, first, &[], tolerance).value
+            adaptive(&share, 0.0, first, &[], tolerance).value
         } else {
-            from_zero(share, first, 0.1 * tolerance).value
+            from_zero(&share, first, 0.1 * tolerance).value
         };
-        let integral = inner + ends.windows(2).map(|pair| past(pair[0], pair[1])).sum::<f64>();
-        (((self.depth - here) / width) + integral) / PI
+        inner + ends.windows(2).map(|pair| past(pair[0], pair[1])).sum::<f64>()
     }
 }
 
@@ -148,6 +179,19 @@ impl Revolution for DiscContact {
         if sharp_tip || g.kinks.iter().filter(|&&b| b < a).any(corner) {
             return None;
         }
-        Some(maximum(|r| self.pressure(r), 0.0, a, 24).value)
+        // Roughly where, then how much.
+        let at = |k: usize| a * k as f64 / PEAK_LOOKS as f64;
+        let rough: Vec<f64> = (0..=PEAK_LOOKS).map(|k| self.rough_pressure(at(k))).collect();
+        let highest = (0..=PEAK_LOOKS).max_by(|&k, &m| rough[k].total_cmp(&rough[m])).unwrap_or(0);
+        if highest == 0 {
+            let on_axis = self.pressure(0.0);
+            let around = (0..PEAK_HALVINGS).map(|k| self.pressure(at(1) * 0.5f64.powi(k))).fold(on_axis, f64::max);
+            // Around a smooth top values differ by rounding only.
+            if around <= on_axis * (1.0 + PEAK_ROUNDING) {
+                return Some(around);
+            }
+        }
+        let ends = [highest.saturating_sub(2), (highest + 2).min(PEAK_LOOKS)];
+        Some(maximum(|r| self.pressure(r), at(ends[0]), at(ends[1]), ends[1] - ends[0]).value)
     }
 }

@@ -40,7 +40,7 @@ impl fmt::Debug for Generatrix {
 
 impl Generatrix {
     /// Rounding of the integrands: by slope, and by gap with its cancellation.
-    fn tolerance(&self) -> f64 {
+    pub(super) fn tolerance(&self) -> f64 {
         if self.by_slope { 1e-13 } else { 1e-12 }
     }
 

@@ -16,6 +16,7 @@ pub(crate) mod drawn;
 mod flat_punch;
 mod generatrix;
 mod hertz;
+mod interpolated;
 mod power;
 pub(crate) mod select;
 mod sneddon;

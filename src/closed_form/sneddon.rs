@@ -179,8 +179,7 @@ impl Sneddon {
             if !(d.is_finite() && d > 0.0 && force.is_finite() && force > 0.0) {
                 continue;
             }
-            let contact =
-                DiscContact { generatrix: Arc::clone(g), a, depth: d, edge: if a < g.radius { 0.0 } else { excess } };
+            let contact = DiscContact::new(Arc::clone(g), a, d, if a < g.radius { 0.0 } else { excess });
             if let Err(reason) = contact.is_disc() {
                 refused = Some(reason);
                 continue;

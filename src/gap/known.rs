@@ -318,6 +318,28 @@ impl Face {
         let form = Quadratic { about: self.at, value: self.value, gradient: self.slope, hessian: [0.0; 3] };
         Crown { outline: self.outline.clone(), at: self.at, turn: self.turn, form }
     }
+
+    /// Where it is lowest, and the gap there: the point of the outline farthest down the slope.
+    pub(crate) fn lowest(&self) -> ([f64; 2], f64) {
+        let ([sx, sy], (sin, cos)) = (self.slope, self.turn.sin_cos());
+        let [u, v] = [cos * sx + sin * sy, cos * sy - sin * sx];
+        let (p, fall) = match self.outline.semi_axes() {
+            Some([a, b]) => {
+                let fall = (a * u).hypot(b * v);
+                let at =
+                    |semi_axis: f64, slope: f64| if fall > 0.0 { -semi_axis * (semi_axis * slope / fall) } else { 0.0 };
+                ([at(a, u), at(b, v)], -fall)
+            }
+            None => {
+                let along = |p: &[f64; 2]| u * p[0] + v * p[1];
+                let lower = |p: &&[f64; 2], q: &&[f64; 2]| along(p).total_cmp(&along(q));
+                let corner = self.outline.corners().iter().min_by(lower).copied().unwrap_or_default();
+                (corner, along(&corner))
+            }
+        };
+        let at = [self.at[0] + cos * p[0] - sin * p[1], self.at[1] + sin * p[0] + cos * p[1]];
+        (at, self.value + fall)
+    }
 }
 
 /// A polynomial of second degree inside an outline, no material outside.

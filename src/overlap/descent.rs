@@ -1,6 +1,6 @@
 //! Descent to a low point of a gap. What it finds is sampled: a start, a unit of depth, the depth of first touch as far as is seen.
 
-use crate::gap::{AnyGap, Gap, Reach, enclosure};
+use crate::gap::{AnyGap, Face, Gap, Reach, enclosure};
 use crate::numeric::geometry::Rect;
 
 /// The point at this angle and distance.
@@ -78,6 +78,13 @@ fn searched(gap: &AnyGap) -> ([f64; 2], f64) {
     if own <= known.floor || known.law.is_some_and(|law| law.lowest == own && known.floor > f64::NEG_INFINITY) {
         return (centre, own);
     }
+    if let Some((at, low)) = known.face.as_ref().map(Face::lowest) {
+        // A hair inside the edge, where the point itself is rounded out of the material.
+        let inside = [0, 1].map(|m| at[m] + HAIR * (centre[m] - at[m]));
+        if let Some(at) = [at, inside].into_iter().find(|at| value(*at).is_finite()) {
+            return (at, low);
+        }
+    }
     let hole = !own.is_finite();
     let others = known.tips.iter().copied().chain(hole.then(|| somewhere(gap)).flatten()).map(|tip| (tip, value(tip)));
     let lower = |a: &([f64; 2], f64), b: &([f64; 2], f64)| a.1.total_cmp(&b.1);
@@ -108,6 +115,9 @@ fn rounding(gap: &AnyGap, at: [f64; 2]) -> f64 {
     let [low, high] = gap.bounds(&Rect { min: at, max: at }, [0.0; 2]).unwrap_or([0.0; 2]);
     if (high - low).is_finite() { 4.0 * (high - low) } else { 0.0 }
 }
+
+/// How far from the edge of a flat its lowest point may be said to be, over the distance from its centre.
+const HAIR: f64 = 1e-12;
 
 /// Descents, each from a place that is lower than the one before reached.
 const MOST_BASINS: usize = 16;
