@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use super::Found;
 use super::estimated::in_users_units;
-use super::strip::{Lines, interval};
+use super::strip::{Lines, interval, middle};
 use crate::edge_fitted::{Limits, oval};
 use crate::gap::{AnyGap, Gap};
 use crate::numeric::geometry::{Rect, farthest};
@@ -47,10 +47,15 @@ impl Strip {
         let farthest = farthest(&reach.corners(), centre);
         let strip = Self { gap, depth, units, centre, farthest };
         let at = |k: usize, rays: usize| FRAC_PI_2 * k as f64 / rays as f64;
-        let looks: Option<Vec<[f64; 2]>> = (0..=8).map(|k| strip.along(at(k, 8))).collect();
+        let looks: Option<Vec<[f64; 2]>> = (0..=8).map(|k| strip.along(at(k, 8), None)).collect();
         let slenderness = looks?.iter().map(|[a, b]| 0.5 * (a + b) / (b - a)).fold(0.0, f64::max);
         let count = ((OF_SLENDERNESS * slenderness) as usize / 8 * 8).clamp(RAYS[0], RAYS[1]);
-        let rays: Option<Vec<[f64; 2]>> = (0..=count).map(|k| strip.along(at(k, count))).collect();
+        let mut last = None;
+        let mut next = |k: usize| {
+            last = strip.along(at(k, count), last.map(middle));
+            last
+        };
+        let rays: Option<Vec<[f64; 2]>> = (0..=count).map(&mut next).collect();
         let rays = rays.filter(|rays| rays.iter().all(|[a, b]| b - a < WIDEST * (a + b)))?;
         let smooth = rays.iter().enumerate().step_by(count / 8).all(|(k, [a, b])| {
             let at = strip.on_ray(at(k, count), 0.5 * (a + b));
@@ -64,14 +69,14 @@ impl Strip {
         [self.centre[0] + r * cos, self.centre[1] + r * sin]
     }
 
-    /// Where along a ray the bodies overlap, if once.
-    fn along(&self, angle: f64) -> Option<[f64; 2]> {
+    /// Where along a ray the bodies overlap, if once: about `inside` if they do there.
+    fn along(&self, angle: f64, inside: Option<f64>) -> Option<[f64; 2]> {
         let gap = |r: f64| {
             let [x, y] = self.on_ray(angle, r);
             self.gap.gap(x, y)
         };
         let outside = 1.001 * self.farthest;
-        interval(gap, self.depth, [0.0, outside]).filter(|[a, b]| *a > 0.0 && *b < outside)
+        interval(gap, self.depth, [0.0, outside], inside).filter(|[a, b]| *a > 0.0 && *b < outside)
     }
 
     /// Whether the bodies overlap nowhere outside of the strip, with its room.
@@ -92,7 +97,7 @@ impl Strip {
 
     pub(super) fn solve(&self, contact: &Contact, settings: &Settings, limits: &Limits) -> Option<Found> {
         let overlap = |[x, y]: [f64; 2]| self.depth - self.gap.gap(x + self.centre[0], y + self.centre[1]);
-        let found = oval(&overlap, &|angle| self.along(angle), limits)?;
+        let found = oval(&overlap, &|angle| self.along(angle, None), limits)?;
         let units = Units { origin: self.units.outward(self.centre), ..self.units };
         Some(Found {
             how: format!("the gap is {}", self.found()),

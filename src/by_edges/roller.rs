@@ -2,7 +2,7 @@
 
 use super::Found;
 use super::estimated::in_users_units;
-use super::strip::{Lines, interval};
+use super::strip::{Lines, interval, middle};
 use crate::edge_fitted::{self, Limits, mirrors, roller};
 use crate::gap::{AnyGap, Gap};
 use crate::numeric::geometry::{Rect, area, centroid};
@@ -21,6 +21,8 @@ pub(crate) struct Roller {
     sides: [f64; 2],
     /// Which sides the bodies overlap up to, all along.
     full: [bool; 2],
+    /// The middle across of the line in the middle.
+    inside: f64,
     /// Mirrors in lines across (u) and along (v), and where these cross.
     mirrors: [bool; 2],
     centre: [f64; 2],
@@ -68,7 +70,7 @@ impl Roller {
             let mirrors = [known.mirrors[across], known.mirrors[along]];
             let centre = inward(along, &Rect::around(units.inward(known.centre), [0.0; 2])).min;
             let gap = gap.clone();
-            let strip = Self { gap, depth, units, along, ends, sides, full: [false; 2], mirrors, centre };
+            let strip = Self { gap, depth, units, along, ends, sides, full: [false; 2], inside: 0.0, mirrors, centre };
             strip.checked(&reach)
         })
     }
@@ -77,19 +79,25 @@ impl Roller {
         if self.along == 1 { [u, v] } else { [v, -u] }
     }
 
-    /// Where the bodies overlap across.
-    fn across(&self, v: f64) -> Option<[f64; 2]> {
+    /// Where the bodies overlap across, about `inside` if they do there.
+    fn across(&self, v: f64, inside: Option<f64>) -> Option<[f64; 2]> {
         let gap = |u: f64| {
             let [x, y] = self.outward([u, v]);
             self.gap.gap(x, y)
         };
-        interval(gap, self.depth, self.sides)
+        interval(gap, self.depth, self.sides, inside)
     }
 
     /// With what its overlap does at the sides, the same all along, and nowhere else than in the strip.
     fn checked(self, reach: &Rect) -> Option<Self> {
         let at = |k: usize| self.ends[0] + (self.ends[1] - self.ends[0]) * k as f64 / LINES as f64;
-        let lines = (0..=LINES).map(|k| self.across(at(k))).collect::<Option<Vec<[f64; 2]>>>()?;
+        let mut last = None;
+        let mut next = |k: usize| {
+            last = self.across(at(k), last.map(middle));
+            last
+        };
+        let lines = (0..=LINES).map(&mut next).collect::<Option<Vec<[f64; 2]>>>()?;
+        let inside = middle(lines[LINES / 2]);
         let full = [0, 1].map(|m| lines.iter().all(|line| line[m] == self.sides[m]));
         let lines = Lines(lines);
         let share = |v: f64| (v - self.ends[0]) / (self.ends[1] - self.ends[0]);
@@ -97,7 +105,7 @@ impl Roller {
             let Rect { min, max } = inward(self.along, own);
             lines.hold([share(min[1]), share(max[1])], [min[0], max[0]])
         });
-        only.then_some(Self { full, ..self })
+        only.then_some(Self { full, inside, ..self })
     }
 
     pub fn found(&self) -> String {
@@ -110,7 +118,7 @@ impl Roller {
             self.depth - self.gap.gap(x, y)
         };
         let group = mirrors(self.centre, self.mirrors);
-        let across = |v: f64| self.across(v);
+        let across = |v: f64| self.across(v, Some(self.inside));
         let with = |moves: [bool; 2]| {
             let strip = edge_fitted::Roller { overlap: &across, ends: self.ends, moves, group: group.clone() };
             roller(&overlap, &strip, limits)

@@ -2,7 +2,7 @@
 
 use crate::gap::{AnyGap, Gap};
 use crate::numeric::geometry::Rect;
-use crate::numeric::scalar::{bisected, maximum};
+use crate::numeric::scalar::{bisected, maximum, root};
 
 /// Points of a line at which the lowest gap is looked for.
 const LOOKS: usize = 48;
@@ -14,11 +14,30 @@ const ROOM: f64 = 0.3;
 const MOST_BOXES: usize = 200_000;
 const SMALLEST: f64 = 0.01;
 
-/// Where along a line, between two ends, the bodies overlap about the lowest gap.
-pub(super) fn interval(gap: impl Fn(f64) -> f64, depth: f64, [a, b]: [f64; 2]) -> Option<[f64; 2]> {
-    let lowest = maximum(|s| -gap(s), a, b, LOOKS).at;
-    let end = |last: f64| if gap(last) < depth { last } else { bisected(|s| gap(s) < depth, [lowest, last], 60)[0] };
-    (gap(lowest) < depth).then(|| [end(a), end(b)])
+/// Where along a line, between two ends, the bodies overlap about `inside`, if they overlap there, else about the lowest gap.
+pub(super) fn interval(
+    gap: impl Fn(f64) -> f64,
+    depth: f64,
+    [a, b]: [f64; 2],
+    inside: Option<f64>,
+) -> Option<[f64; 2]> {
+    let above = |s: f64| gap(s) - depth;
+    let inside = inside.filter(|s| above(*s) < 0.0).unwrap_or_else(|| maximum(|s| -gap(s), a, b, LOOKS).at);
+    let end = |last: f64| match above(last) {
+        there if there < 0.0 => last,
+        there if there.is_finite() => root(above, inside, last).map_or(last, |found| {
+            let [low, high] = found.bracket;
+            if last > inside { low } else { high }
+        }),
+        // No material there.
+        _ => bisected(|s| above(s) < 0.0, [inside, last], 60)[0],
+    };
+    (above(inside) < 0.0).then(|| [end(a), end(b)])
+}
+
+/// The middle of a line, where the next one is likely to be within the strip, too.
+pub(super) fn middle([a, b]: [f64; 2]) -> f64 {
+    0.5 * (a + b)
 }
 
 /// Where bodies overlap on lines across a strip, evenly from its beginning to its end.
