@@ -31,41 +31,36 @@ pub(super) fn bounds(
     trial: &Trial,
     sought: Sought,
 ) -> Result<[f64; 2], Missing> {
-    if trial.displacement_reaches() {
-        let found = by_trial(overlap, above_least, trial, true, sought);
-        if found != Err(Missing::Beyond) {
-            return found;
+    let cells = OnCells::new(overlap, trial.grid);
+    in_parts(overlap, &cells, trial.grid, |parts| {
+        let mut sought = sought;
+        if trial.displacement_reaches() {
+            let found = by_field(&cells, trial, true, parts, above_least, sought);
+            if found != Err(Missing::Beyond) {
+                return found;
+            }
+            // What is expected of the bounds is the same.
+            sought.is_judged = true;
         }
-    }
-    by_trial(overlap, above_least, trial, false, sought)
+        by_field(&cells, trial, false, parts, above_least, sought)
+    })
 }
 
-fn by_trial(
-    overlap: &GapOverlap,
-    above_least: f64,
+fn by_field(
+    cells: &OnCells,
     trial: &Trial,
     known: bool,
-    sought: Sought,
-) -> Result<[f64; 2], Missing> {
-    let cells = OnCells::new(overlap, trial.grid);
-    let (field, halves) = trial.field(&cells, known).ok_or(Missing::TooWide(f64::INFINITY))?;
-    let residual = Residual { field: &field, overlap: &cells, halves };
-    // Where the displacement is known everywhere a larger grid tells no more of what has no bound.
-    let unbounded = if known { Missing::Beyond } else { Missing::TooWide(f64::INFINITY) };
-    in_parts(overlap, &cells, trial.grid, |parts| by_parts(&residual, parts, above_least, sought, unbounded))
-}
-
-fn by_parts(
-    residual: &Residual,
     parts: &Parts,
     above_least: f64,
     sought: Sought,
-    unbounded: Missing,
 ) -> Result<[f64; 2], Missing> {
+    let (field, halves) = trial.field(cells, known).ok_or(Missing::TooWide(f64::INFINITY))?;
+    let residual = &Residual { field: &field, overlap: cells, halves };
+    // Where the displacement is known everywhere a larger grid tells no more of what has no bound.
+    let unbounded = if known { Missing::Beyond } else { Missing::TooWide(f64::INFINITY) };
     let enough = sought.enough;
-    let Residual { field, halves, .. } = *residual;
     let pressed = &residual.pressed();
-    if enough > 0.0 {
+    if enough > 0.0 && !sought.is_judged {
         let rough = is_rough(residual, pressed).then_some(f64::INFINITY);
         if let Some(times) = rough.or_else(|| seen_beyond_hope(residual, pressed, parts, sought)) {
             return Err(Missing::TooWide(times));
@@ -100,7 +95,7 @@ fn by_parts(
         return Err(unbounded);
     }
     let force = 2.5 * below / above_least;
-    let cut = Cut::around(field, touch, halves);
+    let cut = Cut::around(&field, touch, halves);
     let contact = Contact { residual, parts, pressed, means, cut, below, open, gamma, touch, ring };
     let found = contact.bounds(&virial, above_least, enough * force);
     found.filter(|[low, high]| low <= high).ok_or(unbounded)

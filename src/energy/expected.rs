@@ -13,11 +13,13 @@ pub(super) struct Sought {
     pub enough: f64,
     /// How many times as wide they may be expected to be and still be worked out.
     pub hope: f64,
+    /// Whether that has been judged by some of the cells.
+    pub is_judged: bool,
 }
 
 impl Sought {
     /// As narrow as the pressure proves.
-    pub const NARROWEST: Self = Self { enough: 0.0, hope: f64::INFINITY };
+    pub const NARROWEST: Self = Self { enough: 0.0, hope: f64::INFINITY, is_judged: false };
 
     /// How many times too wide bounds are expected to be, where that is too much to work them out.
     pub fn beyond_hope(self, times: f64) -> Option<f64> {

@@ -63,7 +63,7 @@ pub(crate) struct Wanted {
 impl Wanted {
     /// Within a tolerance; where they are expected to be `hope` times as wide, none are worked out.
     pub fn within(tolerance: f64, hope: f64) -> Self {
-        Self { sought: Sought { enough: tolerance, hope }, open: OPEN * tolerance }
+        Self { sought: Sought { enough: tolerance, hope, is_judged: false }, open: OPEN * tolerance }
     }
 
     /// As narrow as the pressure proves, however long that takes, but for a share of `tolerance`.

@@ -93,8 +93,19 @@ pub(crate) fn as_far_as(
         };
         (degree, ends)
     });
-    let refinement =
-        Refinement { scaled, settings, method, law, finest, window, forces, energies, times: None, spent: (0, 0) };
+    let refinement = Refinement {
+        scaled,
+        settings,
+        method,
+        law,
+        finest,
+        window,
+        forces,
+        energies,
+        times: None,
+        expected: None,
+        spent: (0, 0),
+    };
     let best = match settings.cells {
         Some(cells) => refinement.prescribed(cells)?,
         None => refinement.adaptive()?,
@@ -124,6 +135,8 @@ struct Refinement<'a> {
     energies: Vec<f64>,
     /// Cells along a side of the last grid that had bounds, and how many times too wide those were.
     times: Option<(usize, f64)>,
+    /// The same of the last grid whose bounds were not worked out: how many times too wide they were expected to be.
+    expected: Option<(usize, f64)>,
     /// Iterations and products of all grids so far.
     spent: (usize, usize),
 }
@@ -285,7 +298,7 @@ impl Refinement<'_> {
         let mut alone = found.error.max(short).max((found.state.force() - found.force).abs());
         loop {
             if next.is_none() {
-                let (times, order) = match self.proved(&found.state, hope(cells)) {
+                let (times, order) = match self.bounds_within(&found.state, cells, hope(cells)) {
                     Some(Ok(bounds)) => {
                         found = found.bounded_by(bounds, tolerance);
                         let times = (bounds[1] - bounds[0]) / (tolerance * (bounds[1] + bounds[0]));
@@ -313,6 +326,19 @@ impl Refinement<'_> {
             };
             found = found.on_finer(state, lawful);
         }
+    }
+
+    /// [`Refinement::proved`], unless what was expected of a coarser grid leaves no hope of this one.
+    fn bounds_within(&mut self, state: &GridState, cells: usize, hope: f64) -> Option<Result<[f64; 2], NoBounds>> {
+        let narrowed = |(n, times): (usize, f64)| times * (n as f64 / cells as f64).powf(ORDERS_OF_BOUNDS[1]);
+        if let Some(times) = self.expected.map(narrowed).filter(|times| *times > hope) {
+            return Some(Err(NoBounds { times }));
+        }
+        let found = self.proved(state, hope);
+        if let Some(Err(NoBounds { times })) = &found {
+            self.expected = Some((cells, *times)).filter(|_| times.is_finite());
+        }
+        found
     }
 
     /// The order that bounds are seen to narrow with from grid to grid.
