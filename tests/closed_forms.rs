@@ -164,6 +164,22 @@ fn flat_ended_cone() {
     assert_relative_eq!(by_slope.at_depth(1e-12).unwrap().force, 2e-12, max_relative = 1e-11);
 }
 
+/// By quadrature as by formula, to the sides of a corner where the pressure has no bound.
+#[test]
+fn pressures_beside_a_corner() {
+    let slope = |r: f64| if r < 1.0 { 0.0 } else { 1.0 };
+    let by_slope = Sneddon::new(unit(), slope, &[1.0], f64::INFINITY).unwrap();
+    for depth in [0.05, 0.4, 3.0] {
+        let exact = FlatEndedCone::new(unit(), 1.0, 1.0).unwrap().at_depth(depth).unwrap();
+        let found = by_slope.at_depth(depth).unwrap();
+        let rim = exact.patch.semi_axes[0];
+        let within = [1.0, 0.9, 0.5, 1e-2, 1e-4, 1e-6, 1e-8, 1e-10].map(|h| 1.0 - h);
+        for r in within.into_iter().chain([1.0001, 1.01, 0.5 * (1.0 + rim)]).filter(|r| *r < rim) {
+            assert_relative_eq!(found.pressure(r, 0.0), exact.pressure(r, 0.0), max_relative = 1e-9);
+        }
+    }
+}
+
 #[test]
 fn rounded_cone() {
     let cone = RoundedCone::new(unit(), 1.0, 1.0).unwrap();

@@ -109,34 +109,51 @@ impl DiscContact {
         }
         let within = self.within();
         let (at_rim, integral) = if within.covers_from(r, a) {
-            let share = |w: f64| within.slope_over_radius(r.hypot(w)).unwrap_or(f64::NAN);
+            let share = |place: Place| {
+                let from =
+                    |b: f64| if b == place.kink { place.past } else { (place.w.powi(2) + (r - b) * (r + b)).sqrt() };
+                within.slope_over_radius(r.hypot(place.w), from).unwrap_or(f64::NAN)
+            };
             (self.edge, self.across(r, width, share, tolerance))
         } else {
             let here = if r > 0.0 { g.abel(r).value } else { 0.0 };
-            let share = |w: f64| (g.abel(r.hypot(w)).value - here) / w / w;
+            let share = |Place { w, .. }: Place| (g.abel(r.hypot(w)).value - here) / w / w;
             (self.depth - here, self.across(r, width, share, tolerance))
         };
         (at_rim / width + integral) / PI
     }
 
     /// int_0^W of a share of the pressure, smooth but for the kinks.
-    fn across(&self, r: f64, width: f64, share: impl Fn(f64) -> f64, tolerance: f64) -> f64 {
+    fn across(&self, r: f64, width: f64, share: impl Fn(Place) -> f64, tolerance: f64) -> f64 {
         let (g, a) = (&self.generatrix, self.a);
-        let breaks = g.kinks.iter().filter(|&&b| b > r && b < a).map(|b| ((b - r) * (b + r)).sqrt()).chain([r]);
-        // Past a kink b, D goes like (s - b)^(1/2): smooth in v, w = w_b + v^2.
-        let past = |from: f64, to: f64| {
-            adaptive(|v| 2.0 * v * share(from + v * v), 0.0, (to - from).sqrt(), &[], tolerance).value
-        };
-        let mut ends: Vec<f64> = breaks.filter(|&b| b > 0.0 && b < width).chain([width]).collect();
-        ends.sort_by(f64::total_cmp);
-        let first = ends[0];
+        // Where w passes a kink, and which; r itself is none.
+        let kinks = g.kinks.iter().filter(|&&b| b > r && b < a).map(|&b| (((b - r) * (b + r)).sqrt(), b));
+        let mut ends: Vec<(f64, f64)> = kinks.chain([(r, 0.0)]).filter(|&(w, _)| w > 0.0 && w < width).collect();
+        ends.sort_by(|p, q| p.0.total_cmp(&q.0));
+        ends.push((width, 0.0));
+        let plain = |w: f64| share(Place { w, kink: 0.0, past: 0.0 });
+        let first = ends[0].0;
         let inner = if r > 0.0 {
-            adaptive(&share, 0.0, first, &[], tolerance).value
+            adaptive(plain, 0.0, first, &[], tolerance).value
         } else {
-            from_zero(&share, first, 0.1 * tolerance).value
+            from_zero(plain, first, 0.1 * tolerance).value
         };
-        inner + ends.windows(2).map(|pair| past(pair[0], pair[1])).sum::<f64>()
+        // Past a kink b, D goes like (s - b)^(1/2): smooth in v, w = w_b + v^2.
+        let past = |pair: &[(f64, f64)]| {
+            let ((from, kink), (to, _)) = (pair[0], pair[1]);
+            let at = |v: f64| Place { w: from + v * v, kink, past: v * (v * v + 2.0 * from).sqrt() };
+            adaptive(|v| 2.0 * v * share(at(v)), 0.0, (to - from).sqrt(), &[], tolerance).value
+        };
+        inner + ends.windows(2).map(past).sum::<f64>()
     }
+}
+
+/// A place w along the line on which a pressure is integrated, and past which kink b, (s^2 - b^2)^(1/2), to all its digits.
+#[derive(Clone, Copy)]
+struct Place {
+    w: f64,
+    kink: f64,
+    past: f64,
 }
 
 impl Revolution for DiscContact {
