@@ -25,10 +25,7 @@ pub(super) fn interval(
     let inside = inside.filter(|s| above(*s) < 0.0).unwrap_or_else(|| maximum(|s| -gap(s), a, b, LOOKS).at);
     let end = |last: f64| match above(last) {
         there if there < 0.0 => last,
-        there if there.is_finite() => root(above, inside, last).map_or(last, |found| {
-            let [low, high] = found.bracket;
-            if last > inside { low } else { high }
-        }),
+        there if there.is_finite() => root(above, inside, last).map_or(last, |found| found.at),
         // No material there.
         _ => bisected(|s| above(s) < 0.0, [inside, last], 60)[0],
     };
