@@ -158,6 +158,9 @@ const MORE: f64 = 1.03;
 /// that may touch, which have the orders 2 to 3 and 1 (1.45 is seen beside kinks, 1.6 to 2 without).
 const ORDERS_OF_BOUNDS: [f64; 2] = [1.0, 1.5];
 
+/// How many times as wide as there is hope for bounds are expected to be, from a coarser grid, that are not tried.
+const LEEWAY: f64 = 1.5;
+
 /// The same of a force by its energy: gamma is a square.
 const ORDER_OF_ENERGY: f64 = 2.0;
 
@@ -331,7 +334,7 @@ impl Refinement<'_> {
     /// [`Refinement::proved`], unless what was expected of a coarser grid leaves no hope of this one.
     fn bounds_within(&mut self, state: &GridState, cells: usize, hope: f64) -> Option<Result<[f64; 2], NoBounds>> {
         let narrowed = |(n, times): (usize, f64)| times * (n as f64 / cells as f64).powf(ORDERS_OF_BOUNDS[1]);
-        if let Some(times) = self.expected.map(narrowed).filter(|times| *times > hope) {
+        if let Some(times) = self.expected.map(narrowed).filter(|times| *times > LEEWAY * hope) {
             return Some(Err(NoBounds { times }));
         }
         let found = self.proved(state, hope);
