@@ -88,11 +88,11 @@ fn table(outcomes: &mut [Outcome]) -> String {
         times.sort_by(f64::total_cmp);
         let at = |share: f64| times[((times.len() as f64 * share) as usize).min(times.len() - 1)];
         let answered = of.iter().filter(|o| o.verdict == "solved").count();
-        let off = of.iter().filter_map(|o| o.off).fold(f64::NAN, f64::max);
+        let off = of.iter().filter_map(|o| o.off).reduce(f64::max).map_or("-".to_owned(), |off| format!("{off:.2}"));
         let rate = 100.0 * answered as f64 / of.len() as f64;
         let _ = writeln!(
             out,
-            "{name:16} {:5} {rate:9.1} % {:9.3} {:9.3} {:9.3}   {off:8.2}",
+            "{name:16} {:5} {rate:9.1} % {:9.3} {:9.3} {:9.3}   {off:>8}",
             of.len(),
             at(0.5),
             at(0.95),
@@ -277,26 +277,38 @@ fn turned(r: f64, angle: f64) -> [f64; 2] {
     [r * angle.cos(), r * angle.sin()]
 }
 
+/// Points of an ellipse.
+fn rim(semi_axes: [f64; 2]) -> Vec<[f64; 2]> {
+    (0..64).map(|k| turned(1.0, TAU * f64::from(k) / 64.0)).map(|[u, v]| [semi_axes[0] * u, semi_axes[1] * v]).collect()
+}
+
 fn tilted(lot: &mut Lot, length: f64) -> Parts {
-    let (outline, middle) = match lot.below(6) {
-        0 => (json!({"disc": length}), [0.0; 2]),
-        1 => (json!({"ellipse": [length, length * lot.between(0.2, 1.0)]}), [0.0; 2]),
+    // The corners, or some of the rim.
+    let (outline, corners) = match lot.below(6) {
+        0 => (json!({"disc": length}), rim([length; 2])),
+        1 => {
+            let semi_axes = [length, length * lot.between(0.2, 1.0)];
+            (json!({"ellipse": semi_axes}), rim(semi_axes))
+        }
         _ => {
             let corners = polygon(lot, length);
-            let n = corners.len() as f64;
-            let middle = [0, 1].map(|m| corners.iter().map(|c| c[m] / n).sum::<f64>());
-            (json!({"polygon": corners}), middle)
+            (json!({"polygon": corners}), corners)
         }
     };
     let gap = json!({"kind": "flat", "outline": outline});
-    let [u, v] = turned(1.0, TAU * lot.next());
+    let turn = lot.next();
+    let [u, v] = turned(1.0, TAU * turn);
     let loading = if lot.below(2) == 0 {
         let depth = length * lot.size(1e-6, 1e-3);
         let tilt = depth / length * lot.size(0.02, 3.0);
         json!({"depth": depth, "tilt": [tilt * u, tilt * v]})
     } else {
-        let off = length * lot.size(0.02, 0.4);
-        json!({"force": lot.size(1e-6, 1e-3), "through": [middle[0] + off * u, middle[1] + off * v]})
+        // Between the middle and a corner: a line of action beside the material has no equilibrium.
+        let (off, n) = (lot.size(0.03, 0.6), corners.len() as f64);
+        let middle = [0, 1].map(|m| corners.iter().map(|c| c[m] / n).sum::<f64>());
+        let corner = corners[(turn * n) as usize];
+        let through = [0, 1].map(|m| middle[m] + off * (corner[m] - middle[m]));
+        json!({"force": lot.size(1e-6, 1e-3), "through": through})
     };
     ("tilted flats", gap, loading, None)
 }

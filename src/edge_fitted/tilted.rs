@@ -60,6 +60,9 @@ pub(super) const ENOUGH: [f64; 2] = [4.5, 1.3];
 /// The mesh before the first one, where it lifts off, over that.
 pub(super) const BEFORE: f64 = 0.67;
 
+/// The least n of a mesh that only tells what a finer one leaves.
+const FEWEST: usize = 2;
+
 /// The least order that the error is taken to fall with.
 pub(super) const SLOWEST: f64 = 0.5;
 
@@ -131,6 +134,14 @@ pub(crate) fn tilted(outline: &Outline, given: Given, limits: &Limits) -> Option
         let Some(mut found) = found else { return best.map(|(_, best)| best) };
         if !found.proved {
             found.estimate(n, best.as_ref().map(|(n, best)| (*n, best)));
+            if best.is_none() && !fits(second(n) as usize, size) {
+                // No finer one can follow: a coarser one tells as well.
+                let coarser = ((BEFORE * n as f64).round() as usize).max(FEWEST);
+                let other = punch(coarser, FINE * size / coarser as f64);
+                if let Some(other) = other.and_then(|punch| punch.answer(given, outline, false)) {
+                    found.estimate(n, Some((coarser, &other)));
+                }
+            }
         }
         let width = found.width();
         // What cells at many corners leave falls more slowly.
