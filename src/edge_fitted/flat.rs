@@ -25,6 +25,22 @@ pub(super) fn usual_width(corners: usize) -> f64 {
     (0.08 + 1.6 / corners as f64).min(0.4)
 }
 
+/// Corners of outlines whose width differs from the usual one by more than a coarse mesh costs: stars.
+const UNUSUAL: std::ops::RangeInclusive<usize> = 9..=20;
+
+/// The n of that mesh, how much of its half width times n^3 a finer one has, and of n what it may be short of.
+const COARSE: usize = 2;
+const GROWN: f64 = 1.33;
+const SHORT_OF: f64 = 0.02;
+
+/// The n that is enough by the width of a coarse mesh.
+fn seen_enough(outline: &Outline, limits: &Limits) -> Option<f64> {
+    let fitted = outline.mesh(COARSE)?;
+    let [low, high] = Discretisation::new(fitted.mesh, &fitted.group, limits.deadline)?.stiffness()?.bounds;
+    let width = (high - low) / (high + low);
+    Some((COARSE as f64 * (GROWN * width / limits.tolerance).cbrt() - SHORT_OF).ceil())
+}
+
 /// CPU seconds below which the coarsest mesh comes first, so that there is an answer at all.
 const SHORT: f64 = 2.0;
 
@@ -34,8 +50,10 @@ fn first(outline: &Outline, limits: &Limits) -> usize {
         return COARSEST;
     }
     let fits = |n: &usize| outline.mesh(*n).is_some_and(|fitted| fitted.is_within(limits, 1));
-    let usual = usual_width(outline.corners().len());
-    let wanted = (usual / (2.0 * AIM * limits.tolerance)).cbrt().round().min(FINEST as f64) as usize;
+    let corners = outline.corners().len();
+    let seen = if UNUSUAL.contains(&corners) { seen_enough(outline, limits) } else { None };
+    let usual = || (usual_width(corners) / (2.0 * AIM * limits.tolerance)).cbrt().round();
+    let wanted = seen.unwrap_or_else(usual).min(FINEST as f64) as usize;
     (COARSEST..=wanted).rev().find(fits).unwrap_or(COARSEST)
 }
 
