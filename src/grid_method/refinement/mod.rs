@@ -151,7 +151,7 @@ enum Step {
 const FEWEST_BOUNDED: usize = 32;
 
 /// How many times as many cells along a side as an estimate takes a proof is worth, and how many more than the order asks for it is given.
-const FARTHEST: usize = 3;
+const FARTHEST: usize = 6;
 const MORE: f64 = 1.03;
 
 /// The least and the largest order with which bounds are expected to narrow, the latter where none is seen: roots of gamma and of the ring
