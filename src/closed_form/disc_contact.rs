@@ -12,6 +12,9 @@ use crate::numeric::scalar::maximum;
 /// Points at which the conditions of a disc are looked at.
 const LOOKS: usize = 96;
 
+/// Relative error of a pressure: the quadrature's tolerance and the slope of an interpolant; 2e-8 at most in 250 contacts drawn by lot.
+const PRESSURE: f64 = 3e-8;
+
 /// Radii at which the largest pressure is looked for, and halvings of the first of them around the axis.
 const PEAK_LOOKS: usize = 24;
 const PEAK_HALVINGS: i32 = 8;
@@ -157,7 +160,7 @@ struct Place {
 }
 
 impl Revolution for DiscContact {
-    /// About 1e-8 of the mean pressure.
+    /// To [`PRESSURE`] of the mean pressure.
     fn pressure(&self, r: f64) -> f64 {
         self.pressure_to(r, 1e-9)
     }
@@ -180,6 +183,10 @@ impl Revolution for DiscContact {
         };
         let sum = first + ends.windows(2).map(|pair| past(pair[0], pair[1])).sum::<f64>();
         d * (d / force * sum)
+    }
+
+    fn peak_error(&self) -> f64 {
+        PRESSURE
     }
 
     fn peak(&self) -> Option<f64> {

@@ -146,6 +146,9 @@ pub struct ClosedForm {
 /// Relative error of the forms that need no quadrature: a few roundings and a root to the last digit.
 const ROUNDING: f64 = 1e-14;
 
+/// Digits that a pressure has less than the force.
+const PEAK: f64 = 100.0;
+
 /// How the pressure varies over the patch, in the frame of its axes.
 #[derive(Debug, Clone)]
 enum Distribution {
@@ -169,6 +172,10 @@ trait Revolution: Debug + Send + Sync {
     fn energy_over_force(&self, force: f64) -> f64;
     /// The largest pressure; `None` when it is infinite.
     fn peak(&self) -> Option<f64>;
+    /// Relative error of that, besides what the force errs by.
+    fn peak_error(&self) -> f64 {
+        0.0
+    }
 }
 
 impl ClosedForm {
@@ -228,6 +235,16 @@ impl ClosedForm {
             Distribution::Punch { .. } => None,
             Distribution::Revolution(shape) => shape.peak().map(|p| self.e_star * p),
         }
+    }
+
+    /// Relative error of the largest pressure: digits that it, an integral next to a square root, has less than the force, and what its
+    /// own quadrature leaves.
+    pub(crate) fn max_pressure_error(&self) -> f64 {
+        let own = match &self.pressure {
+            Distribution::Revolution(shape) => shape.peak_error(),
+            Distribution::Hertz { .. } | Distribution::Punch { .. } => 0.0,
+        };
+        own.max(PEAK * self.error)
     }
 
     /// Force over area of the patch.

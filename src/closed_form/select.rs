@@ -283,7 +283,7 @@ pub(crate) fn solution(
         },
         pressure: PressureSummary {
             max: max.filter(|p| p.is_finite()),
-            max_error: max.filter(|p| p.is_finite()).map(|_| PEAK * form.error),
+            max_error: max.filter(|p| p.is_finite()).map(|_| form.max_pressure_error()),
             singular,
             mean: Some(form.mean_pressure()),
             at: Some(if singular == Some(Singular::Edge) { highest_at(&form) } else { ellipse.centre }),
@@ -309,9 +309,6 @@ pub(crate) fn solution(
     }
     Ok(solution)
 }
-
-/// Digits that a pressure, an integral next to a square root, has less than the force.
-const PEAK: f64 = 100.0;
 
 /// Whether the lowest point of a gap whose pressure is infinite is a tip: its slope does not fall towards it.
 fn is_pointed(gap: &AnyGap, overlap: &Overlap, patch: &Ellipse) -> bool {
