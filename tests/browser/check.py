@@ -44,7 +44,8 @@ class Browser:
             filter(None, map(shutil.which, ["chromium", "chromium-headless-shell", "chromium-browser", "google-chrome"])), None)
         if program is None:
             sys.exit("no Chromium: install the package chromium, or name one in CHROMIUM")
-        self.home = tempfile.TemporaryDirectory()
+        # Its helpers may still write there when it has ended.
+        self.home = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
         to_read, self.write = os.pipe()
         self.read, to_write = os.pipe()
         options = ["--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--no-first-run",
