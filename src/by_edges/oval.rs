@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use super::Found;
 use super::estimated::in_users_units;
-use super::strip::{Lines, interval, middle};
+use super::strip::{Lines, interval, line_by_line};
 use crate::edge_fitted::{Limits, oval};
 use crate::gap::{AnyGap, Gap};
 use crate::numeric::geometry::{Rect, farthest};
@@ -50,12 +50,7 @@ impl Strip {
         let looks: Option<Vec<[f64; 2]>> = (0..=8).map(|k| strip.along(at(k, 8), None)).collect();
         let slenderness = looks?.iter().map(|[a, b]| 0.5 * (a + b) / (b - a)).fold(0.0, f64::max);
         let count = ((OF_SLENDERNESS * slenderness) as usize / 8 * 8).clamp(RAYS[0], RAYS[1]);
-        let mut last = None;
-        let mut next = |k: usize| {
-            last = strip.along(at(k, count), last.map(middle));
-            last
-        };
-        let rays: Option<Vec<[f64; 2]>> = (0..=count).map(&mut next).collect();
+        let rays = line_by_line(count, |k, inside| strip.along(at(k, count), inside));
         let rays = rays.filter(|rays| rays.iter().all(|[a, b]| b - a < WIDEST * (a + b)))?;
         let smooth = rays.iter().enumerate().step_by(count / 8).all(|(k, [a, b])| {
             let at = strip.on_ray(at(k, count), 0.5 * (a + b));

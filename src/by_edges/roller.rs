@@ -2,7 +2,7 @@
 
 use super::Found;
 use super::estimated::in_users_units;
-use super::strip::{Lines, interval, middle};
+use super::strip::{Lines, interval, line_by_line, middle};
 use crate::edge_fitted::{self, Limits, mirrors, roller};
 use crate::gap::{AnyGap, Gap};
 use crate::numeric::geometry::{Rect, area, centroid};
@@ -91,12 +91,7 @@ impl Roller {
     /// With what its overlap does at the sides, the same all along, and nowhere else than in the strip.
     fn checked(self, reach: &Rect) -> Option<Self> {
         let at = |k: usize| self.ends[0] + (self.ends[1] - self.ends[0]) * k as f64 / LINES as f64;
-        let mut last = None;
-        let mut next = |k: usize| {
-            last = self.across(at(k), last.map(middle));
-            last
-        };
-        let lines = (0..=LINES).map(&mut next).collect::<Option<Vec<[f64; 2]>>>()?;
+        let lines = line_by_line(LINES, |k, inside| self.across(at(k), inside))?;
         let inside = middle(lines[LINES / 2]);
         let full = [0, 1].map(|m| lines.iter().all(|line| line[m] == self.sides[m]));
         let lines = Lines(lines);

@@ -32,9 +32,24 @@ pub(super) fn interval(
     (above(inside) < 0.0).then(|| [end(a), end(b)])
 }
 
-/// The middle of a line, where the next one is likely to be within the strip, too.
+/// The middle of a line.
 pub(super) fn middle([a, b]: [f64; 2]) -> f64 {
     0.5 * (a + b)
+}
+
+/// Lines 0 to `last`, each looked at about the middle of the one before, where it is likely to be within the strip, too; `None` where one
+/// is not.
+pub(super) fn line_by_line(
+    last: usize,
+    line: impl Fn(usize, Option<f64>) -> Option<[f64; 2]>,
+) -> Option<Vec<[f64; 2]>> {
+    let mut inside = None;
+    let next = |k: usize| {
+        let found = line(k, inside)?;
+        inside = Some(middle(found));
+        Some(found)
+    };
+    (0..=last).map(next).collect()
 }
 
 /// Where bodies overlap on lines across a strip, evenly from its beginning to its end.

@@ -49,9 +49,10 @@ impl Interpolated {
         let mut tried = 0;
         // Halves from the left, so that the pieces are in order.
         let mut pieces = Vec::new();
-        let starts = std::iter::once(0.0).chain(kinks.iter().copied().filter(|b| *b < end));
-        let stops = kinks.iter().copied().filter(|b| *b < end).chain([end]);
-        for (from, stop) in starts.zip(stops) {
+        let inner = kinks.iter().copied().filter(|b| *b < end);
+        let radii: Vec<f64> = std::iter::once(0.0).chain(inner).chain([end]).collect();
+        for pair in radii.windows(2) {
+            let (from, stop) = (pair[0], pair[1]);
             let whole = [0.0, ((stop - from) * (stop + from)).sqrt()];
             let mut left = vec![(whole, f64::INFINITY, HALVINGS)];
             while let Some((ends, before, halvings)) = left.pop().filter(|_| tried < MOST_TRIED) {

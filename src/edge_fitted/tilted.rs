@@ -132,13 +132,17 @@ pub(crate) fn tilted(outline: &Outline, given: Given, limits: &Limits) -> Option
         let found = found
             .or_else(|| if best.is_some() { None } else { punch(n, f64::INFINITY)?.answer(given, outline, provable) });
         let Some(mut found) = found else { return best.map(|(_, best)| best) };
+        // A coarser mesh, which only tells what this one leaves.
+        let on_coarser = |coarser: usize| {
+            let punch = punch(coarser, FINE * size / coarser as f64)?;
+            Some((coarser, punch.answer(given, outline, false)?))
+        };
         if !found.proved {
             found.estimate(n, best.as_ref().map(|(n, best)| (*n, best)));
             if best.is_none() && !fits(second(n) as usize, size) {
                 // No finer one can follow: a coarser one tells as well.
                 let coarser = ((BEFORE * n as f64).round() as usize).max(FEWEST);
-                let other = punch(coarser, FINE * size / coarser as f64);
-                if let Some(other) = other.and_then(|punch| punch.answer(given, outline, false)) {
+                if let Some((coarser, other)) = on_coarser(coarser) {
                     found.estimate(n, Some((coarser, &other)));
                 }
             }
@@ -161,11 +165,7 @@ pub(crate) fn tilted(outline: &Outline, given: Given, limits: &Limits) -> Option
         let last = width <= limits.tolerance || too_many || (before - left) * growth > left;
         if last && width > limits.tolerance && found.proved {
             // More than can be proved can be told.
-            let again = || {
-                let coarser = ((BEFORE * n as f64) as usize).max(COARSEST);
-                let other = punch(coarser, FINE * size / coarser as f64)?.answer(given, outline, false)?;
-                Some((coarser, other))
-            };
+            let again = || on_coarser(((BEFORE * n as f64) as usize).max(COARSEST));
             if let Some((coarser, other)) = best.take().or_else(again).filter(|(coarser, _)| *coarser < n) {
                 let mut told = found.clone();
                 told.estimate(n, Some((coarser, &other)));
