@@ -2,7 +2,7 @@
 
 use super::overlap::{Interval, Jet, OverlapBounds};
 use crate::clock::Deadline;
-use crate::gap::{AnyGap, Gap, Material, Reach, Taylor};
+use crate::gap::{AnyGap, Cubic, Gap, Material, Reach, Taylor};
 use crate::numeric;
 use crate::numeric::geometry::Rect;
 use crate::overlap::Scaled;
@@ -107,6 +107,15 @@ impl<'a> GapOverlap<'a> {
             gradient: taylor.gradient.map(negative),
             hessian: taylor.hessian.map(negative),
             third: [[0.0; 2]; 4],
+        }
+    }
+
+    pub(super) fn jet_of_cubic(&self, cubic: &Cubic) -> Jet {
+        Jet {
+            value: self.below_depth([cubic.value.lo, cubic.value.hi]),
+            gradient: cubic.gradient.map(negative),
+            hessian: cubic.hessian.map(negative),
+            third: cubic.third.map(negative),
         }
     }
 

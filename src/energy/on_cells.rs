@@ -5,7 +5,7 @@ use std::cell::RefCell;
 use super::field::RING;
 use super::of_gap::GapOverlap;
 use super::overlap::{Interval, Jet, OverlapBounds};
-use crate::gap::{AnyGap, Gap, Taylor};
+use crate::gap::{AnyGap, Cubic, Gap, Taylor};
 use crate::grid::Grid;
 use crate::numeric::geometry::Rect;
 
@@ -13,21 +13,56 @@ use crate::numeric::geometry::Rect;
 /// one are told that matter there.
 const BLOCK: usize = 4;
 
+/// A smooth gap over a rectangle, as closely as it is known.
+#[derive(Debug, Clone, Copy)]
+enum Smooth {
+    Second(Taylor),
+    Third(Cubic),
+}
+
+impl Smooth {
+    fn of(gap: &AnyGap, rect: &Rect) -> Option<Self> {
+        gap.cubic(rect).map(Self::Third).or_else(|| gap.taylor(rect).map(Self::Second))
+    }
+
+    /// About the middle of a part of the rectangle, at (x, y) from its own.
+    fn moved(&self, by: [f64; 2]) -> Self {
+        match self {
+            Self::Second(taylor) => Self::Second(taylor.moved(by)),
+            Self::Third(cubic) => Self::Third(cubic.moved(by)),
+        }
+    }
+
+    fn taylor(&self, size: [f64; 2]) -> Taylor {
+        match self {
+            Self::Second(taylor) => *taylor,
+            Self::Third(cubic) => cubic.taylor(size),
+        }
+    }
+
+    fn mean(&self, size: [f64; 2]) -> crate::numeric::Interval {
+        match self {
+            Self::Second(taylor) => taylor.mean(size),
+            Self::Third(cubic) => cubic.mean(size),
+        }
+    }
+}
+
 /// What is known of rectangles of a lattice: each by its number among those that were looked at.
 #[derive(Debug, Default)]
 struct Looked {
     /// 0: not yet; 1: not smooth; else the place in the list, less 2.
     places: Vec<u32>,
-    list: Vec<Taylor>,
+    list: Vec<Smooth>,
 }
 
 impl Looked {
-    fn at(&mut self, k: usize, look: impl FnOnce() -> Option<Taylor>) -> Option<Taylor> {
+    fn at(&mut self, k: usize, look: impl FnOnce() -> Option<Smooth>) -> Option<Smooth> {
         if self.places[k] == 0 {
             self.places[k] = match look() {
                 None => 1,
-                Some(taylor) => {
-                    self.list.push(taylor);
+                Some(smooth) => {
+                    self.list.push(smooth);
                     self.list.len() as u32 + 1
                 }
             };
@@ -92,16 +127,16 @@ impl<'a> OnCells<'a> {
     }
 
     /// The gap in a cell; `None` where it is not smooth.
-    fn gap_in(&self, at: [usize; 2], cell: &Rect) -> Option<Taylor> {
+    fn gap_in(&self, at: [usize; 2], cell: &Rect) -> Option<Smooth> {
         let place = at[1] * self.wide[0] + at[0];
         let from_block = || {
             let blocks = self.blocks.as_ref()?;
             let (place, rect) = self.block(at);
-            let taylor = blocks.borrow_mut().at(place, || self.overlap.gap().taylor(&rect))?;
+            let taylor = blocks.borrow_mut().at(place, || self.overlap.gap().taylor(&rect).map(Smooth::Second))?;
             let (c, at) = (rect.centre(), cell.centre());
             Some(taylor.moved([0, 1].map(|m| at[m] - c[m])))
         };
-        let look = || from_block().or_else(|| self.of_parts_within(at, |overlap| overlap.gap().taylor(cell)));
+        let look = || from_block().or_else(|| self.of_parts_within(at, |overlap| Smooth::of(overlap.gap(), cell)));
         self.cells.borrow_mut().at(place, look)
     }
 
@@ -126,20 +161,28 @@ impl<'a> OnCells<'a> {
     }
 
     /// The gap about the middle of a part of a cell.
-    fn gap_about(&self, rect: &Rect) -> Option<Taylor> {
+    fn gap_about(&self, rect: &Rect) -> Option<Smooth> {
         let (at, cell) = self.around(rect)?;
-        let taylor = self.gap_in(at, &cell)?;
+        let smooth = self.gap_in(at, &cell)?;
         if *rect == cell {
-            return Some(taylor);
+            return Some(smooth);
         }
         let (c, at) = (cell.centre(), rect.centre());
-        Some(taylor.moved([0, 1].map(|m| at[m] - c[m])))
+        Some(smooth.moved([0, 1].map(|m| at[m] - c[m])))
+    }
+
+    fn jet_of(&self, smooth: &Smooth) -> Jet {
+        match smooth {
+            Smooth::Second(taylor) => self.overlap.jet_of(taylor),
+            Smooth::Third(cubic) => self.overlap.jet_of_cubic(cubic),
+        }
     }
 }
 
 impl OverlapBounds for OnCells<'_> {
     fn bounds(&self, rect: &Rect, slope: [f64; 2]) -> Interval {
-        let from_cell = self.gap_about(rect).and_then(|taylor| {
+        let from_cell = self.gap_about(rect).and_then(|smooth| {
+            let taylor = smooth.taylor(rect.size());
             let [low, high] = taylor.bounds(rect.size(), slope.map(|s| -s));
             // Close to a tip second derivatives have no bound, and values have.
             let [gx, gy] = taylor.gradient.map(crate::numeric::Interval::magnitude);
@@ -156,15 +199,16 @@ impl OverlapBounds for OnCells<'_> {
         self.of_parts(rect, |overlap| overlap.slopes(rect))
     }
 
-    /// That of a whole cell is kept; one of a part of it is closer than what the cell tells.
+    /// That of a whole cell is kept; one of a part of it is closer than what the cell tells to second order.
     fn jet(&self, rect: &Rect) -> Option<Jet> {
         if let Some((at, cell)) = self.around(rect) {
             let whole = self.gap_in(at, &cell);
             if *rect == cell {
-                return whole.map(|taylor| self.overlap.jet_of(&taylor));
+                return whole.map(|smooth| self.jet_of(&smooth));
             }
-            if self.blocks.is_some() && whole.is_some() {
-                return self.gap_about(rect).map(|taylor| self.overlap.jet_of(&taylor));
+            let close = self.blocks.is_some() || matches!(whole, Some(Smooth::Third(_)));
+            if close && whole.is_some() {
+                return self.gap_about(rect).map(|smooth| self.jet_of(&smooth));
             }
             return self.of_parts_within(at, |overlap| overlap.jet(rect));
         }

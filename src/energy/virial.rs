@@ -61,6 +61,16 @@ fn point(value: f64) -> numeric::Interval {
     numeric::Interval::point(value)
 }
 
+/// Whether a jet knows third derivatives, and not that there are none.
+fn has_third(jet: &Jet) -> bool {
+    jet.third != [[0.0; 2]; 4]
+}
+
+/// Half the sides of a rectangle, either way.
+fn half_sides(rect: &Rect) -> [numeric::Interval; 2] {
+    rect.size().map(|side| numeric::Interval::new((-0.5 * side).next_down(), (0.5 * side).next_up()))
+}
+
 /// Whether what has no law is smooth on the contact, which ends before the material does: not so close to a tip that its slopes in a cell
 /// are less certain than those of the contact are steep.
 fn may_move(pressed: &Pressed, parts: &Parts, touch: &[Quarter]) -> bool {
@@ -188,7 +198,8 @@ impl Virial {
     }
 
     /// T over a rectangle from f there: grad T(x) = grad eta - mu grad f - L' grad f - H W with grad f in g + E x, H in E and
-    /// W = W(0) + L x, L = beta + omega J.
+    /// W = W(0) + L x, L = beta + omega J. Where third derivatives are known H is that of the middle, and those of T over the rectangle
+    /// - mu H - L' H - H L - W . grad H.
     fn target(&self, rect: &Rect, f: &Jet) -> Taylor {
         let at = self.place(rect);
         let [wx, wy] = self.motion(at);
@@ -196,15 +207,26 @@ impl Virial {
         let (mu, beta, omega) = (point(self.mu), point(self.beta), point(self.omega));
         // L' E + E L = 2 beta E + omega (E J - J E).
         let more = mu + point(2.0) * beta;
-        let turned = omega * (yy - xx);
-        let two = point(2.0) * omega * xy;
+        let bent = |[xx, xy, yy]: [numeric::Interval; 3]| {
+            let (turned, two) = (omega * (yy - xx), point(2.0) * omega * xy);
+            [-(more * xx + two), -(more * xy + turned), -(more * yy - two)]
+        };
+        let hessian = if has_third(f) {
+            let (sides, t) = (half_sides(rect), f.third.map(set));
+            let over = [0, 1, 2].map(|n| [xx, xy, yy][n] + t[n] * sides[0] + t[n + 1] * sides[1]);
+            let [wx, wy] = self.motion([0, 1].map(|m| at[m] + sides[m]));
+            let own = bent(over);
+            [0, 1, 2].map(|n| own[n] - (wx * t[n] + wy * t[n + 1]))
+        } else {
+            bent([xx, xy, yy])
+        };
         Taylor {
             value: self.eta_at(at) - mu * set(f.value) - (wx * gx + wy * gy),
             gradient: [
                 point(self.eta[1]) - (mu + beta) * gx - omega * gy - (xx * wx + xy * wy),
                 point(self.eta[2]) - (mu + beta) * gy + omega * gx - (xy * wx + yy * wy),
             ],
-            hessian: [-(more * xx + two), -(more * xy + turned), -(more * yy - two)],
+            hessian,
         }
     }
 
@@ -248,7 +270,7 @@ impl Virial {
             let mean = if self.is_plain() {
                 self.eta_at(at)
             } else {
-                let f = parts.smooth.jet(&rect).filter(|jet| jet.third == [[0.0; 2]; 4])?;
+                let f = parts.smooth.jet(&rect)?;
                 let [wx, wy] = self.motion(at);
                 let ([gx, gy], [xx, xy, yy]) = (f.gradient.map(set), f.hessian.map(set));
                 let (mu, beta, omega) = (point(self.mu), point(self.beta), point(self.omega));
@@ -259,7 +281,11 @@ impl Virial {
                 let dilated = quadratic + point(2.0) * dxy * twist;
                 let turned = xy * x2 - xy * y2 + (dxx + dyy) * twist;
                 let moved = wx * gx + wy * gy + odd + beta * dilated + omega * turned;
-                let smooth = self.eta_at(at) - mu * of_f - moved;
+                let smooth = if has_third(&f) {
+                    self.target(&rect, &f).mean(rect.size())
+                } else {
+                    self.eta_at(at) - mu * of_f - moved
+                };
                 parts.laws.iter().fold(smooth, |sum, law| sum + self.mean_of_law(law, &rect))
             };
             let p = p * pressed.images(i, j);
@@ -284,11 +310,7 @@ pub(super) struct Target<'a> {
 impl Target<'_> {
     /// What the smooth part leaves.
     fn of_smooth(&self, rect: &Rect) -> Option<Taylor> {
-        let f = if self.virial.is_plain() {
-            Jet::default()
-        } else {
-            self.parts.smooth.jet(rect).filter(|jet| jet.third == [[0.0; 2]; 4])?
-        };
+        let f = if self.virial.is_plain() { Jet::default() } else { self.parts.smooth.jet(rect)? };
         self.virial.target(rect, &f).finite()
     }
 

@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 use nalgebra::{Rotation2, Vector2};
 
 use super::transform::{Transform, quarter_exact};
-use super::{Gap, Growth, Known, Material, Reach, Ridges, Taylor, enclosure, mean, range};
+use super::{Cubic, Gap, Growth, Known, Material, Reach, Ridges, Taylor, enclosure, mean, range};
 use crate::error::{InputError, finite};
 use crate::grid::Grid;
 use crate::numeric::Interval;
@@ -271,6 +271,13 @@ impl Gap for AnyGap {
             return self.inner.taylor(rect);
         }
         self.inner.taylor(&self.transform.rect_inward(rect)).and_then(|own| self.transform.taylor_outward(&own, rect))
+    }
+
+    fn cubic(&self, rect: &Rect) -> Option<Cubic> {
+        if self.transform.is_identity() {
+            return self.inner.cubic(rect);
+        }
+        self.inner.cubic(&self.transform.rect_inward(rect)).and_then(|own| self.transform.cubic_outward(&own, rect))
     }
 
     fn slopes(&self, rect: &Rect) -> Option<[Interval; 2]> {

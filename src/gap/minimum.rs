@@ -1,7 +1,7 @@
 //! A punch with several tips: the least of several gaps.
 
 use super::sum::{common_axis, common_mirrors, drawn_along, tips_of};
-use super::{AnyGap, Gap, Generatrix, Growth, Known, Material, Reach, Taylor, enclosure};
+use super::{AnyGap, Cubic, Gap, Generatrix, Growth, Known, Material, Reach, Taylor, enclosure};
 use crate::error::InputError;
 use crate::numeric::Interval;
 use crate::numeric::geometry::Rect;
@@ -191,6 +191,13 @@ impl Gap for Minimum {
     fn taylor(&self, rect: &Rect) -> Option<Taylor> {
         match self.candidates(rect).as_slice() {
             [one] => one.taylor(rect),
+            _ => None,
+        }
+    }
+
+    fn cubic(&self, rect: &Rect) -> Option<Cubic> {
+        match self.candidates(rect).as_slice() {
+            [one] => one.cubic(rect),
             _ => None,
         }
     }

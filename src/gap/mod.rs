@@ -59,7 +59,7 @@ pub use rounded_tip::RoundedTip;
 pub use sphere::Sphere;
 pub use spline_map::SplineMap;
 pub use sum::Sum;
-pub use taylor::Taylor;
+pub use taylor::{Cubic, Taylor};
 
 use std::sync::Arc;
 
@@ -171,6 +171,11 @@ pub trait Gap: Send + Sync {
     /// Value and slopes in the middle of a rectangle and second derivatives over it, enclosed. `None` where the gap is not
     /// smooth there, ends there, or cannot prove it.
     fn taylor(&self, _rect: &Rect) -> Option<Taylor> {
+        None
+    }
+
+    /// The same with second derivatives in the middle and third ones over the rectangle. `None` where they are not known.
+    fn cubic(&self, _rect: &Rect) -> Option<Cubic> {
         None
     }
 

@@ -1,6 +1,6 @@
 //! A paraboloid.
 
-use super::{Axis, Degree, Gap, Generatrix, Growth, Known, Law, Material, Quadratic, Reach, Taylor};
+use super::{Axis, Cubic, Degree, Gap, Generatrix, Growth, Known, Law, Material, Quadratic, Reach, Taylor};
 use crate::error::InputError;
 use crate::numeric::Interval;
 use crate::numeric::geometry::Rect;
@@ -85,6 +85,10 @@ impl Gap for Paraboloid {
 
     fn bounds(&self, rect: &Rect, slope: [f64; 2]) -> Option<[f64; 2]> {
         self.taylor(rect).map(|t| t.bounds(rect.size(), slope))
+    }
+
+    fn cubic(&self, rect: &Rect) -> Option<Cubic> {
+        self.taylor(rect).map(Taylor::cubic)
     }
 
     fn taylor(&self, rect: &Rect) -> Option<Taylor> {

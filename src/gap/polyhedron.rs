@@ -5,7 +5,9 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use super::cone::slope_of;
 use super::envelope::{Lowest, least_rise};
 use super::ridges::{corner_window, unit};
-use super::{AnyGap, Degree, Gap, Growth, Known, Law, Material, Quadratic, Reach, Ridges, Taylor, mean, radial, range};
+use super::{
+    AnyGap, Cubic, Degree, Gap, Growth, Known, Law, Material, Quadratic, Reach, Ridges, Taylor, mean, radial, range,
+};
 use crate::error::{InputError, finite, positive};
 use crate::numeric::Interval;
 use crate::numeric::geometry::Rect;
@@ -257,6 +259,10 @@ impl Gap for Polyhedron {
             return Some(range::of_planes(&self.near(faces, rect), rect, slope));
         }
         Some(range::of_planes(&self.planes, rect, slope))
+    }
+
+    fn cubic(&self, rect: &Rect) -> Option<Cubic> {
+        self.taylor(rect).map(Taylor::cubic)
     }
 
     fn taylor(&self, rect: &Rect) -> Option<Taylor> {

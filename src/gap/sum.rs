@@ -1,7 +1,7 @@
 //! Two curved bodies: the sum of several gaps.
 
 use super::{
-    AnyGap, Axis, Crown, Degree, Face, Gap, Generatrix, Growth, Known, Law, Material, Quadratic, Reach, Taylor,
+    AnyGap, Axis, Crown, Cubic, Degree, Face, Gap, Generatrix, Growth, Known, Law, Material, Quadratic, Reach, Taylor,
     enclosure, growth,
 };
 use crate::error::InputError;
@@ -299,6 +299,12 @@ impl Gap for Sum {
 
     fn taylor(&self, rect: &Rect) -> Option<Taylor> {
         let mut parts = self.parts.iter().map(|part| part.taylor(rect));
+        let first = parts.next()??;
+        parts.try_fold(first, |sum, part| part.map(|part| sum.plus(&part)))?.finite()
+    }
+
+    fn cubic(&self, rect: &Rect) -> Option<Cubic> {
+        let mut parts = self.parts.iter().map(|part| part.cubic(rect));
         let first = parts.next()??;
         parts.try_fold(first, |sum, part| part.map(|part| sum.plus(&part)))?.finite()
     }

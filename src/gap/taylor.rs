@@ -1,4 +1,4 @@
-//! A gap over a rectangle to second order.
+//! A gap over a rectangle to second and to third order.
 
 use crate::numeric::Interval;
 
@@ -31,6 +31,12 @@ impl Taylor {
             gradient: [0, 1].map(|m| self.gradient[m] + other.gradient[m]),
             hessian: [0, 1, 2].map(|m| self.hessian[m] + other.hessian[m]),
         }
+    }
+
+    /// The same to third order, where second derivatives do not change.
+    pub(super) fn cubic(self) -> Cubic {
+        let Self { value, gradient, hessian } = self;
+        Cubic { value, gradient, hessian, third: [Interval::ZERO; 4] }
     }
 
     /// Bounds of the slopes over the rectangle, whose sides are w and h.
@@ -75,6 +81,91 @@ impl Taylor {
         let half = Interval::point(0.5);
         let all = self.value + along(gx, half * xx, x) + along(gy, half * yy, y) + xy * (x * y);
         [all.lo, all.hi]
+    }
+}
+
+/// g(x) = value + gradient . v + v . H v/2 + T[v, v, v]/6 with v measured from the middle of a rectangle, H there within `hessian` and,
+/// for every point of the rectangle, some T within `third`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cubic {
+    /// The gap in the middle.
+    pub value: Interval,
+    /// Its slopes along x and y there.
+    pub gradient: [Interval; 2],
+    /// Second derivatives xx, xy, yy there.
+    pub hessian: [Interval; 3],
+    /// Third derivatives xxx, xxy, xyy, yyy over the whole rectangle.
+    pub third: [Interval; 4],
+}
+
+impl Cubic {
+    /// When everything in it is finite.
+    #[must_use]
+    pub fn finite(self) -> Option<Self> {
+        let finite = |i: &Interval| i.defined && i.lo.is_finite() && i.hi.is_finite();
+        let lower = finite(&self.value) && self.gradient.iter().all(finite);
+        (lower && self.hessian.iter().chain(&self.third).all(finite)).then_some(self)
+    }
+
+    /// The sum of two gaps.
+    #[must_use]
+    pub fn plus(&self, other: &Self) -> Self {
+        Self {
+            value: self.value + other.value,
+            gradient: [0, 1].map(|m| self.gradient[m] + other.gradient[m]),
+            hessian: [0, 1, 2].map(|m| self.hessian[m] + other.hessian[m]),
+            third: [0, 1, 2, 3].map(|m| self.third[m] + other.third[m]),
+        }
+    }
+
+    /// The second derivatives at (x, y) from the middle.
+    fn hessian_at(&self, [x, y]: [Interval; 2]) -> [Interval; 3] {
+        let t = &self.third;
+        [0, 1, 2].map(|m| self.hessian[m] + t[m] * x + t[m + 1] * y)
+    }
+
+    /// The same to second order over the rectangle, whose sides are w and h.
+    #[must_use]
+    pub fn taylor(&self, [w, h]: [f64; 2]) -> Taylor {
+        let sides = [w, h].map(|side| Interval::new((-0.5 * side).next_down(), (0.5 * side).next_up()));
+        Taylor { value: self.value, gradient: self.gradient, hessian: self.hessian_at(sides) }
+    }
+
+    /// The same about a point at (x, y) from the middle, for a part of the rectangle that has it in its own middle.
+    #[must_use]
+    pub fn moved(&self, [x, y]: [f64; 2]) -> Self {
+        let [x, y] = [x, y].map(|v| Interval::new(v.next_down(), v.next_up()));
+        let (half, third) = (Interval::point(0.5), Interval::point(1.0) / Interval::point(3.0));
+        // d/dv of the hessian's form: of half of it for slopes, of a sixth for values.
+        let [xx, xy, yy] = self.hessian;
+        let [ax, ay, ayy, b] = self.third;
+        let cubic = [ax * x + ay * y, ay * x + ayy * y, ayy * x + b * y];
+        let slope =
+            |share: Interval, of: [Interval; 3]| [share * (of[0] * x + of[1] * y), share * (of[1] * x + of[2] * y)];
+        let (by_h, by_t) = (slope(Interval::point(1.0), [xx, xy, yy]), slope(half, cubic));
+        let gradient = [0, 1].map(|m| self.gradient[m] + by_h[m] + by_t[m]);
+        let rise = [0, 1].map(|m| self.gradient[m] + half * by_h[m] + third * by_t[m]);
+        Self {
+            value: self.value + x * rise[0] + y * rise[1],
+            gradient,
+            hessian: self.hessian_at([x, y]),
+            third: self.third,
+        }
+    }
+
+    /// Bounds of the mean over the rectangle, whose sides are w and h.
+    #[must_use]
+    pub fn mean(&self, size: [f64; 2]) -> Interval {
+        // Odd powers have no mean for constant third derivatives, and that of |v|^3 otherwise: of x^3 over an interval of length w
+        // w^3/32, of x^2 y w^2/12 times h/4.
+        let [w, h] = size;
+        let off = |t: Interval| 0.5 * t.width();
+        let [a, b, c, d] = self.third.map(off);
+        let cubic = (a * w * w * w + d * h * h * h) / 192.0 + (b * w + c * h) * w * h / 96.0;
+        let cubic = cubic * (1.0 + 32.0 * f64::EPSILON);
+        let [w2, h2] = size.map(|side| Interval::point(side).powi(2));
+        let ([xx, _, yy], part) = (self.hessian, Interval::point(1.0) / Interval::point(24.0));
+        self.value + part * (xx * w2 + yy * h2) + Interval::new(-cubic, cubic)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix2, Rotation2, Vector2};
 
-use super::{Axis, Crown, Degree, Face, Generatrix, Growth, Known, Law, Material, Quadratic, Reach, Taylor};
+use super::{Axis, Crown, Cubic, Degree, Face, Generatrix, Growth, Known, Law, Material, Quadratic, Reach, Taylor};
 use crate::numeric::Interval;
 use crate::numeric::geometry::Rect;
 
@@ -215,6 +215,31 @@ impl Transform {
             ],
         }
         .finite()
+    }
+
+    /// The same to third order: third derivatives turn as a tensor.
+    pub fn cubic_outward(&self, own: &Cubic, rect: &Rect) -> Option<Cubic> {
+        let m = self.turn.matrix();
+        let (c, s) = (Interval::point(m[(0, 0)]), Interval::point(m[(1, 0)]));
+        // What rounding of the middle changes second derivatives by.
+        let moved = self.rounding(rect);
+        let off = own.third.iter().map(|t| t.magnitude()).sum::<f64>() * moved;
+        let hessian = own.hessian.map(|h| h + Interval::new(-off, off));
+        let Cubic { value, gradient, .. } = *own;
+        let Taylor { value, gradient, hessian } = self.taylor_outward(&Taylor { value, gradient, hessian }, rect)?;
+        let steep = Interval::point(self.scale).powi(3) / Interval::point(self.per);
+        let (two, three) = (Interval::point(2.0), Interval::point(3.0));
+        let (c2, s2) = (c.powi(2), s.powi(2));
+        let (c3, s3, c2s, cs2) = (c * c2, s * s2, c2 * s, c * s2);
+        let [xxx, xxy, xyy, yyy] = own.third;
+        // T[v, v, v] for v = R^-1 (x, y).
+        let third = [
+            c3 * xxx - three * (c2s * xxy - cs2 * xyy) - s3 * yyy,
+            c2s * xxx + (c3 - two * cs2) * xxy + (s3 - two * c2s) * xyy + cs2 * yyy,
+            cs2 * xxx + (two * c2s - s3) * xxy + (c3 - two * cs2) * xyy - c2s * yyy,
+            s3 * xxx + three * (cs2 * xxy + c2s * xyy) + c3 * yyy,
+        ];
+        Cubic { value, gradient, hessian, third: third.map(|t| steep * t) }.finite()
     }
 
     /// Bounds of the gap's own slopes in the outer frame.

@@ -1,4 +1,4 @@
-//! Forward differentiation (Wengert 1964) to first and second order, on numbers and on intervals.
+//! Forward differentiation (Wengert 1964) to first, second and third order, on numbers and on intervals.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -217,6 +217,13 @@ pub(crate) struct Jet<T> {
     pub hessian: [T; 3],
 }
 
+/// The same to third order: xxx, xxy, xyy, yyy.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Cube<T> {
+    pub jet: Jet<T>,
+    pub third: [T; 4],
+}
+
 /// What does not change has no share, however steep the function: x^y at constant y asks for ln x, which may not exist. Nor has
 /// anything in what a function is level in.
 fn share<T: Real>(slope: T, change: impl FnOnce() -> T) -> T {
@@ -230,10 +237,23 @@ fn share<T: Real>(slope: T, change: impl FnOnce() -> T) -> T {
 /// A function of one or two quantities with derivatives.
 pub(crate) trait Chain<T: Real>: Copy {
     fn constant(value: f64) -> Self;
-    /// f(a) from its value; slope and curvature where they are needed.
-    fn chain(self, value: T, slope: impl FnOnce() -> T, curvature: impl FnOnce() -> T) -> Self;
-    /// f(a, b) from its value; (f_a, f_b) and (f_aa, f_ab, f_bb) where they are needed.
-    fn chain2(self, b: Self, value: T, slopes: impl FnOnce() -> [T; 2], curvatures: impl FnOnce() -> [T; 3]) -> Self;
+    /// f(a) from its value; slope, curvature and third derivative where they are needed.
+    fn chain(
+        self,
+        value: T,
+        slope: impl FnOnce() -> T,
+        curvature: impl FnOnce() -> T,
+        third: impl FnOnce() -> T,
+    ) -> Self;
+    /// f(a, b) from its value; (f_a, f_b), (f_aa, f_ab, f_bb) and (f_aaa, f_aab, f_abb, f_bbb) where they are needed.
+    fn chain2(
+        self,
+        b: Self,
+        value: T,
+        slopes: impl FnOnce() -> [T; 2],
+        curvatures: impl FnOnce() -> [T; 3],
+        thirds: impl FnOnce() -> [T; 4],
+    ) -> Self;
     /// One of two, whichever it may be, with this value.
     fn either(self, b: Self, value: T) -> Self;
     /// a + b.
@@ -251,12 +271,19 @@ impl<T: Real> Chain<T> for Dual<T> {
         Self { value: T::from(value), gradient: [T::from(0.0); 2] }
     }
 
-    fn chain(self, value: T, slope: impl FnOnce() -> T, _: impl FnOnce() -> T) -> Self {
+    fn chain(self, value: T, slope: impl FnOnce() -> T, _: impl FnOnce() -> T, _: impl FnOnce() -> T) -> Self {
         let slope = slope();
         Self { value, gradient: self.gradient.map(|g| share(slope, || g)) }
     }
 
-    fn chain2(self, b: Self, value: T, slopes: impl FnOnce() -> [T; 2], _: impl FnOnce() -> [T; 3]) -> Self {
+    fn chain2(
+        self,
+        b: Self,
+        value: T,
+        slopes: impl FnOnce() -> [T; 2],
+        _: impl FnOnce() -> [T; 3],
+        _: impl FnOnce() -> [T; 4],
+    ) -> Self {
         let [fa, fb] = slopes();
         Self { value, gradient: [0, 1].map(|m| share(fa, || self.gradient[m]) + share(fb, || b.gradient[m])) }
     }
@@ -296,13 +323,20 @@ impl<T: Real> Chain<T> for Jet<T> {
         Self { value: T::from(value), gradient: [T::from(0.0); 2], hessian: [T::from(0.0); 3] }
     }
 
-    fn chain(self, value: T, slope: impl FnOnce() -> T, curvature: impl FnOnce() -> T) -> Self {
+    fn chain(self, value: T, slope: impl FnOnce() -> T, curvature: impl FnOnce() -> T, _: impl FnOnce() -> T) -> Self {
         let (slope, curvature, g) = (slope(), curvature(), self.gradient);
         let entry = |n: usize| share(curvature, || product(g, n)) + share(slope, || self.hessian[n]);
         Self { value, gradient: g.map(|g| share(slope, || g)), hessian: [entry(0), entry(1), entry(2)] }
     }
 
-    fn chain2(self, b: Self, value: T, slopes: impl FnOnce() -> [T; 2], curvatures: impl FnOnce() -> [T; 3]) -> Self {
+    fn chain2(
+        self,
+        b: Self,
+        value: T,
+        slopes: impl FnOnce() -> [T; 2],
+        curvatures: impl FnOnce() -> [T; 3],
+        _: impl FnOnce() -> [T; 4],
+    ) -> Self {
         let ([fa, fb], [faa, fab, fbb]) = (slopes(), curvatures());
         let (p, q) = (self.gradient, b.gradient);
         let entry = |n: usize| {
@@ -342,5 +376,106 @@ impl<T: Real> Chain<T> for Jet<T> {
 
     fn linear(self, f: impl Fn(T) -> T) -> Self {
         Self { value: f(self.value), gradient: self.gradient.map(&f), hessian: self.hessian.map(&f) }
+    }
+}
+
+/// How often x stands in the entries xxx, xxy, xyy, yyy.
+const OF_X: [i32; 4] = [3, 2, 1, 0];
+
+/// p_i p_j p_k; even powers are not negative.
+fn triple<T: Real>([x, y]: [T; 2], n: usize) -> T {
+    match OF_X[n] {
+        3 => x.powi(3),
+        2 => x.powi(2) * y,
+        1 => x * y.powi(2),
+        _ => y.powi(3),
+    }
+}
+
+/// p_i p_j q_k + p_i q_j p_k + q_i p_j p_k.
+fn mixed<T: Real>(p: [T; 2], q: [T; 2], n: usize) -> T {
+    let (two, three) = (T::from(2.0), T::from(3.0));
+    match OF_X[n] {
+        3 => three * p[0].powi(2) * q[0],
+        2 => p[0].powi(2) * q[1] + two * (p[0] * p[1] * q[0]),
+        1 => p[1].powi(2) * q[0] + two * (p[0] * p[1] * q[1]),
+        _ => three * p[1].powi(2) * q[1],
+    }
+}
+
+/// p_i H_jk + p_j H_ik + p_k H_ij.
+fn bent<T: Real>(p: [T; 2], [xx, xy, yy]: [T; 3], n: usize) -> T {
+    let (two, three) = (T::from(2.0), T::from(3.0));
+    match OF_X[n] {
+        3 => three * p[0] * xx,
+        2 => two * p[0] * xy + p[1] * xx,
+        1 => two * p[1] * xy + p[0] * yy,
+        _ => three * p[1] * yy,
+    }
+}
+
+impl<T: Real> Chain<T> for Cube<T> {
+    fn constant(value: f64) -> Self {
+        Self { jet: Jet::constant(value), third: [T::from(0.0); 4] }
+    }
+
+    fn chain(
+        self,
+        value: T,
+        slope: impl FnOnce() -> T,
+        curvature: impl FnOnce() -> T,
+        third: impl FnOnce() -> T,
+    ) -> Self {
+        let (slope, curvature, third) = (slope(), curvature(), third());
+        let Jet { gradient: g, hessian: h, .. } = self.jet;
+        let entry = |n: usize| {
+            share(third, || triple(g, n)) + share(curvature, || bent(g, h, n)) + share(slope, || self.third[n])
+        };
+        let jet = self.jet.chain(value, || slope, || curvature, || third);
+        Self { jet, third: [entry(0), entry(1), entry(2), entry(3)] }
+    }
+
+    fn chain2(
+        self,
+        b: Self,
+        value: T,
+        slopes: impl FnOnce() -> [T; 2],
+        curvatures: impl FnOnce() -> [T; 3],
+        thirds: impl FnOnce() -> [T; 4],
+    ) -> Self {
+        let ([fa, fb], [faa, fab, fbb], [faaa, faab, fabb, fbbb]) = (slopes(), curvatures(), thirds());
+        let (Jet { gradient: p, hessian: a, .. }, Jet { gradient: q, hessian: c, .. }) = (self.jet, b.jet);
+        let entry = |n: usize| {
+            let by_thirds = share(faaa, || triple(p, n))
+                + share(faab, || mixed(p, q, n))
+                + share(fabb, || mixed(q, p, n))
+                + share(fbbb, || triple(q, n));
+            let by_curvatures = share(faa, || bent(p, a, n))
+                + share(fab, || bent(p, c, n) + bent(q, a, n))
+                + share(fbb, || bent(q, c, n));
+            by_thirds + by_curvatures + share(fa, || self.third[n]) + share(fb, || b.third[n])
+        };
+        let jet = self.jet.chain2(b.jet, value, || [fa, fb], || [faa, fab, fbb], || [faaa, faab, fabb, fbbb]);
+        Self { jet, third: [entry(0), entry(1), entry(2), entry(3)] }
+    }
+
+    fn either(self, b: Self, value: T) -> Self {
+        Self { jet: self.jet.either(b.jet, value), third: [T::unknown(); 4] }
+    }
+
+    fn plus(self, b: Self) -> Self {
+        Self { jet: self.jet.plus(b.jet), third: [0, 1, 2, 3].map(|n| self.third[n] + b.third[n]) }
+    }
+
+    fn minus(self) -> Self {
+        self.linear(|v| -v)
+    }
+
+    fn is_constant(self) -> bool {
+        self.jet.is_constant() && self.third.iter().all(|d| d.is_zero())
+    }
+
+    fn linear(self, f: impl Fn(T) -> T) -> Self {
+        Self { jet: self.jet.linear(&f), third: self.third.map(f) }
     }
 }

@@ -2,10 +2,10 @@
 
 use super::{Formula, R, THETA, far, kinks};
 use crate::gap::{
-    AnyGap, DataEdge, Degree, Gap, Growth, Known, Law, Quadratic, Reach, Ridges, Taylor, enclosure, mean, radial,
+    AnyGap, Cubic, DataEdge, Degree, Gap, Growth, Known, Law, Quadratic, Reach, Ridges, Taylor, enclosure, mean, radial,
 };
 use crate::numeric::Interval;
-use crate::numeric::derivatives::{Dual, Jet};
+use crate::numeric::derivatives::{Cube, Dual, Jet};
 use crate::numeric::geometry::Rect;
 
 impl Gap for Formula {
@@ -143,6 +143,29 @@ impl Gap for Formula {
             |m: usize| Dual { value: c[m], gradient: [0, 1].map(|k| Interval::point(f64::from(u8::from(k == m)))) };
         let Dual { value, gradient } = self.enclosed(one(0), one(1));
         Taylor { value, gradient, hessian }.finite()
+    }
+
+    fn cubic(&self, rect: &Rect) -> Option<Cubic> {
+        if let Some(polyhedron) = &self.polyhedron {
+            return polyhedron.cubic(rect);
+        }
+        if self.region.as_ref().is_some_and(|region| !region.covers(rect)) {
+            return None;
+        }
+        let at = |m: usize, value: Interval| Jet {
+            value,
+            gradient: [0, 1].map(|k| Interval::point(f64::from(u8::from(k == m)))),
+            hessian: [Interval::ZERO; 3],
+        };
+        let sides = radial::sides(rect);
+        let over = |m: usize| Cube { jet: at(m, sides[m]), third: [Interval::ZERO; 4] };
+        let Cube { jet: Jet { value, .. }, third } = self.enclosed(over(0), over(1));
+        if !value.defined {
+            return None;
+        }
+        let c = rect.centre().map(Interval::point);
+        let Jet { value, gradient, hessian } = self.enclosed(at(0, c[0]), at(1, c[1]));
+        Cubic { value, gradient, hessian, third }.finite()
     }
 
     fn slopes(&self, rect: &Rect) -> Option<[Interval; 2]> {

@@ -1,6 +1,6 @@
 //! The functions of a formula, on numbers or intervals, alone or with their derivatives.
 
-use crate::numeric::derivatives::{Chain, Dual, Jet, Real};
+use crate::numeric::derivatives::{Chain, Cube, Dual, Jet, Real};
 
 /// Functions of one operand.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -126,6 +126,39 @@ impl One {
             Self::Floor | Self::Ceil => v.flat_but_at_whole(),
         }
     }
+
+    fn third<T: Real>(self, v: T) -> T {
+        let c = T::from;
+        match self {
+            Self::Negate => c(0.0),
+            Self::Abs | Self::Sign => v.flat_but_at_zero(),
+            Self::Sqrt => c(0.375) / (v.powi(2) * v.sqrt()),
+            Self::Cbrt => c(10.0) / (c(27.0) * (v * v.cbrt()).powi(2)),
+            Self::Exp => v.exp(),
+            Self::Ln => c(2.0) / v.powi(3),
+            Self::Log10 => c(2.0 * std::f64::consts::LOG10_E) / v.powi(3),
+            Self::Log2 => c(2.0 * std::f64::consts::LOG2_E) / v.powi(3),
+            Self::Sin => -v.cos(),
+            Self::Cos => v.sin(),
+            Self::Tan => {
+                let square = v.tan().powi(2);
+                c(2.0) * (c(1.0) + square) * (c(1.0) + c(3.0) * square)
+            }
+            Self::Asin => {
+                let s = (c(1.0) - v) * (c(1.0) + v);
+                (c(1.0) + c(2.0) * v.powi(2)) / (s.powi(2) * s.sqrt())
+            }
+            Self::Acos => -Self::Asin.third(v),
+            Self::Atan => (c(6.0) * v.powi(2) - c(2.0)) / (c(1.0) + v.powi(2)).powi(3),
+            Self::Sinh => v.cosh(),
+            Self::Cosh => v.sinh(),
+            Self::Tanh => {
+                let square = v.tanh().powi(2);
+                (c(1.0) - square) * (c(6.0) * square - c(2.0))
+            }
+            Self::Floor | Self::Ceil => v.flat_but_at_whole(),
+        }
+    }
 }
 
 impl Two {
@@ -189,6 +222,38 @@ impl Two {
             }
         }
     }
+
+    fn thirds<T: Real>(self, v: T, w: T) -> [T; 4] {
+        let c = T::from;
+        match self {
+            Self::Add | Self::Subtract | Self::Multiply | Self::Min | Self::Max => [c(0.0); 4],
+            Self::Divide => [c(0.0), c(0.0), c(2.0) / w.powi(3), c(-6.0) * v / w.powi(4)],
+            Self::Power => {
+                let (less, least) = (w - c(1.0), w - c(2.0));
+                let whole = w.is_zero() || less.is_zero() || least.is_zero();
+                let first = || w * less * least * v.powf(w - c(3.0));
+                let second = v.powf(least) * (c(2.0) * w - c(1.0) + w * less * v.ln());
+                let third = v.powf(less) * v.ln() * (c(2.0) + w * v.ln());
+                [if whole { c(0.0) } else { first() }, second, third, v.powf(w) * v.ln().powi(3)]
+            }
+            Self::Atan2 => {
+                let s = (v.powi(2) + w.powi(2)).powi(3);
+                let first = w * (c(6.0) * v.powi(2) - c(2.0) * w.powi(2)) / s;
+                let second = v * (c(6.0) * w.powi(2) - c(2.0) * v.powi(2)) / s;
+                // A harmonic function.
+                [first, second, -first, -second]
+            }
+            Self::Hypot => {
+                let r = v.hypot(w).powi(5);
+                [
+                    c(-3.0) * v * w.powi(2) / r,
+                    w * (c(2.0) * v.powi(2) - w.powi(2)) / r,
+                    v * (c(2.0) * w.powi(2) - v.powi(2)) / r,
+                    c(-3.0) * v.powi(2) * w / r,
+                ]
+            }
+        }
+    }
 }
 
 impl<T: Real> Number for T {
@@ -209,24 +274,24 @@ impl<T: Real> Number for T {
     }
 }
 
-/// A tape is run on quantities with derivatives in the same way to first and to second order.
+/// A tape is run on quantities with derivatives in the same way to first, second and third order.
 macro_rules! with_derivatives {
-    ($quantity:ident) => {
+    ($quantity:ident, $($value:ident).+) => {
         impl<T: Real> Number for $quantity<T> {
             fn constant(value: f64) -> Self {
                 Chain::constant(value)
             }
 
             fn one(self, f: One) -> Self {
-                let v = self.value;
+                let v = self.$($value).+;
                 match f {
                     One::Negate => self.minus(),
-                    _ => self.chain(f.value(v), || f.slope(v), || f.curvature(v)),
+                    _ => self.chain(f.value(v), || f.slope(v), || f.curvature(v), || f.third(v)),
                 }
             }
 
             fn two(self, b: Self, f: Two) -> Self {
-                let (v, w) = (self.value, b.value);
+                let (v, w) = (self.$($value).+, b.$($value).+);
                 match f {
                     Two::Add => return self.plus(b),
                     Two::Subtract => return self.plus(b.minus()),
@@ -240,18 +305,20 @@ macro_rules! with_derivatives {
                 if matches!(f, Two::Min | Two::Max) && v.is_below(w).is_none() {
                     return self.either(b, value);
                 }
-                self.chain2(b, value, || f.slopes(v, w), || f.curvatures(v, w))
+                self.chain2(b, value, || f.slopes(v, w), || f.curvatures(v, w), || f.thirds(v, w))
             }
 
             fn whole(self, n: i32) -> Self {
-                let v = self.value;
+                let v = self.$($value).+;
                 let c = f64::from(n);
                 let power = |k: i32, c: f64| if c == 0.0 { T::from(0.0) } else { T::from(c) * v.powi(k) };
-                self.chain(v.powi(n), || power(n - 1, c), || power(n - 2, c * (c - 1.0)))
+                let (second, third) = (c * (c - 1.0), c * (c - 1.0) * (c - 2.0));
+                self.chain(v.powi(n), || power(n - 1, c), || power(n - 2, second), || power(n - 3, third))
             }
         }
     };
 }
 
-with_derivatives!(Dual);
-with_derivatives!(Jet);
+with_derivatives!(Dual, value);
+with_derivatives!(Jet, value);
+with_derivatives!(Cube, jet.value);
