@@ -108,6 +108,32 @@ fn crowned_rollers_up_to_their_ends() {
     }
 }
 
+/// Logarithmic ends that end the contact all but as edges would, before the material ends and with it; cells that are fitted to it, straight
+/// and turned, against the values of up to 512 x 1024 uniform cells by Fourier transforms (method fft, tolerance 1e-4).
+#[test]
+fn rollers_with_steep_ends() {
+    // Where the material ends the gap is less than the depth, or more.
+    for (expression, length, depth, force) in STEEP {
+        let gap = clipped(expression, &rectangle(0.2 * length, length));
+        let turned = json!({"kind": "sum", "of": [gap], "rotate": 37.0, "at": [0.2, -0.1]});
+        for (gap, tolerance) in [(&gap, 1e-3), (&gap, 1e-4), (&turned, 1e-3)] {
+            let scene = json!({"effective_modulus": 1.0, "gap": gap, "loading": {"depth": depth},
+                               "solve": {"tolerance": tolerance}});
+            let state = answers(&scene, Path::new(".")).remove(0).unwrap_or_else(|e| panic!("{e}: {scene}"));
+            // What is smooth to a finer grid may be left to one.
+            assert!(tolerance < 1e-3 || state.method == contact_patch::Method::EdgeFitted, "{scene}");
+            assert_force(&state, force, 1.6e-4);
+        }
+    }
+}
+
+/// Gap, half the length of the material, depth and force.
+const STEEP: [(&str, f64, f64, f64); 3] = [
+    ("x^2/0.05 - 6.3e-5*ln(1 - (y/0.1)^2)", 0.09998, 4.9e-4, 2.5701e-5),
+    ("x^2/0.3 - 2e-4*ln(1 - (y/0.5)^2)", 0.499, 1e-3, 2.315_916e-4),
+    ("x^2/2 + 0.02*(y/0.8)^40", 0.9, 4e-3, 2.105_599e-3),
+];
+
 /// Proved bounds of the force of revolved flats with a recess and a rim, and of rings whose gap no parabola is: two independent programs of
 /// rings, to 1e-5. Of the latter the upper bound of the energy was below the energy.
 #[test]

@@ -10,6 +10,7 @@
 //! | an axis, bounds along the radius | rings | the bracket of the force, else an estimate |
 //! | two mirrors, one closed strip around them | cells along the strip | an estimate |
 //! | material in a rectangle, a strip from one side to the other | rows of cells across it | an estimate |
+//! | material in a rectangle, a strip with steep ends | cells graded to them, those in contact | an estimate |
 //! | a polynomial of second degree in a polygon or an ellipse, up to its edge | the cells that stay in contact | an estimate |
 
 mod crowned;
@@ -288,7 +289,7 @@ fn judged(state: Solution, settings: &Settings) -> Result<Solution, Unsolved> {
 
 /// The verdict where this method is prescribed and does not apply.
 pub(crate) fn not_applicable() -> Unsolved {
-    let reason = "the gap is not known to be a flat polygon or ellipse, planes with a level one among them, of revolution, upright, an oval ring, a roller that ends at two sides of a rectangle, or a polynomial of second degree in an outline whose edge it reaches";
+    let reason = "the gap is not known to be a flat polygon or ellipse, planes with a level one among them, of revolution, upright, an oval ring, a roller with sharp or steep ends in a rectangle, or a polynomial of second degree in an outline whose edge it reaches";
     Unsolved::new(Verdict::NotApplicable, reason)
 }
 

@@ -1,24 +1,29 @@
-//! Rollers with sharp ends: material in a rectangle, the contact from one side of it to the other.
+//! Rollers with sharp or steep ends: material in a rectangle, the contact from one side of it to the other, or as far as the bodies overlap
+//! where that ends the contact all but as an edge would.
 
 use super::Found;
 use super::estimated::in_users_units;
 use super::strip::{Lines, interval, line_by_line, middle};
-use crate::edge_fitted::{self, Limits, mirrors, roller};
+use crate::edge_fitted::{self, Limits, LineContact, line_contact, mirrors, roller};
 use crate::gap::{AnyGap, Gap};
 use crate::numeric::geometry::{Rect, area, centroid};
+use crate::numeric::scalar::bisected;
 use crate::overlap::{Overlap, Scaled, Units};
 use crate::problem::{Contact, Settings};
 
 /// The strip in which the bodies overlap, in the units of the solve; u is measured across it and v along.
+#[derive(Clone)]
 pub(crate) struct Roller {
     gap: AnyGap,
     depth: f64,
     units: Units,
     /// The direction that it runs along: 0 for x, 1 for y.
     along: usize,
-    /// Where the material ends along and, at most, across.
+    /// Where the material ends, or the overlap does, along; where the material does at most across.
     ends: [f64; 2],
     sides: [f64; 2],
+    /// Where the overlap ends along before the material does: how far from there the strip is taken to be as wide as further in; else 0.
+    beside: f64,
     /// Which sides the bodies overlap up to, all along.
     full: [bool; 2],
     /// The middle across of the line in the middle.
@@ -36,6 +41,17 @@ const INSET: f64 = 1e-11;
 
 /// Lines across between which the strip is taken to be straight.
 const LINES: usize = 128;
+
+/// How far from an end of the overlap, over its length, and how wide it is there at least, over its width in the middle, where the end is
+/// steep: an ellipse is a quarter as wide, and grids of 128 cells along see no more than twice that as smooth.
+const BESIDE: f64 = 1.0 / 64.0;
+const STEEP: f64 = 0.6;
+
+/// What may overlap beyond the ends that were found, over the width in the middle.
+const BEYOND: f64 = 0.025;
+
+/// Halvings to the end of the overlap.
+const HALVINGS: usize = 60;
 
 /// A rectangle of x and y as one of u and v: turned by a quarter where the strip runs along x.
 fn inward(along: usize, Rect { min, max }: &Rect) -> Rect {
@@ -62,17 +78,62 @@ impl Roller {
         let longer = usize::from(h >= w);
         [longer, 1 - longer].into_iter().find_map(|along| {
             let (ends, across) = ([material.min[along], material.max[along]], 1 - along);
-            if !(reach.min[along] <= ends[0] && ends[1] <= reach.max[along]) {
-                return None;
-            }
             let inner = inward(along, &reach);
             let sides = [inner.min[0], inner.max[0]];
             let mirrors = [known.mirrors[across], known.mirrors[along]];
             let centre = inward(along, &Rect::around(units.inward(known.centre), [0.0; 2])).min;
             let gap = gap.clone();
-            let strip = Self { gap, depth, units, along, ends, sides, full: [false; 2], inside: 0.0, mirrors, centre };
-            strip.checked(&reach)
+            let strip = Self {
+                gap,
+                depth,
+                units,
+                along,
+                ends,
+                sides,
+                beside: 0.0,
+                full: [false; 2],
+                inside: 0.0,
+                mirrors,
+                centre,
+            };
+            let whole = reach.min[along] <= ends[0] && ends[1] <= reach.max[along];
+            let whole = whole && ends.iter().all(|v| strip.across(*v, None).is_some());
+            // Wide all along, or at least a little away from its ends.
+            let checked = |strip: Option<Self>| strip?.checked(&reach);
+            if whole {
+                checked(Some(strip.clone())).or_else(|| checked(strip.widening()))
+            } else {
+                checked(strip.within(inner))
+            }
         })
+    }
+
+    /// With the ends of the overlap in place of those of the material; `None` where they are not steep.
+    fn within(mut self, reach: Rect) -> Option<Self> {
+        let middle = 0.5 * (reach.min[1] + reach.max[1]);
+        self.across(middle, None)?;
+        for (m, end) in [reach.min[1], reach.max[1]].into_iter().enumerate() {
+            let overlaps = |v: f64| self.across(v, None).is_some();
+            self.ends[m] = if overlaps(end) { end } else { bisected(overlaps, [middle, end], HALVINGS)[0] };
+        }
+        self.widening()
+    }
+
+    /// Taken to be as wide beside its ends as a little further in; `None` where that is much less than in the middle.
+    fn widening(mut self) -> Option<Self> {
+        let [first, last] = self.ends;
+        let [a, b] = self.across(middle(self.ends), None)?;
+        self.beside = BESIDE * (last - first);
+        let wide = |v: f64| self.across(v, None).is_some_and(|[c, d]| d - c >= STEEP * (b - a));
+        let inside = a > self.sides[0] && b < self.sides[1];
+        let steep = wide(first + self.beside) && wide(last - self.beside);
+        (last - first > b - a && inside && steep).then_some(self)
+    }
+
+    /// Where the bodies overlap across; where they cease to along, as a little further in.
+    fn widened(&self, v: f64, inside: Option<f64>) -> Option<[f64; 2]> {
+        let [first, last] = self.ends;
+        self.across(v.clamp(first + self.beside, last - self.beside), inside)
     }
 
     fn outward(&self, [u, v]: [f64; 2]) -> [f64; 2] {
@@ -91,19 +152,29 @@ impl Roller {
     /// With what its overlap does at the sides, the same all along, and nowhere else than in the strip.
     fn checked(self, reach: &Rect) -> Option<Self> {
         let at = |k: usize| self.ends[0] + (self.ends[1] - self.ends[0]) * k as f64 / LINES as f64;
-        let lines = line_by_line(LINES, |k, inside| self.across(at(k), inside))?;
+        let lines = line_by_line(LINES, |k, inside| self.widened(at(k), inside))?;
         let inside = middle(lines[LINES / 2]);
         let full = [0, 1].map(|m| lines.iter().all(|line| line[m] == self.sides[m]));
+        // Where the overlap ends by itself there is none beyond it, but for a small part of the strip.
+        let [a, b] = lines[LINES / 2];
+        let room = if self.beside > 0.0 { BEYOND * (b - a) } else { f64::INFINITY };
+        let [first, last] = self.ends;
         let lines = Lines(lines);
         let share = |v: f64| (v - self.ends[0]) / (self.ends[1] - self.ends[0]);
         let only = lines.hold_all(&self.gap, self.depth, *reach, |own| {
             let Rect { min, max } = inward(self.along, own);
-            lines.hold([share(min[1]), share(max[1])], [min[0], max[0]])
+            min[1] > first - room
+                && max[1] < last + room
+                && lines.hold([share(min[1]), share(max[1])], [min[0], max[0]])
         });
         only.then_some(Self { full, inside, ..self })
     }
 
     pub fn found(&self) -> String {
+        if self.beside > 0.0 {
+            return "a roller with steep ends: it overlaps on a strip that ends as wide as it is long before"
+                .to_owned();
+        }
         "a roller with sharp ends: it overlaps on a strip between two sides of a rectangle of material".to_owned()
     }
 
@@ -114,13 +185,21 @@ impl Roller {
         };
         let group = mirrors(self.centre, self.mirrors);
         let across = |v: f64| self.across(v, Some(self.inside));
+        let by_rows = || {
+            let steep = if self.beside > 0.0 { self.clone() } else { self.clone().widening()? };
+            let across = |v: f64| steep.widened(v, Some(self.inside));
+            let line = LineContact { overlap: &across, ends: self.ends, group: group.clone() };
+            line_contact(&overlap, &line, limits)
+        };
         let with = |moves: [bool; 2]| {
             let strip = edge_fitted::Roller { overlap: &across, ends: self.ends, moves, group: group.clone() };
             roller(&overlap, &strip, limits)
         };
         // The contact may end before the bodies cease to overlap.
         let moves = self.full.map(|full| !full);
-        let found = with(moves).or_else(|| if moves == [true; 2] { None } else { with([true; 2]) })?;
+        let sharp = || with(moves).or_else(|| if moves == [true; 2] { None } else { with([true; 2]) });
+        // Where the material ends little is left of the overlap, or the contact ends before.
+        let found = if self.beside > 0.0 { by_rows() } else { sharp().or_else(by_rows) }?;
         let found = found.in_axes(|p| self.outward(p));
         let middle = [centroid(&found.ends[0]), found.centre()];
         let found = in_users_units(found, &self.units, middle, contact, settings)?;

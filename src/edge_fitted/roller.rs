@@ -45,7 +45,7 @@ pub(crate) fn roller(f: &dyn Fn(Point) -> f64, roller: &Roller, limits: &Limits)
 /// ```text
 /// n = (s/a)^(1/4) for s < a,     1 + ln(1 + (s - a)/(2 a))/2 beyond it, while ds/dn = 4 a + 2 (s - a) < c L.
 /// ```
-struct Grading {
+pub(super) struct Grading {
     /// L.
     length: f64,
     /// a.
@@ -53,14 +53,14 @@ struct Grading {
     /// s and n where ds/dn = c L.
     even: [f64; 2],
     /// n(L).
-    all: f64,
+    pub all: f64,
 }
 
 /// c: rows in the middle of a long strip.
 const LONGEST: f64 = 1.5;
 
 impl Grading {
-    fn new(length: f64, width: f64) -> Self {
+    pub fn new(length: f64, width: f64) -> Self {
         let graded = width.min(length);
         let even = (graded + 0.5 * (LONGEST * length - 4.0 * graded)).clamp(graded, length);
         let growing = 1.0 + 0.5 * (1.0 + (even - graded) / (2.0 * graded)).ln();
@@ -69,7 +69,7 @@ impl Grading {
     }
 
     /// s at a share of n(L).
-    fn distance(&self, share: f64) -> f64 {
+    pub fn distance(&self, share: f64) -> f64 {
         let (n, a, [even, growing]) = (share * self.all, self.graded, self.even);
         if n <= 1.0 {
             a * n.powi(4)

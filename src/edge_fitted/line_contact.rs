@@ -1,0 +1,224 @@
+//! Line contacts of finite length whose ends are steep: rollers with logarithmic ends, pressed until these all but end the contact as an
+//! edge would.
+//!
+//! Rows of cells across the strip in which the bodies overlap are graded to both of its ends as those of a roller with sharp ends are
+//! ([`super::roller`]), and which of their cells are in contact is found with the pressure: the corners of the contact are rounded by what
+//! the graded rows are small beside. Across, p ~ s^(1/2) ends among equal cells. Energy and force then fall with the second order of both
+//! (the discrete energy is a lower bound, and stationary), and what is left of them is told by fewer cells along and across.
+
+use super::Limits;
+use super::estimated::{Estimated, Solved, Touching};
+use super::mesh::{Mesh, Point};
+use super::roller::Grading;
+use super::rows::{between, further};
+use super::symmetry::Isometry;
+use crate::numeric::geometry::area;
+
+/// A strip in which bodies overlap: x across, y along.
+pub(crate) struct LineContact<'a> {
+    /// Where they overlap across, by y; as wide as a little further in where the strip itself ends.
+    pub overlap: &'a dyn Fn(f64) -> Option<[f64; 2]>,
+    /// Where they overlap along.
+    pub ends: [f64; 2],
+    /// Symmetries of the overlap.
+    pub group: Vec<Isometry>,
+}
+
+/// Rows over the length of the overlap beside an end that are graded to it, and cells across the contact, for an error of 1e-3.
+const AT_END: f64 = 5.0;
+const ACROSS: usize = 20;
+
+/// How both grow with an error that is smaller, and the order that a next mesh relies on.
+const FINER: [f64; 2] = [0.3, 0.4];
+const ORDER: f64 = 2.0;
+
+/// Cells across all of the overlap that tell how much of it is in contact, and cells of it on either side that are added to that.
+const LOOK: usize = 16;
+const BESIDE: f64 = 1.0;
+
+/// Of the cells along and across, those of the meshes that tell the error: with the second order four fifths of the change are left.
+const FEWER: f64 = 2.0 / 3.0;
+
+/// Rounds of more cells, and share of the tolerance that each direction aims at.
+const ROUNDS: usize = 4;
+const AIM: f64 = 0.35;
+
+/// The stiffness of a strip grows with the logarithm of its width: of a cell across that counts as a whole, no more than this.
+const OF_CELL: f64 = 0.25;
+
+/// One mesh.
+struct State {
+    solved: Solved,
+    /// The ends of the contact across, as distances, in every row that is in contact; these rows have no others between them.
+    ends: Vec<[f64; 2]>,
+    /// The lines on both sides of the first and of the last of them.
+    lines: Vec<f64>,
+    area: f64,
+    /// The cells across that are in contact in some row: the first, and one after the last.
+    touched: [usize; 2],
+}
+
+/// The contact of an overlap `f` that is positive in the strip and nowhere else. `None` where no such contact is found, and once the time
+/// is used up.
+pub(crate) fn line_contact(f: &dyn Fn(Point) -> f64, line: &LineContact, limits: &Limits) -> Option<Estimated> {
+    let [first, last] = line.ends;
+    let half = 0.5 * (last - first);
+    let [a, b] = (line.overlap)(first + half)?;
+    let strip = Strip { f, line, grading: Grading::new(half, b - a), limits };
+    let finer = FINER.map(|power| (1e-3 / limits.tolerance).max(1.0).powf(power));
+    let rows_of = |finer: f64| (AT_END * finer * strip.grading.all).ceil() as usize;
+    let mut across = strip.around_contact(rows_of(1.0))?;
+    let (mut rows, mut cells) = (rows_of(finer[0]), (ACROSS as f64 * finer[1]).ceil() as usize);
+    let fewer = |n: usize| (FEWER * n as f64).round() as usize;
+    let mut best: Option<Estimated> = None;
+    for _ in 0..ROUNDS {
+        let Some(fine) = strip.solve(rows, cells, across) else { return best };
+        if fine.touched[0] == 0 || fine.touched[1] == cells {
+            // In contact up to the outermost cells: there may be more beside them.
+            across = strip.widened(across);
+            continue;
+        }
+        let Some(shorter) = strip.solve(fewer(rows), cells, across) else { return best };
+        let Some(coarse) = strip.solve(rows, fewer(cells), across) else { return best };
+        let change = |other: &State, of: fn(&State) -> f64| (of(&fine) / of(other) - 1.0).abs();
+        let largest = |other: &State| change(other, |s| s.solved.force).max(change(other, |s| s.solved.energy));
+        let both = |of: fn(&State) -> f64| change(&shorter, of) + change(&coarse, of);
+        let left = [largest(&shorter), largest(&coarse)];
+        let own = &fine.solved;
+        let found = Estimated {
+            force: own.force,
+            error: left[0] + left[1],
+            energy: own.energy,
+            stiffness: own.stiffness,
+            stiffness_error: both(|s| s.solved.stiffness) + OF_CELL / cells as f64,
+            area: fine.area,
+            area_error: both(|s| s.area) + (cells as f64).powf(-1.5),
+            cells: own.cells(Touching::Some),
+            ends: vec![fine.boundary()],
+            unknowns: own.unknowns,
+        };
+        let done = found.error <= limits.tolerance;
+        let unknowns = own.unknowns;
+        best = Some(found);
+        if done {
+            break;
+        }
+        let wanted = |n: usize, left: f64| {
+            let times = (left / (AIM * limits.tolerance)).max(0.0).powf(1.0 / ORDER).min(2.0);
+            ((times * n as f64).ceil() as usize).max(n)
+        };
+        let more = [wanted(rows, left[0]), wanted(cells, left[1])];
+        let more = if more == [rows, cells] { [rows + rows / 4, cells + cells / 4] } else { more };
+        let growth = (more[0] * more[1]) as f64 / (rows * cells) as f64;
+        if growth * unknowns as f64 > limits.unknowns as f64 {
+            break;
+        }
+        [rows, cells] = more;
+    }
+    best
+}
+
+struct Strip<'a> {
+    f: &'a dyn Fn(Point) -> f64,
+    line: &'a LineContact<'a>,
+    grading: Grading,
+    limits: &'a Limits,
+}
+
+impl Strip<'_> {
+    /// The shares of the overlap across between which some row is in contact, with room, from few cells.
+    fn around_contact(&self, rows: usize) -> Option<[f64; 2]> {
+        let State { touched: [from, to], .. } = self.solve(rows, LOOK, [0.0, 1.0])?;
+        let share = |n: f64| (n / LOOK as f64).clamp(0.0, 1.0);
+        Some([share(from as f64 - BESIDE), share(to as f64 + BESIDE)])
+    }
+
+    fn widened(&self, [a, b]: [f64; 2]) -> [f64; 2] {
+        let more = BESIDE * (b - a) / LOOK as f64;
+        [(a - more).max(0.0), (b + more).min(1.0)]
+    }
+
+    /// y of the lines between 2 `rows` rows and at their ends.
+    fn lines(&self, rows: usize) -> Vec<f64> {
+        let [first, last] = self.line.ends;
+        let distance = |k: usize| self.grading.distance(k as f64 / rows as f64);
+        let (before, after) = ((0..=rows).map(|k| first + distance(k)), (0..rows).rev().map(|k| last - distance(k)));
+        before.chain(after).collect()
+    }
+
+    /// With 2 `rows` rows, graded to the ends, and so many equal cells between two shares of the overlap across.
+    fn solve(&self, rows: usize, cells: usize, [from, to]: [f64; 2]) -> Option<State> {
+        let lines = self.lines(rows);
+        let overlap: Option<Vec<[f64; 2]>> = lines.iter().map(|y| (self.line.overlap)(*y)).collect();
+        let across = overlap?.into_iter().map(|ends| [between(ends, from), between(ends, to)]);
+        let across: Vec<[f64; 2]> = across.collect();
+        let point = |k: usize, j: usize| [between(across[k], j as f64 / cells as f64), lines[k]];
+        let nodes = (0..lines.len()).flat_map(|k| (0..=cells).map(move |j| (k, j))).map(|(k, j)| point(k, j)).collect();
+        let id = |k: usize, j: usize| k * (cells + 1) + j;
+        let row = |k: usize| (0..cells).map(move |j| [id(k, j), id(k, j + 1), id(k + 1, j + 1), id(k + 1, j)]);
+        let mesh = Mesh::new(nodes, (0..2 * rows).flat_map(row).collect(), Vec::new());
+        let solved = Solved::new(mesh, &self.line.group, self.f, Touching::Some, self.limits)?;
+        let pressures: Vec<&[f64]> = solved.pressure.chunks_exact(cells).collect();
+        let touches = |row: &&[f64]| row.iter().any(|p| *p > 0.0);
+        let (first, last) = (pressures.iter().position(touches)?, pressures.iter().rposition(touches)?);
+        let mut touched = [cells, 0];
+        let mut ends = Vec::new();
+        for (k, p) in pressures.iter().enumerate().take(last + 1).skip(first) {
+            let (a, b) = (p.iter().position(|p| *p > 0.0)?, p.iter().rposition(|p| *p > 0.0)? + 1);
+            touched = [touched[0].min(a), touched[1].max(b)];
+            let width = 1.0 / cells as f64;
+            let more = |last: [f64; 2]| further([width, 2.0 * width], last);
+            let more = if b - a > 1 { [more([p[a], p[a + 1]]), more([p[b - 1], p[b - 2]])] } else { [0.0; 2] };
+            let middle = [0, 1].map(|m| 0.5 * (across[k][m] + across[k + 1][m]));
+            ends.push([a as f64 * width - more[0], b as f64 * width + more[1]].map(|share| between(middle, share)));
+        }
+        let mut state = State { solved, ends, lines: lines[first..=last + 1].to_vec(), area: 0.0, touched };
+        state.area = area(&state.boundary());
+        (state.solved.force > 0.0 && state.area > 0.0).then_some(state)
+    }
+}
+
+impl State {
+    /// Where the contact ends: a closed line, contact on the left.
+    fn boundary(&self) -> Vec<Point> {
+        let last = self.ends.len();
+        // In the middle of every row, and at the lines that the first and the last one begin and end at.
+        let y = |k: usize| 0.5 * (self.lines[k] + self.lines[k + 1]);
+        let side = |m: usize| {
+            let middle = (0..last).map(move |k| [self.ends[k][m], y(k)]);
+            let ends = [[self.ends[0][m], self.lines[0]], [self.ends[last - 1][m], self.lines[last]]];
+            std::iter::once(ends[0]).chain(middle).chain(std::iter::once(ends[1])).collect::<Vec<Point>>()
+        };
+        side(1).into_iter().chain(side(0).into_iter().rev()).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::symmetry::mirrors;
+    use super::*;
+
+    /// Steep ends that are no material's: f = 1 - x^2 + A ln(1 - (y/L)^2), in the units of the solve.
+    #[test]
+    fn finer_cells_stay_within_the_stated_error() {
+        for (length, rise) in [(3.0, 0.14), (10.0, 0.1), (40.0, 0.2)] {
+            let f = |[x, y]: Point| 1.0 - x * x + rise * (1.0 - (y / length).powi(2)).ln();
+            let end = length * (1.0 - (-1.0 / rise).exp()).sqrt();
+            let overlap = |y: f64| {
+                let y = y.clamp(0.5 - end, end - 0.5);
+                let half = f([0.0, y]).max(0.0).sqrt();
+                Some([-half, half])
+            };
+            let group = mirrors([0.0; 2], [true; 2]);
+            let line = LineContact { overlap: &overlap, ends: [-end, end], group };
+            let at = |tolerance: f64| line_contact(&f, &line, &Limits { tolerance, ..Limits::default() }).unwrap();
+            let (coarse, fine) = (at(1e-3), at(1e-4));
+            assert!(coarse.error <= 1e-3 && fine.error <= 1e-4);
+            let off = |a: f64, b: f64| (a / b - 1.0).abs();
+            assert!(off(coarse.force, fine.force) <= coarse.error + fine.error);
+            assert!(off(coarse.energy, fine.energy) <= coarse.error + fine.error);
+            assert!(off(coarse.stiffness, fine.stiffness) <= coarse.stiffness_error + fine.stiffness_error);
+            assert!(off(coarse.area, fine.area) <= coarse.area_error + fine.area_error);
+        }
+    }
+}
