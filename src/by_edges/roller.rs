@@ -172,8 +172,7 @@ impl Roller {
 
     pub fn found(&self) -> String {
         if self.beside > 0.0 {
-            return "a roller with steep ends: it overlaps on a strip that ends as wide as it is long before"
-                .to_owned();
+            return "a roller with steep ends: it overlaps on a strip that stays wide up to its ends".to_owned();
         }
         "a roller with sharp ends: it overlaps on a strip between two sides of a rectangle of material".to_owned()
     }
