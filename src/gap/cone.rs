@@ -1,7 +1,7 @@
 //! A cone.
 
 use super::radial::{self, Profile, disc, distances, rising};
-use super::{Degree, Gap, Generatrix, Growth, Known, Law, Reach, Taylor};
+use super::{Cubic, Degree, Gap, Generatrix, Growth, Known, Law, Reach, Taylor};
 use crate::error::{InputError, positive};
 use crate::numeric::Interval;
 use crate::numeric::geometry::Rect;
@@ -33,6 +33,11 @@ impl Cone {
     #[must_use]
     pub fn slope(&self) -> f64 {
         self.slope
+    }
+
+    fn profile(&self, r: Interval) -> Profile {
+        let slope = Interval::point(self.slope);
+        Profile { value: slope * r, slope_over_r: slope / r, curvature: Interval::ZERO }
     }
 }
 
@@ -85,8 +90,12 @@ impl Gap for Cone {
     }
 
     fn taylor(&self, rect: &Rect) -> Option<Taylor> {
+        radial::taylor(rect, |r| self.profile(r))
+    }
+
+    fn cubic(&self, rect: &Rect) -> Option<Cubic> {
         let slope = Interval::point(self.slope);
-        radial::taylor(rect, |r| Profile { value: slope * r, slope_over_r: slope / r, curvature: Interval::ZERO })
+        radial::cubic(rect, |r| self.profile(r), |r| [Interval::ZERO, -slope / r.powi(2)])
     }
 
     fn slopes(&self, rect: &Rect) -> Option<[Interval; 2]> {

@@ -1,7 +1,7 @@
 //! A power law.
 
 use super::radial::{self, Profile, disc, distances, rising};
-use super::{Degree, Gap, Generatrix, Growth, Known, Law, Quadratic, Reach, Taylor};
+use super::{Cubic, Degree, Gap, Generatrix, Growth, Known, Law, Quadratic, Reach, Taylor};
 use crate::error::{InputError, finite, positive};
 use crate::numeric::Interval;
 use crate::numeric::geometry::Rect;
@@ -33,6 +33,19 @@ impl Power {
     #[must_use]
     pub fn exponent(&self) -> f64 {
         self.exponent
+    }
+}
+
+impl Power {
+    fn profile(&self, r: Interval) -> Profile {
+        let (n, one) = (Interval::point(self.exponent), Interval::point(1.0));
+        let c = Interval::point(self.coefficient);
+        let lowered = if self.exponent == 2.0 { c } else { c * r.powf(n - Interval::point(2.0)) };
+        Profile {
+            value: c * r.powf(n),
+            slope_over_r: n * lowered,
+            curvature: if self.exponent == 1.0 { Interval::ZERO } else { n * (n - one) * lowered },
+        }
     }
 }
 
@@ -73,14 +86,21 @@ impl Gap for Power {
     }
 
     fn taylor(&self, rect: &Rect) -> Option<Taylor> {
+        radial::taylor(rect, |r| self.profile(r))
+    }
+
+    /// g''' = c n (n - 1) (n - 2) r^(n - 3), (g'' - g'/r)/r = c n (n - 2) r^(n - 3).
+    fn cubic(&self, rect: &Rect) -> Option<Cubic> {
         let (n, one) = (Interval::point(self.exponent), Interval::point(1.0));
-        let c = Interval::point(self.coefficient);
-        let lowered = |r: Interval| if self.exponent == 2.0 { c } else { c * r.powf(n - Interval::point(2.0)) };
-        radial::taylor(rect, |r| Profile {
-            value: c * r.powf(n),
-            slope_over_r: n * lowered(r),
-            curvature: if self.exponent == 1.0 { Interval::ZERO } else { n * (n - one) * lowered(r) },
-        })
+        let less = n - Interval::point(2.0);
+        let thirds = |r: Interval| {
+            if self.exponent == 2.0 {
+                return [Interval::ZERO; 2];
+            }
+            let across = Interval::point(self.coefficient) * n * less * r.powf(n - Interval::point(3.0));
+            [if self.exponent == 1.0 { Interval::ZERO } else { (n - one) * across }, across]
+        };
+        radial::cubic(rect, |r| self.profile(r), thirds)
     }
 
     fn slopes(&self, rect: &Rect) -> Option<[Interval; 2]> {

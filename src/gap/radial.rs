@@ -1,7 +1,8 @@
 //! Gaps that are smooth functions of the distance from the origin: bounds, Taylor form and growth from those of one variable.
 
-use super::{Axis, Generatrix, Growth, Known, Material, Reach, Taylor};
+use super::{Axis, Cubic, Generatrix, Growth, Known, Material, Reach, Taylor};
 use crate::numeric::Interval;
+use crate::numeric::derivatives::Real;
 use crate::numeric::geometry::Rect;
 
 /// Room for the rounding of a radius.
@@ -72,6 +73,28 @@ pub(super) fn taylor(rect: &Rect, g: impl Fn(Interval) -> Profile) -> Option<Tay
         hessian: [q + d * nxx, d * nxy, q + d * nyy],
     }
     .finite()
+}
+
+/// The same to third order, with g''' and s = (g'' - g'/r)/r over a set of radii. The third derivatives are
+///
+/// ```text
+/// s (n_i d_jk + n_j d_ik + n_k d_ij - 3 n_i n_j n_k) + g''' n_i n_j n_k,     d_ij = 1 for i = j, else 0.
+/// ```
+pub(super) fn cubic(
+    rect: &Rect,
+    g: impl Fn(Interval) -> Profile,
+    thirds: impl Fn(Interval) -> [Interval; 2],
+) -> Option<Cubic> {
+    let c = rect.centre();
+    let Taylor { value, gradient, hessian } = taylor(&Rect { min: c, max: c }, g)?;
+    let r = distances(rect);
+    let [along, across] = thirds(r);
+    let [x, y] = sides(rect).map(|v| v.share_of(r));
+    let (one, three) = (Interval::point(1.0), Interval::point(3.0));
+    // n_x (3 s (1 - n_x^2) + g''' n_x^2), n_y (s (1 - 3 n_x^2) + g''' n_x^2) and so on.
+    let alone = |n: Interval| n * (across * three * (one - n.powi(2)) + along * n.powi(2));
+    let mixed = |n: Interval, m: Interval| m * (across * (one - three * n.powi(2)) + along * n.powi(2));
+    Cubic { value, gradient, hessian, third: [alone(x), mixed(x, y), mixed(y, x), alone(y)] }.finite()
 }
 
 /// Bounds of the slopes of g(r) over a rectangle, from those of g'(r).

@@ -1,7 +1,7 @@
 //! A sphere.
 
 use super::radial::{self, Profile, disc, distances, rising};
-use super::{Gap, Generatrix, Growth, Known, Material, Reach, Taylor};
+use super::{Cubic, Gap, Generatrix, Growth, Known, Material, Reach, Taylor};
 use crate::error::{InputError, positive};
 use crate::numeric::Interval;
 use crate::numeric::geometry::Rect;
@@ -60,6 +60,18 @@ impl Gap for Sphere {
 
     fn taylor(&self, rect: &Rect) -> Option<Taylor> {
         radial::taylor(rect, |r| self.profile(r))
+    }
+
+    /// g''' = 3 rho/(R^2 c^5), (g'' - g'/r)/r = rho/(R^2 c^3).
+    fn cubic(&self, rect: &Rect) -> Option<Cubic> {
+        let (one, radius) = (Interval::point(1.0), Interval::point(self.radius));
+        let thirds = |r: Interval| {
+            let rho = r / radius;
+            let c = ((one - rho) * (one + rho)).sqrt();
+            let across = rho / (radius.powi(2) * c.powi(3));
+            [Interval::point(3.0) * across / c.powi(2), across]
+        };
+        radial::cubic(rect, |r| self.profile(r), thirds)
     }
 
     fn growth(&self, _: Interval, from: f64) -> Option<Growth> {

@@ -182,3 +182,105 @@ fn along(g: Interval, c: Interval, v: Interval) -> Interval {
     // At an end the linear and the square part take their extremes together.
     Interval { lo: crude.lo.max(lo), hi: crude.hi.min(hi), defined: crude.defined }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gap::{AnyGap, Cone, Formula, Gap, Paraboloid, Power, Sphere, Sum};
+    use crate::numeric::geometry::Rect;
+
+    /// Centres and half sides: about the origin, with it, away from it.
+    const RECTANGLES: [([f64; 2], [f64; 2]); 4] = [
+        ([0.0; 2], [0.1, 0.07]),
+        ([0.05, -0.03], [0.06, 0.05]),
+        ([0.4, 0.3], [0.02, 0.03]),
+        ([0.4, 0.3], [0.03, 0.04]),
+    ];
+
+    /// 20 x 20 points of a rectangle.
+    fn points(c: [f64; 2], half: [f64; 2]) -> impl Iterator<Item = [f64; 2]> {
+        (0..400).map(move |k| {
+            let at = |m: usize, n: usize| c[m] + half[m] * ((n as f64 + 0.5) / 10.0 - 1.0);
+            [at(0, k % 20), at(1, k / 20)]
+        })
+    }
+
+    #[test]
+    fn third_derivatives_hold() {
+        let formulas = [
+            ("x^2/0.3 + y^2/0.7 + 0.05*cos(9*x)*cos(7*y + 0.4)", true),
+            ("exp(x*y) + sinh(x) - cosh(y - 0.3*x) + tanh(x + 2*y)", true),
+            ("abs(x)^3 + abs(y)^3.5 + (x - 2*y)^5", true),
+            ("r^3 + r^4 + 0.2*hypot(x, y)^3.4", true),
+            ("sqrt(2 + x - y) + cbrt(3 + x*y) + (2 + x)^1.7*(3 - y)", true),
+            ("(1 + x^2)^(2 + y) + 1/(2 + x + y^2)", true),
+            ("ln(2 + x*y) + log10(3 - x) + log2(2 + y)", true),
+            ("asin(x - y) + acos(0.5*x*y) + atan(3*x + y^2) + tan(x - 0.5*y)", true),
+            ("hypot(x, 2*y) + atan2(x, y)/5 + theta*r", false),
+            ("abs(x)*y^2 + max(x, y) + min(x + 1, y)", false),
+        ];
+        let formulas = formulas
+            .map(|(text, everywhere)| (text.to_owned(), AnyGap::from(&Formula::new(text).unwrap()), everywhere));
+        let sphere = AnyGap::from(&Sphere::new(0.9).unwrap());
+        let power = |exponent: f64| AnyGap::from(&Power::new(0.7, exponent).unwrap());
+        let round = AnyGap::from(&Paraboloid::new([0.4, 0.7]).unwrap());
+        let kinds = [
+            ("sphere", sphere.clone(), true),
+            ("cone", AnyGap::from(&Cone::with_slope(0.3).unwrap()), false),
+            ("power 1.5", power(1.5), false),
+            ("power 2", power(2.0), true),
+            ("power 3.4", power(3.4), true),
+            ("sum", AnyGap::new(Sum::new(vec![sphere, power(4.0), round]).unwrap()), true),
+        ];
+        let kinds = kinds.map(|(name, gap, everywhere)| (name.to_owned(), gap, everywhere));
+        for (text, gap, everywhere) in formulas.into_iter().chain(kinds) {
+            for gap in [gap.clone(), gap.placed([0.02, -0.05], 0.7).unwrap().tilted([0.1, -0.2])] {
+                for (c, half) in RECTANGLES {
+                    let rect = Rect::around(c, half);
+                    let Some(cubic) = gap.cubic(&rect) else {
+                        assert!(!everywhere, "{text} at {c:?}");
+                        continue;
+                    };
+                    let parts = |v: [f64; 2]| cubic.moved(v);
+                    let taylor = cubic.taylor(rect.size());
+                    let [low, high] = taylor.bounds(rect.size(), [0.0; 2]);
+                    let (mean, mut sum) = (cubic.mean(rect.size()), 0.0);
+                    for [x, y] in points(c, half) {
+                        let g = gap.gap(x, y);
+                        sum += g / 400.0;
+                        let room = 1e-13 * (1.0 + g.abs());
+                        assert!(low - room <= g && g <= high + room, "{text} at {x} {y}");
+                        let here = parts([x - c[0], y - c[1]]);
+                        assert!(here.value.lo - room <= g && g <= here.value.hi + room, "{text} at {x} {y}: {here:?}");
+                        let own = gap.gradient(x, y).unwrap();
+                        for m in 0..2 {
+                            let [lo, hi] = [here.gradient[m].lo - 1e-12, here.gradient[m].hi + 1e-12];
+                            assert!(lo <= own[m] && own[m] <= hi, "{text} at {x} {y}: {own:?} {here:?}");
+                        }
+                    }
+                    // Midpoints miss of the mean h^2/24 of the second derivatives.
+                    let missed =
+                        (0..2).map(|m| taylor.hessian[2 * m].magnitude() * (half[m] / 10.0).powi(2) / 6.0).sum::<f64>();
+                    assert!(mean.lo - missed <= sum && sum <= mean.hi + missed, "{text}: {mean:?} {sum}");
+                }
+                // Close to a point third derivatives are known as well as second ones are by differences.
+                let at = [0.41, 0.33];
+                let Some(cubic) = gap.cubic(&Rect::around(at, [1e-6; 2])) else { continue };
+                let beside = |x: f64, y: f64| {
+                    let taylor = gap.taylor(&Rect::around([at[0] + x, at[1] + y], [1e-9; 2])).unwrap();
+                    taylor.hessian.map(Interval::middle)
+                };
+                let e = 1e-4;
+                let (along, across) =
+                    (beside(e, 0.0).into_iter().zip(beside(-e, 0.0)), beside(0.0, e).into_iter().zip(beside(0.0, -e)));
+                let along: Vec<f64> = along.map(|(a, b)| (a - b) / (2.0 * e)).collect();
+                let across: Vec<f64> = across.map(|(a, b)| (a - b) / (2.0 * e)).collect();
+                let size = 1.0 + cubic.third.map(Interval::magnitude).into_iter().fold(0.0, f64::max);
+                for (t, d) in cubic.third.iter().zip([along[0], along[1], along[2], across[2]]) {
+                    assert!((t.middle() - d).abs() < 1e-4 * size, "{text}: {cubic:?} {along:?} {across:?}");
+                }
+                assert!((across[0] - along[1]).abs() < 1e-4 * size && (across[1] - along[2]).abs() < 1e-4 * size);
+            }
+        }
+    }
+}
