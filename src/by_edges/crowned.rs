@@ -74,6 +74,7 @@ impl Crowning {
             patch,
             centre: flat.centre_of(&cells),
             max: None,
+            max_error: None,
             at,
             field: settings.outputs.pressure.then(|| resample(&cells, field_grid(&rect))),
             unknowns: state.unknowns,

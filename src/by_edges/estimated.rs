@@ -16,7 +16,19 @@ pub(super) fn in_users_units(
     contact: &Contact,
     settings: &Settings,
 ) -> Option<Found> {
-    let Estimated { force, error, energy, stiffness, stiffness_error, area, area_error, cells, ends, unknowns } = found;
+    let Estimated {
+        force,
+        error,
+        energy,
+        stiffness,
+        stiffness_error,
+        area,
+        area_error,
+        max_error,
+        cells,
+        ends,
+        unknowns,
+    } = found;
     let Units { length, height, .. } = *units;
     let e_star = contact.modulus().e_star();
     let unit_force = e_star * height * length;
@@ -39,6 +51,7 @@ pub(super) fn in_users_units(
         stiffness_error: Some(stiffness_error),
         area_error: Some(area_error),
         max: Some(largest * unit_pressure),
+        max_error,
         at,
         field,
         patch: Patch {

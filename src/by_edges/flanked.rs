@@ -116,6 +116,7 @@ impl FlankedTip {
         Some(Found {
             // Infinite along the edges of the flat.
             max: None,
+            max_error: None,
             how: format!("the gap is {}", self.found()),
             left_out: "the surface grid: cells follow the edges of the flat",
             ..in_users_units(found, &self.units, about, contact, settings)?
@@ -135,6 +136,7 @@ impl FlankedTip {
             stiffness_error: half(stiffness) + error,
             area: middle(area),
             area_error: half(area),
+            max_error: None,
             cells,
             ends: vec![end],
             unknowns,

@@ -140,6 +140,7 @@ impl Flat {
             },
             centre: self.centre_of(&cells),
             max: None,
+            max_error: None,
             at: strongest,
             field: settings.outputs.pressure.then(|| resample(&cells, field_grid(&rect))),
             unknowns: punch.unknowns,

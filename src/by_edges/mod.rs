@@ -62,8 +62,9 @@ struct Found {
     patch: Patch,
     /// Where the resultant of the computed pressure acts.
     centre: [f64; 2],
-    /// The largest pressure; `None` where the exact one is infinite.
+    /// The largest pressure, `None` where the exact one is infinite, and its relative error, as far as it is known.
     max: Option<f64>,
+    max_error: Option<f64>,
     /// Where the largest computed pressure is.
     at: [f64; 2],
     field: Option<Pressure>,
@@ -351,7 +352,7 @@ fn in_users_units(
         energy: Some(0.5 * (found.energy[0] + found.energy[1])),
         pressure: PressureSummary {
             max: found.max,
-            max_error: None,
+            max_error: found.max_error.filter(|_| found.max.is_some()),
             singular: found.max.is_none().then_some(Singular::Edge),
             mean: Some(force / patch.area),
             at: Some(found.at),

@@ -217,7 +217,7 @@ impl Section {
         let worth = if settings.outputs.bracket { MOST_RINGS } else { WORTH };
         let limits = Limits { unknowns: MOST_RINGS, worth, ..*limits };
         let found = annular(self, &self.spans, self.law, &limits)?;
-        let Annular { mut force, energy, stiffness, rings, unknowns, proved, .. } = found;
+        let Annular { mut force, energy, stiffness, rings, unknowns, proved, errors, .. } = found;
         force = [force[0] * (1.0 - self.rounding()), force[1] * (1.0 + self.rounding())];
         if !(force[0] > 0.0 && force[1] < f64::INFINITY) {
             return None;
@@ -258,9 +258,8 @@ impl Section {
             force: force.map(|p| p * unit_force),
             energy: energy.map(|u| u * unit_force * height),
             stiffness: stiffness * e_star * length,
-            // By where the cells end, which nothing bounds.
-            stiffness_error: None,
-            area_error: None,
+            stiffness_error: errors.stiffness,
+            area_error: errors.area,
             patch: Patch {
                 area: contact_rings.iter().map(|[a, b]| PI * (b - a) * (b + a)).sum::<f64>() * length * length,
                 centroid: Some(self.at),
@@ -273,6 +272,7 @@ impl Section {
             },
             centre: self.at,
             max: (!singular).then_some(largest * unit_pressure),
+            max_error: errors.largest,
             at: [x + 0.5 * (strongest[0] + strongest[1]) * length, y],
             field: settings.outputs.pressure.then(field),
             unknowns,

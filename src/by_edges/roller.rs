@@ -24,6 +24,8 @@ pub(crate) struct Roller {
     sides: [f64; 2],
     /// Where the overlap ends along before the material does: how far from there the strip is taken to be as wide as further in; else 0.
     beside: f64,
+    /// Whether those along are the ends of the material.
+    edges: [bool; 2],
     /// Which sides the bodies overlap up to, all along.
     full: [bool; 2],
     /// The middle across of the line in the middle.
@@ -91,6 +93,7 @@ impl Roller {
                 ends,
                 sides,
                 beside: 0.0,
+                edges: [true; 2],
                 full: [false; 2],
                 inside: 0.0,
                 mirrors,
@@ -113,8 +116,11 @@ impl Roller {
         let middle = 0.5 * (reach.min[1] + reach.max[1]);
         self.across(middle, None)?;
         for (m, end) in [reach.min[1], reach.max[1]].into_iter().enumerate() {
-            let overlaps = |v: f64| self.across(v, None).is_some();
-            self.ends[m] = if overlaps(end) { end } else { bisected(overlaps, [middle, end], HALVINGS)[0] };
+            self.edges[m] = self.across(self.ends[m], None).is_some();
+            if !self.edges[m] {
+                let overlaps = |v: f64| self.across(v, None).is_some();
+                self.ends[m] = if overlaps(end) { end } else { bisected(overlaps, [middle, end], HALVINGS)[0] };
+            }
         }
         self.widening()
     }
@@ -198,14 +204,17 @@ impl Roller {
         let moves = self.full.map(|full| !full);
         let sharp = || with(moves).or_else(|| if moves == [true; 2] { None } else { with([true; 2]) });
         // Where the material ends little is left of the overlap, or the contact ends before.
-        let found = if self.beside > 0.0 { by_rows() } else { sharp().or_else(by_rows) }?;
+        let sharp = if self.beside > 0.0 { None } else { sharp() };
+        let (found, reached) = sharp.map(|found| (found, [true; 2])).or_else(by_rows)?;
+        // The pressure is infinite at an edge of the material that is in contact.
+        let singular = (0..2).any(|m| self.edges[m] && reached[m]);
         let found = found.in_axes(|p| self.outward(p));
         let middle = [centroid(&found.ends[0]), found.centre()];
         let found = in_users_units(found, &self.units, middle, contact, settings)?;
         Some(Found {
             how: format!("the gap is {}", self.found()),
             left_out: "the surface grid: rows of cells across the strip are enough",
-            max: None,
+            max: found.max.filter(|_| !singular),
             ..found
         })
     }

@@ -128,6 +128,7 @@ impl Tilting {
             patch,
             centre: flat.centre_of(&cells),
             max: None,
+            max_error: None,
             at: strongest,
             field: settings.outputs.pressure.then(|| resample(&cells, field_grid(&rect))),
             unknowns: state.unknowns,

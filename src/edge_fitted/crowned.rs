@@ -163,6 +163,7 @@ impl State {
             stiffness_error: error.max(change(|s| s.stiffness, 1.0)).max(0.5 * area_error),
             area,
             area_error,
+            max_error: None,
             cells: self.cells.clone(),
             ends: self.regions.iter().flat_map(|region| region.boundary.clone()).collect(),
             unknowns: own.unknowns,

@@ -20,6 +20,8 @@ pub(crate) struct Estimated {
     /// Area, and an estimate of its relative error.
     pub area: f64,
     pub area_error: f64,
+    /// An estimate of the relative error of the largest pressure, where that is finite.
+    pub max_error: Option<f64>,
     /// Corners and pressure of the cells in contact.
     pub cells: Vec<([Point; 4], f64)>,
     /// Where the contact ends: closed lines, contact on the left.
@@ -56,6 +58,13 @@ pub(super) struct Solved {
     /// Of all loaded cells.
     pub pressure: Vec<f64>,
     pub unknowns: usize,
+}
+
+impl Solved {
+    /// The largest pressure.
+    pub fn largest(&self) -> f64 {
+        self.pressure.iter().copied().fold(0.0, f64::max)
+    }
 }
 
 /// Which cells are in contact.

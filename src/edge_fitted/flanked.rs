@@ -116,6 +116,7 @@ pub(crate) fn flanked(flat: &Flat, limits: &Limits) -> Option<Estimated> {
             stiffness_error: change(|s| s.stiffness) + cell,
             area: own.area,
             area_error: change(|s| s.area) + 2.0 * cell,
+            max_error: None,
             ends: vec![fine.end()],
             cells: own.cells(Touching::Some),
             unknowns: own.unknowns,

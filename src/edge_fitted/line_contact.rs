@@ -54,13 +54,21 @@ struct State {
     /// The lines on both sides of the first and of the last of them.
     lines: Vec<f64>,
     area: f64,
+    /// What the pressure is less by beside the largest one, over that: along and across, on the side where it is less so.
+    drop: f64,
+    /// At which ends of the strip there is contact, with a pressure that grows up to there.
+    grows: [bool; 2],
     /// The cells across that are in contact in some row: the first, and one after the last.
     touched: [usize; 2],
 }
 
-/// The contact of an overlap `f` that is positive in the strip and nowhere else. `None` where no such contact is found, and once the time
-/// is used up.
-pub(crate) fn line_contact(f: &dyn Fn(Point) -> f64, line: &LineContact, limits: &Limits) -> Option<Estimated> {
+/// The contact of an overlap `f` that is positive in the strip and nowhere else, and at which ends it reaches that of the strip with a
+/// pressure that grows up to there. `None` where no such contact is found, and once the time is used up.
+pub(crate) fn line_contact(
+    f: &dyn Fn(Point) -> f64,
+    line: &LineContact,
+    limits: &Limits,
+) -> Option<(Estimated, [bool; 2])> {
     let [first, last] = line.ends;
     let half = 0.5 * (last - first);
     let [a, b] = (line.overlap)(first + half)?;
@@ -70,7 +78,7 @@ pub(crate) fn line_contact(f: &dyn Fn(Point) -> f64, line: &LineContact, limits:
     let mut across = strip.around_contact(rows_of(1.0))?;
     let (mut rows, mut cells) = (rows_of(finer[0]), (ACROSS as f64 * finer[1]).ceil() as usize);
     let fewer = |n: usize| (FEWER * n as f64).round() as usize;
-    let mut best: Option<Estimated> = None;
+    let mut best: Option<(Estimated, [bool; 2])> = None;
     for _ in 0..ROUNDS {
         let Some(fine) = strip.solve(rows, cells, across) else { return best };
         if fine.touched[0] == 0 || fine.touched[1] == cells {
@@ -93,13 +101,14 @@ pub(crate) fn line_contact(f: &dyn Fn(Point) -> f64, line: &LineContact, limits:
             stiffness_error: both(|s| s.solved.stiffness) + OF_CELL / cells as f64,
             area: fine.area,
             area_error: both(|s| s.area) + (cells as f64).powf(-1.5),
+            max_error: Some(both(|s| s.solved.largest()) + fine.drop),
             cells: own.cells(Touching::Some),
             ends: vec![fine.boundary()],
             unknowns: own.unknowns,
         };
         let done = found.error <= limits.tolerance;
         let unknowns = own.unknowns;
-        best = Some(found);
+        best = Some((found, fine.grows));
         if done {
             break;
         }
@@ -172,10 +181,27 @@ impl Strip<'_> {
             let middle = [0, 1].map(|m| 0.5 * (across[k][m] + across[k + 1][m]));
             ends.push([a as f64 * width - more[0], b as f64 * width + more[1]].map(|share| between(middle, share)));
         }
-        let mut state = State { solved, ends, lines: lines[first..=last + 1].to_vec(), area: 0.0, touched };
+        let drop = drop(&pressures);
+        let largest = |k: usize| pressures[k].iter().copied().fold(0.0, f64::max);
+        let grows = [(0, 1), (2 * rows - 1, 2 * rows - 2)].map(|(end, beside)| largest(end) > largest(beside));
+        let mut state =
+            State { solved, ends, lines: lines[first..=last + 1].to_vec(), area: 0.0, drop, grows, touched };
         state.area = area(&state.boundary());
         (state.solved.force > 0.0 && state.area > 0.0).then_some(state)
     }
+}
+
+/// See [`State::drop`]; rows of pressures.
+fn drop(rows: &[&[f64]]) -> f64 {
+    let cells = rows.iter().enumerate().flat_map(|(k, row)| row.iter().enumerate().map(move |(j, p)| (k, j, *p)));
+    let Some((k, j, most)) = cells.max_by(|a, b| a.2.total_cmp(&b.2)).filter(|largest| largest.2 > 0.0) else {
+        return 0.0;
+    };
+    let at = |k: Option<usize>, j: Option<usize>| rows.get(k?)?.get(j?).map(|p| 1.0 - p / most);
+    let less = |sides: [Option<f64>; 2]| sides.into_iter().flatten().fold(1.0, f64::min);
+    let along = [at(k.checked_sub(1), Some(j)), at(Some(k + 1), Some(j))];
+    let across = [at(Some(k), j.checked_sub(1)), at(Some(k), Some(j + 1))];
+    less(along) + less(across)
 }
 
 impl State {
@@ -211,7 +237,7 @@ mod tests {
             };
             let group = mirrors([0.0; 2], [true; 2]);
             let line = LineContact { overlap: &overlap, ends: [-end, end], group };
-            let at = |tolerance: f64| line_contact(&f, &line, &Limits { tolerance, ..Limits::default() }).unwrap();
+            let at = |tolerance: f64| line_contact(&f, &line, &Limits { tolerance, ..Limits::default() }).unwrap().0;
             let (coarse, fine) = (at(1e-3), at(1e-4));
             assert!(coarse.error <= 1e-3 && fine.error <= 1e-4);
             let off = |a: f64, b: f64| (a / b - 1.0).abs();
@@ -219,6 +245,9 @@ mod tests {
             assert!(off(coarse.energy, fine.energy) <= coarse.error + fine.error);
             assert!(off(coarse.stiffness, fine.stiffness) <= coarse.stiffness_error + fine.stiffness_error);
             assert!(off(coarse.area, fine.area) <= coarse.area_error + fine.area_error);
+            let largest = |of: &Estimated| of.cells.iter().map(|(_, p)| *p).fold(0.0, f64::max);
+            let stated = coarse.max_error.unwrap() + fine.max_error.unwrap();
+            assert!(off(largest(&coarse), largest(&fine)) <= stated);
         }
     }
 }

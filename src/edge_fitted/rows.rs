@@ -127,6 +127,7 @@ pub(super) fn refined(
             stiffness_error: change(|s| s.stiffness) + off,
             area: own.area,
             area_error: change(|s| s.area) + 2.0 * off,
+            max_error: Some(change(Solved::largest)),
             cells: own.cells(Touching::All),
             ends: problem.boundary(&fine.stations),
             unknowns: own.unknowns,

@@ -54,6 +54,17 @@ pub(crate) struct Annular {
     pub proved: bool,
     /// Rings of the last mesh.
     pub unknowns: usize,
+    /// What else is estimated.
+    pub errors: Errors,
+}
+
+/// Estimates of relative errors; `None` where nothing tells them.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Errors {
+    pub stiffness: Option<f64>,
+    pub area: Option<f64>,
+    /// Of the largest pressure, where that is finite.
+    pub largest: Option<f64>,
 }
 
 /// Rings per half span of the first mesh.
@@ -77,7 +88,12 @@ pub(crate) fn annular(f: &dyn RadialBounds, spans: &[Span], law: Law, limits: &L
             contact = Pressed::new(mesh(spans, &[], f.nodes(), 4 * n), f).contact()?;
         }
         let pressed = Pressed::new(mesh(spans, &contact, f.nodes(), n), f);
-        contact = pressed.contact()?;
+        // What a mesh with fewer rings on the same contact finds tells the other errors.
+        let fewer = |contact: &[[f64; 2]]| {
+            let coarser = Pressed::new(mesh(spans, contact, f.nodes(), (2 * n).div_ceil(3)), f);
+            pressed.errors(&coarser)
+        };
+        let around = std::mem::replace(&mut contact, pressed.contact()?);
         let Some(found) = pressed.bracket(f, law) else { return best };
         let own = half_width(found.force);
         let join = |a: [f64; 2], b: [f64; 2]| [a[0].max(b[0]), a[1].min(b[1])];
@@ -90,8 +106,9 @@ pub(crate) fn annular(f: &dyn RadialBounds, spans: &[Span], law: Law, limits: &L
         forces.push((n, computed));
         let estimate = left_of(&forces);
         best = Some(found);
+        let told = |best: Option<Annular>| best.map(|best| Annular { errors: fewer(&around), ..best });
         if width <= limits.tolerance {
-            return best;
+            return told(best);
         }
         let order = last
             .filter(|(_, before)| *before > own && own.is_finite())
@@ -105,10 +122,10 @@ pub(crate) fn annular(f: &dyn RadialBounds, spans: &[Span], law: Law, limits: &L
         // A proof that is far is left, once what it would prove is known.
         let far = !limits.proof || too_many(limits.worth, wanted / n as f64) || too_long;
         if far && estimate <= limits.tolerance {
-            return best.map(|best| best.estimated(estimate));
+            return told(best).map(|best| best.estimated(estimate));
         }
         if too_many(limits.unknowns, growth) || too_long {
-            return best;
+            return told(best);
         }
         last = Some((n, own));
         (n, before) = (next, limits.deadline.remaining());
@@ -208,6 +225,18 @@ pub(super) mod tests {
         let a = annular(&Quadratic([1.0, 0.0, -1.0]), &[span], Law::Depth(1.0), &Limits::default()).unwrap();
         let exact = 4.0 / 3.0 / 2f64.sqrt();
         assert!(a.force[0] <= exact && a.force[1] >= exact);
+        // Radius 1/2 pressed by 1 (Hertz): a = 2^(-1/2), K = 2 a, p_0 = 2 a/(pi R).
+        let (radius, largest) = (0.5f64.sqrt(), a.rings.iter().map(|(_, p)| *p).fold(0.0, f64::max));
+        let area: f64 = a.rings.iter().map(|([b, c], _)| PI * (c - b) * (c + b)).sum();
+        let off = |found: f64, exact: f64| (found / exact - 1.0).abs();
+        let Errors { stiffness, area: of_area, largest: of_largest } = a.errors;
+        for (off, stated) in [
+            (off(a.stiffness, 2.0 * radius), stiffness),
+            (off(area, 0.5 * PI), of_area),
+            (off(largest, 4.0 * radius / PI), of_largest),
+        ] {
+            assert!(stated.is_some_and(|stated| off <= stated && stated < 0.02), "{off} {stated:?}");
+        }
     }
 
     /// Dished punch and toroid of the stress scenes: rings refined by an independent program, 1e-5.

@@ -7,7 +7,7 @@ use super::super::compliance::Compliance;
 use super::norm::{RadialNorm, RadialRequest};
 use super::overlap::RadialBounds;
 use super::rings::Rings;
-use super::{Annular, Law};
+use super::{Annular, Errors, Law};
 
 /// Rings with their pressure.
 pub(super) struct Pressed {
@@ -138,9 +138,53 @@ impl Pressed {
             rings: rings.rings.iter().zip(p).filter(|(_, p)| **p > 0.0).map(|(r, p)| (*r, *p)).collect(),
             proved: true,
             unknowns: rings.rings.len(),
+            errors: Errors::default(),
         })
     }
+
+    /// The stiffness of the rings in contact as a flat punch, their area, and the largest pressure.
+    fn summary(&self) -> Option<[f64; 3]> {
+        let contact: Vec<bool> = self.pressure.iter().map(|p| *p > 0.0).collect();
+        let m = solve_on(&factor(&self.compliance, &contact)?, &contact, &self.rings.areas);
+        let stiffness = m.iter().zip(&self.rings.areas).map(|(m, area)| m * area).sum();
+        let area = self.rings.areas.iter().zip(&contact).filter(|(_, touches)| **touches).map(|(area, _)| area).sum();
+        Some([stiffness, area, self.pressure.iter().copied().fold(0.0, f64::max)])
+    }
+
+    /// By how much the pressure is less in the rings in contact beside that of the largest one, at most.
+    fn drop(&self) -> f64 {
+        let p = &self.pressure;
+        let Some(k) = (0..p.len()).max_by(|a, b| p[*a].total_cmp(&p[*b])) else { return 0.0 };
+        let beside = [k.checked_sub(1), Some(k + 1)].into_iter().flatten().filter_map(|j| p.get(j));
+        beside.filter(|other| **other > 0.0).map(|other| p[k] - other).fold(0.0, f64::max)
+    }
+
+    /// What is left of them, by what fewer rings make of them; ends that are not those of the material are known to the rings beside them.
+    pub fn errors(&self, fewer: &Self) -> Errors {
+        let (Some(own), Some(other)) = (self.summary(), fewer.summary()) else { return Errors::default() };
+        let change = |k: usize| (own[k] / other[k] - 1.0).abs();
+        let ends = self.rings.rings.iter().zip(&self.pressure).zip(&self.rings.areas);
+        let touches = |k: usize| self.pressure.get(k).is_some_and(|p| *p > 0.0);
+        let open = |k: usize| !touches(k) && self.rings.loaded.get(k).copied().unwrap_or(false);
+        let doubt: f64 = ends
+            .enumerate()
+            .filter(|(k, ((_, p), _))| **p > 0.0 && (open(k + 1) || k.checked_sub(1).is_some_and(open)))
+            .map(|(_, (_, area))| area)
+            .sum();
+        let doubt = doubt / own[1];
+        Errors {
+            stiffness: Some(change(0) + OF_ENDS * doubt),
+            area: Some(change(1) + doubt),
+            largest: Some(change(2) + OF_PEAK * self.drop() / own[2]),
+        }
+    }
 }
+
+/// Of the drop beside the largest pressure, what its mean over a ring may leave of its peak: that of a cone.
+const OF_PEAK: f64 = 0.75;
+
+/// Share of what the ends leave of the area that the stiffness, of the size of its root, is off by.
+const OF_ENDS: f64 = 0.5;
 
 /// Distance of the bounds of an integral of f, over what it is: what they leave is part of the bounds of the energy.
 const CLOSE: f64 = 1e-7;
