@@ -10,7 +10,7 @@ use super::Limits;
 use super::estimated::{Estimated, Solved, Touching};
 use super::mesh::{Mesh, Point};
 use super::roller::Grading;
-use super::rows::{between, further};
+use super::rows::{between, further, wanted};
 use super::symmetry::Isometry;
 use crate::numeric::geometry::area;
 
@@ -28,9 +28,8 @@ pub(crate) struct LineContact<'a> {
 const AT_END: f64 = 5.0;
 const ACROSS: usize = 20;
 
-/// How both grow with an error that is smaller, and the order that a next mesh relies on.
+/// How both grow with an error that is smaller.
 const FINER: [f64; 2] = [0.3, 0.4];
-const ORDER: f64 = 2.0;
 
 /// Cells across all of the overlap that tell how much of it is in contact, and cells of it on either side that are added to that.
 const LOOK: usize = 16;
@@ -39,9 +38,8 @@ const BESIDE: f64 = 1.0;
 /// Of the cells along and across, those of the meshes that tell the error: with the second order four fifths of the change are left.
 const FEWER: f64 = 2.0 / 3.0;
 
-/// Rounds of more cells, and share of the tolerance that each direction aims at.
+/// Rounds of more cells.
 const ROUNDS: usize = 4;
-const AIM: f64 = 0.35;
 
 /// The stiffness of a strip grows with the logarithm of its width: of a cell across that counts as a whole, no more than this.
 const OF_CELL: f64 = 0.25;
@@ -112,11 +110,7 @@ pub(crate) fn line_contact(
         if done {
             break;
         }
-        let wanted = |n: usize, left: f64| {
-            let times = (left / (AIM * limits.tolerance)).max(0.0).powf(1.0 / ORDER).min(2.0);
-            ((times * n as f64).ceil() as usize).max(n)
-        };
-        let more = [wanted(rows, left[0]), wanted(cells, left[1])];
+        let more = [wanted(rows, left[0], limits), wanted(cells, left[1], limits)];
         let more = if more == [rows, cells] { [rows + rows / 4, cells + cells / 4] } else { more };
         let growth = (more[0] * more[1]) as f64 / (rows * cells) as f64;
         if growth * unknowns as f64 > limits.unknowns as f64 {

@@ -137,17 +137,19 @@ pub(super) fn refined(
         if done {
             break;
         }
-        let wanted = |n: usize, left: f64| {
-            let times = (left / (AIM * limits.tolerance)).max(0.0).powf(1.0 / ORDER).min(2.0);
-            ((times * n as f64).ceil() as usize).max(n)
-        };
-        let more = [wanted(rows, left[0]), wanted(half, left[1])];
+        let more = [wanted(rows, left[0], limits), wanted(half, left[1], limits)];
         // What is off by the ends alone falls with both.
         let more = if more == [rows, half] { [rows + rows / 4, half + 1] } else { more };
         ends = ends.resampled(more[0]);
         [rows, half] = more;
     }
     best
+}
+
+/// As many as `n` cells that leave this of the force have to become, twice as many at most.
+pub(super) fn wanted(n: usize, left: f64, limits: &Limits) -> usize {
+    let times = (left / (AIM * limits.tolerance)).max(0.0).powf(1.0 / ORDER).min(2.0);
+    ((times * n as f64).ceil() as usize).max(n)
 }
 
 struct Problem<'a> {

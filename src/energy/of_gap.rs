@@ -110,13 +110,9 @@ impl<'a> GapOverlap<'a> {
         }
     }
 
+    /// The same to third order.
     pub(super) fn jet_of_cubic(&self, cubic: &Cubic) -> Jet {
-        Jet {
-            value: self.below_depth([cubic.value.lo, cubic.value.hi]),
-            gradient: cubic.gradient.map(negative),
-            hessian: cubic.hessian.map(negative),
-            third: cubic.third.map(negative),
-        }
+        Jet { third: cubic.third.map(negative), ..self.jet_of(&cubic.middle) }
     }
 
     /// f from bounds of the gap.

@@ -86,7 +86,7 @@ pub(super) fn cubic(
     thirds: impl Fn(Interval) -> [Interval; 2],
 ) -> Option<Cubic> {
     let c = rect.centre();
-    let Taylor { value, gradient, hessian } = taylor(&Rect { min: c, max: c }, g)?;
+    let middle = taylor(&Rect { min: c, max: c }, g)?;
     let r = distances(rect);
     let [along, across] = thirds(r);
     let [x, y] = sides(rect).map(|v| v.share_of(r));
@@ -94,7 +94,7 @@ pub(super) fn cubic(
     // n_x (3 s (1 - n_x^2) + g''' n_x^2), n_y (s (1 - 3 n_x^2) + g''' n_x^2) and so on.
     let alone = |n: Interval| n * (across * three * (one - n.powi(2)) + along * n.powi(2));
     let mixed = |n: Interval, m: Interval| m * (across * (one - three * n.powi(2)) + along * n.powi(2));
-    Cubic { value, gradient, hessian, third: [alone(x), mixed(x, y), mixed(y, x), alone(y)] }.finite()
+    Cubic { middle, third: [alone(x), mixed(x, y), mixed(y, x), alone(y)] }.finite()
 }
 
 /// Bounds of the slopes of g(r) over a rectangle, from those of g'(r).

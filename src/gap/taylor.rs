@@ -35,8 +35,7 @@ impl Taylor {
 
     /// The same to third order, where second derivatives do not change.
     pub(super) fn cubic(self) -> Cubic {
-        let Self { value, gradient, hessian } = self;
-        Cubic { value, gradient, hessian, third: [Interval::ZERO; 4] }
+        Cubic { middle: self, third: [Interval::ZERO; 4] }
     }
 
     /// Bounds of the slopes over the rectangle, whose sides are w and h.
@@ -84,16 +83,12 @@ impl Taylor {
     }
 }
 
-/// g(x) = value + gradient . v + v . H v/2 + T[v, v, v]/6 with v measured from the middle of a rectangle, H there within `hessian` and,
-/// for every point of the rectangle, some T within `third`.
+/// g(x) = value + gradient . v + v . H v/2 + T[v, v, v]/6 with v measured from the middle of a rectangle, H there within the Hessian of
+/// `middle` and, for every point of the rectangle, some T within `third`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cubic {
-    /// The gap in the middle.
-    pub value: Interval,
-    /// Its slopes along x and y there.
-    pub gradient: [Interval; 2],
-    /// Second derivatives xx, xy, yy there.
-    pub hessian: [Interval; 3],
+    /// The gap, its slopes and its second derivatives in the middle.
+    pub middle: Taylor,
     /// Third derivatives xxx, xxy, xyy, yyy over the whole rectangle.
     pub third: [Interval; 4],
 }
@@ -102,33 +97,28 @@ impl Cubic {
     /// When everything in it is finite.
     #[must_use]
     pub fn finite(self) -> Option<Self> {
-        let finite = |i: &Interval| i.defined && i.lo.is_finite() && i.hi.is_finite();
-        let lower = finite(&self.value) && self.gradient.iter().all(finite);
-        (lower && self.hessian.iter().chain(&self.third).all(finite)).then_some(self)
+        let third = self.third.iter().all(|i| i.defined && i.lo.is_finite() && i.hi.is_finite());
+        self.middle.finite().filter(|_| third).map(|middle| Self { middle, ..self })
     }
 
     /// The sum of two gaps.
     #[must_use]
     pub fn plus(&self, other: &Self) -> Self {
-        Self {
-            value: self.value + other.value,
-            gradient: [0, 1].map(|m| self.gradient[m] + other.gradient[m]),
-            hessian: [0, 1, 2].map(|m| self.hessian[m] + other.hessian[m]),
-            third: [0, 1, 2, 3].map(|m| self.third[m] + other.third[m]),
-        }
+        let third = [0, 1, 2, 3].map(|m| self.third[m] + other.third[m]);
+        Self { middle: self.middle.plus(&other.middle), third }
     }
 
     /// The second derivatives at (x, y) from the middle.
     fn hessian_at(&self, [x, y]: [Interval; 2]) -> [Interval; 3] {
         let t = &self.third;
-        [0, 1, 2].map(|m| self.hessian[m] + t[m] * x + t[m + 1] * y)
+        [0, 1, 2].map(|m| self.middle.hessian[m] + t[m] * x + t[m + 1] * y)
     }
 
     /// The same to second order over the rectangle, whose sides are w and h.
     #[must_use]
     pub fn taylor(&self, [w, h]: [f64; 2]) -> Taylor {
         let sides = [w, h].map(|side| Interval::new((-0.5 * side).next_down(), (0.5 * side).next_up()));
-        Taylor { value: self.value, gradient: self.gradient, hessian: self.hessian_at(sides) }
+        Taylor { hessian: self.hessian_at(sides), ..self.middle }
     }
 
     /// The same about a point at (x, y) from the middle, for a part of the rectangle that has it in its own middle.
@@ -136,21 +126,19 @@ impl Cubic {
     pub fn moved(&self, [x, y]: [f64; 2]) -> Self {
         let [x, y] = [x, y].map(|v| Interval::new(v.next_down(), v.next_up()));
         let (half, third) = (Interval::point(0.5), Interval::point(1.0) / Interval::point(3.0));
-        // d/dv of the hessian's form: of half of it for slopes, of a sixth for values.
-        let [xx, xy, yy] = self.hessian;
-        let [ax, ay, ayy, b] = self.third;
-        let cubic = [ax * x + ay * y, ay * x + ayy * y, ayy * x + b * y];
-        let slope =
-            |share: Interval, of: [Interval; 3]| [share * (of[0] * x + of[1] * y), share * (of[1] * x + of[2] * y)];
-        let (by_h, by_t) = (slope(Interval::point(1.0), [xx, xy, yy]), slope(half, cubic));
-        let gradient = [0, 1].map(|m| self.gradient[m] + by_h[m] + by_t[m]);
-        let rise = [0, 1].map(|m| self.gradient[m] + half * by_h[m] + third * by_t[m]);
-        Self {
-            value: self.value + x * rise[0] + y * rise[1],
-            gradient,
+        let Taylor { value, gradient, hessian } = self.middle;
+        let [xxx, xxy, xyy, yyy] = self.third;
+        // H v, and T[v, v]/2.
+        let times = |[xx, xy, yy]: [Interval; 3]| [xx * x + xy * y, xy * x + yy * y];
+        let by_h = times(hessian);
+        let by_t = times([xxx * x + xxy * y, xxy * x + xyy * y, xyy * x + yyy * y]).map(|slope| half * slope);
+        let rise = [0, 1].map(|m| gradient[m] + half * by_h[m] + third * by_t[m]);
+        let middle = Taylor {
+            value: value + x * rise[0] + y * rise[1],
+            gradient: [0, 1].map(|m| gradient[m] + by_h[m] + by_t[m]),
             hessian: self.hessian_at([x, y]),
-            third: self.third,
-        }
+        };
+        Self { middle, third: self.third }
     }
 
     /// Bounds of the mean over the rectangle, whose sides are w and h.
@@ -164,8 +152,8 @@ impl Cubic {
         let cubic = (a * w * w * w + d * h * h * h) / 192.0 + (b * w + c * h) * w * h / 96.0;
         let cubic = cubic * (1.0 + 32.0 * f64::EPSILON);
         let [w2, h2] = size.map(|side| Interval::point(side).powi(2));
-        let ([xx, _, yy], part) = (self.hessian, Interval::point(1.0) / Interval::point(24.0));
-        self.value + part * (xx * w2 + yy * h2) + Interval::new(-cubic, cubic)
+        let ([xx, _, yy], part) = (self.middle.hessian, Interval::point(1.0) / Interval::point(24.0));
+        self.middle.value + part * (xx * w2 + yy * h2) + Interval::new(-cubic, cubic)
     }
 }
 
@@ -250,7 +238,7 @@ mod tests {
                         sum += g / 400.0;
                         let room = 1e-13 * (1.0 + g.abs());
                         assert!(low - room <= g && g <= high + room, "{text} at {x} {y}");
-                        let here = parts([x - c[0], y - c[1]]);
+                        let here = parts([x - c[0], y - c[1]]).middle;
                         assert!(here.value.lo - room <= g && g <= here.value.hi + room, "{text} at {x} {y}: {here:?}");
                         let own = gap.gradient(x, y).unwrap();
                         for m in 0..2 {

@@ -224,9 +224,8 @@ impl Transform {
         // What rounding of the middle changes second derivatives by.
         let moved = self.rounding(rect);
         let off = own.third.iter().map(|t| t.magnitude()).sum::<f64>() * moved;
-        let hessian = own.hessian.map(|h| h + Interval::new(-off, off));
-        let Cubic { value, gradient, .. } = *own;
-        let Taylor { value, gradient, hessian } = self.taylor_outward(&Taylor { value, gradient, hessian }, rect)?;
+        let hessian = own.middle.hessian.map(|h| h + Interval::new(-off, off));
+        let middle = self.taylor_outward(&Taylor { hessian, ..own.middle }, rect)?;
         let steep = Interval::point(self.scale).powi(3) / Interval::point(self.per);
         let (two, three) = (Interval::point(2.0), Interval::point(3.0));
         let (c2, s2) = (c.powi(2), s.powi(2));
@@ -239,7 +238,7 @@ impl Transform {
             cs2 * xxx + (two * c2s - s3) * xxy + (c3 - two * cs2) * xyy - c2s * yyy,
             s3 * xxx + three * (cs2 * xxy + c2s * xyy) + c3 * yyy,
         ];
-        Cubic { value, gradient, hessian, third: third.map(|t| steep * t) }.finite()
+        Cubic { middle, third: third.map(|t| steep * t) }.finite()
     }
 
     /// Bounds of the gap's own slopes in the outer frame.

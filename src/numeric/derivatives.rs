@@ -234,26 +234,27 @@ fn share<T: Real>(slope: T, change: impl FnOnce() -> T) -> T {
     if change.is_zero() { T::from(0.0) } else { slope * change }
 }
 
-/// A function of one or two quantities with derivatives.
+/// The derivatives of a function of one quantity.
+pub(crate) trait OfOne<T> {
+    fn slope(&self) -> T;
+    fn curvature(&self) -> T;
+    fn third(&self) -> T;
+}
+
+/// The derivatives of a function of two: (f_a, f_b), (f_aa, f_ab, f_bb), (f_aaa, f_aab, f_abb, f_bbb).
+pub(crate) trait OfTwo<T> {
+    fn slopes(&self) -> [T; 2];
+    fn curvatures(&self) -> [T; 3];
+    fn thirds(&self) -> [T; 4];
+}
+
+/// A function of one or two quantities with derivatives: those of higher order are asked for where they are needed.
 pub(crate) trait Chain<T: Real>: Copy {
     fn constant(value: f64) -> Self;
-    /// f(a) from its value; slope, curvature and third derivative where they are needed.
-    fn chain(
-        self,
-        value: T,
-        slope: impl FnOnce() -> T,
-        curvature: impl FnOnce() -> T,
-        third: impl FnOnce() -> T,
-    ) -> Self;
-    /// f(a, b) from its value; (f_a, f_b), (f_aa, f_ab, f_bb) and (f_aaa, f_aab, f_abb, f_bbb) where they are needed.
-    fn chain2(
-        self,
-        b: Self,
-        value: T,
-        slopes: impl FnOnce() -> [T; 2],
-        curvatures: impl FnOnce() -> [T; 3],
-        thirds: impl FnOnce() -> [T; 4],
-    ) -> Self;
+    /// f(a) from its value.
+    fn chain(self, value: T, f: &impl OfOne<T>) -> Self;
+    /// f(a, b) from its value.
+    fn chain2(self, b: Self, value: T, f: &impl OfTwo<T>) -> Self;
     /// One of two, whichever it may be, with this value.
     fn either(self, b: Self, value: T) -> Self;
     /// a + b.
@@ -271,20 +272,13 @@ impl<T: Real> Chain<T> for Dual<T> {
         Self { value: T::from(value), gradient: [T::from(0.0); 2] }
     }
 
-    fn chain(self, value: T, slope: impl FnOnce() -> T, _: impl FnOnce() -> T, _: impl FnOnce() -> T) -> Self {
-        let slope = slope();
+    fn chain(self, value: T, f: &impl OfOne<T>) -> Self {
+        let slope = f.slope();
         Self { value, gradient: self.gradient.map(|g| share(slope, || g)) }
     }
 
-    fn chain2(
-        self,
-        b: Self,
-        value: T,
-        slopes: impl FnOnce() -> [T; 2],
-        _: impl FnOnce() -> [T; 3],
-        _: impl FnOnce() -> [T; 4],
-    ) -> Self {
-        let [fa, fb] = slopes();
+    fn chain2(self, b: Self, value: T, f: &impl OfTwo<T>) -> Self {
+        let [fa, fb] = f.slopes();
         Self { value, gradient: [0, 1].map(|m| share(fa, || self.gradient[m]) + share(fb, || b.gradient[m])) }
     }
 
@@ -323,21 +317,14 @@ impl<T: Real> Chain<T> for Jet<T> {
         Self { value: T::from(value), gradient: [T::from(0.0); 2], hessian: [T::from(0.0); 3] }
     }
 
-    fn chain(self, value: T, slope: impl FnOnce() -> T, curvature: impl FnOnce() -> T, _: impl FnOnce() -> T) -> Self {
-        let (slope, curvature, g) = (slope(), curvature(), self.gradient);
+    fn chain(self, value: T, f: &impl OfOne<T>) -> Self {
+        let (slope, curvature, g) = (f.slope(), f.curvature(), self.gradient);
         let entry = |n: usize| share(curvature, || product(g, n)) + share(slope, || self.hessian[n]);
         Self { value, gradient: g.map(|g| share(slope, || g)), hessian: [entry(0), entry(1), entry(2)] }
     }
 
-    fn chain2(
-        self,
-        b: Self,
-        value: T,
-        slopes: impl FnOnce() -> [T; 2],
-        curvatures: impl FnOnce() -> [T; 3],
-        _: impl FnOnce() -> [T; 4],
-    ) -> Self {
-        let ([fa, fb], [faa, fab, fbb]) = (slopes(), curvatures());
+    fn chain2(self, b: Self, value: T, f: &impl OfTwo<T>) -> Self {
+        let ([fa, fb], [faa, fab, fbb]) = (f.slopes(), f.curvatures());
         let (p, q) = (self.gradient, b.gradient);
         let entry = |n: usize| {
             let (i, j) = PAIRS[n];
@@ -419,31 +406,17 @@ impl<T: Real> Chain<T> for Cube<T> {
         Self { jet: Jet::constant(value), third: [T::from(0.0); 4] }
     }
 
-    fn chain(
-        self,
-        value: T,
-        slope: impl FnOnce() -> T,
-        curvature: impl FnOnce() -> T,
-        third: impl FnOnce() -> T,
-    ) -> Self {
-        let (slope, curvature, third) = (slope(), curvature(), third());
+    fn chain(self, value: T, f: &impl OfOne<T>) -> Self {
+        let (slope, curvature, third) = (f.slope(), f.curvature(), f.third());
         let Jet { gradient: g, hessian: h, .. } = self.jet;
         let entry = |n: usize| {
             share(third, || triple(g, n)) + share(curvature, || bent(g, h, n)) + share(slope, || self.third[n])
         };
-        let jet = self.jet.chain(value, || slope, || curvature, || third);
-        Self { jet, third: [entry(0), entry(1), entry(2), entry(3)] }
+        Self { jet: self.jet.chain(value, f), third: [entry(0), entry(1), entry(2), entry(3)] }
     }
 
-    fn chain2(
-        self,
-        b: Self,
-        value: T,
-        slopes: impl FnOnce() -> [T; 2],
-        curvatures: impl FnOnce() -> [T; 3],
-        thirds: impl FnOnce() -> [T; 4],
-    ) -> Self {
-        let ([fa, fb], [faa, fab, fbb], [faaa, faab, fabb, fbbb]) = (slopes(), curvatures(), thirds());
+    fn chain2(self, b: Self, value: T, f: &impl OfTwo<T>) -> Self {
+        let ([fa, fb], [faa, fab, fbb], [faaa, faab, fabb, fbbb]) = (f.slopes(), f.curvatures(), f.thirds());
         let (Jet { gradient: p, hessian: a, .. }, Jet { gradient: q, hessian: c, .. }) = (self.jet, b.jet);
         let entry = |n: usize| {
             let by_thirds = share(faaa, || triple(p, n))
@@ -455,8 +428,7 @@ impl<T: Real> Chain<T> for Cube<T> {
                 + share(fbb, || bent(q, c, n));
             by_thirds + by_curvatures + share(fa, || self.third[n]) + share(fb, || b.third[n])
         };
-        let jet = self.jet.chain2(b.jet, value, || [fa, fb], || [faa, fab, fbb], || [faaa, faab, fabb, fbbb]);
-        Self { jet, third: [entry(0), entry(1), entry(2), entry(3)] }
+        Self { jet: self.jet.chain2(b.jet, value, f), third: [entry(0), entry(1), entry(2), entry(3)] }
     }
 
     fn either(self, b: Self, value: T) -> Self {

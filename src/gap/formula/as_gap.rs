@@ -165,7 +165,7 @@ impl Gap for Formula {
         }
         let c = rect.centre().map(Interval::point);
         let Jet { value, gradient, hessian } = self.enclosed(at(0, c[0]), at(1, c[1]));
-        Cubic { value, gradient, hessian, third }.finite()
+        Cubic { middle: Taylor { value, gradient, hessian }, third }.finite()
     }
 
     fn slopes(&self, rect: &Rect) -> Option<[Interval; 2]> {

@@ -1,6 +1,6 @@
 //! The functions of a formula, on numbers or intervals, alone or with their derivatives.
 
-use crate::numeric::derivatives::{Chain, Cube, Dual, Jet, Real};
+use crate::numeric::derivatives::{Chain, Cube, Dual, Jet, OfOne, OfTwo, Real};
 
 /// Functions of one operand.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -274,6 +274,66 @@ impl<T: Real> Number for T {
     }
 }
 
+/// A function at an operand.
+struct At<T>(One, T);
+
+impl<T: Real> OfOne<T> for At<T> {
+    fn slope(&self) -> T {
+        self.0.slope(self.1)
+    }
+
+    fn curvature(&self) -> T {
+        self.0.curvature(self.1)
+    }
+
+    fn third(&self) -> T {
+        self.0.third(self.1)
+    }
+}
+
+/// A function at two.
+struct AtBoth<T>(Two, T, T);
+
+impl<T: Real> OfTwo<T> for AtBoth<T> {
+    fn slopes(&self) -> [T; 2] {
+        self.0.slopes(self.1, self.2)
+    }
+
+    fn curvatures(&self) -> [T; 3] {
+        self.0.curvatures(self.1, self.2)
+    }
+
+    fn thirds(&self) -> [T; 4] {
+        self.0.thirds(self.1, self.2)
+    }
+}
+
+/// v^n.
+struct Whole<T>(T, i32);
+
+impl<T: Real> Whole<T> {
+    /// c v^k.
+    fn power(&self, k: i32, c: f64) -> T {
+        if c == 0.0 { T::from(0.0) } else { T::from(c) * self.0.powi(k) }
+    }
+}
+
+impl<T: Real> OfOne<T> for Whole<T> {
+    fn slope(&self) -> T {
+        self.power(self.1 - 1, f64::from(self.1))
+    }
+
+    fn curvature(&self) -> T {
+        let n = f64::from(self.1);
+        self.power(self.1 - 2, n * (n - 1.0))
+    }
+
+    fn third(&self) -> T {
+        let n = f64::from(self.1);
+        self.power(self.1 - 3, n * (n - 1.0) * (n - 2.0))
+    }
+}
+
 /// A tape is run on quantities with derivatives in the same way to first, second and third order.
 macro_rules! with_derivatives {
     ($quantity:ident, $($value:ident).+) => {
@@ -286,7 +346,7 @@ macro_rules! with_derivatives {
                 let v = self.$($value).+;
                 match f {
                     One::Negate => self.minus(),
-                    _ => self.chain(f.value(v), || f.slope(v), || f.curvature(v), || f.third(v)),
+                    _ => self.chain(f.value(v), &At(f, v)),
                 }
             }
 
@@ -305,15 +365,12 @@ macro_rules! with_derivatives {
                 if matches!(f, Two::Min | Two::Max) && v.is_below(w).is_none() {
                     return self.either(b, value);
                 }
-                self.chain2(b, value, || f.slopes(v, w), || f.curvatures(v, w), || f.thirds(v, w))
+                self.chain2(b, value, &AtBoth(f, v, w))
             }
 
             fn whole(self, n: i32) -> Self {
                 let v = self.$($value).+;
-                let c = f64::from(n);
-                let power = |k: i32, c: f64| if c == 0.0 { T::from(0.0) } else { T::from(c) * v.powi(k) };
-                let (second, third) = (c * (c - 1.0), c * (c - 1.0) * (c - 2.0));
-                self.chain(v.powi(n), || power(n - 1, c), || power(n - 2, second), || power(n - 3, third))
+                self.chain(v.powi(n), &Whole(v, n))
             }
         }
     };

@@ -8,7 +8,7 @@ use super::R;
 use super::functions::{Number, One, Two};
 use super::tape::{Op, Tape};
 use crate::numeric::Interval;
-use crate::numeric::derivatives::{Chain, Cube, Dual, Jet, Real};
+use crate::numeric::derivatives::{Chain, Cube, Dual, Jet, OfOne, Real};
 
 /// One operation.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -179,20 +179,40 @@ fn signed(v: Interval, q: f64) -> Interval {
     Interval { lo: at(v.lo).lo, hi: at(v.hi).hi, defined: v.defined }
 }
 
-fn absolute<C: Chain<Interval>>(of: C, v: Interval, p: f64) -> C {
-    let c = Interval::point;
-    let slope = || c(p) * signed(v, p - 1.0);
-    let curvature = || c(p) * c(p - 1.0) * power(v.abs(), p - 2.0);
-    let third = || match p {
-        2.0 => Interval::ZERO,
-        // |v|^q sign v falls for q < 0, where it is bounded.
-        _ if v.has_zero() && p < 3.0 => Interval::UNKNOWN,
-        _ => {
-            let sign = if v.has_zero() { Interval::new(-1.0, 1.0) } else { v.sign() };
-            c(p) * c(p - 1.0) * c(p - 2.0) * power(v.abs(), p - 3.0) * sign
+/// |v|^p.
+struct Absolute(Interval, f64);
+
+impl Absolute {
+    /// |v|^p.
+    fn value(&self) -> Interval {
+        power(self.0.abs(), self.1)
+    }
+}
+
+impl OfOne<Interval> for Absolute {
+    fn slope(&self) -> Interval {
+        let &Self(v, p) = self;
+        Interval::point(p) * signed(v, p - 1.0)
+    }
+
+    fn curvature(&self) -> Interval {
+        let &Self(v, p) = self;
+        Interval::point(p) * Interval::point(p - 1.0) * power(v.abs(), p - 2.0)
+    }
+
+    fn third(&self) -> Interval {
+        let &Self(v, p) = self;
+        match p {
+            2.0 => Interval::ZERO,
+            // |v|^(p - 3) has no bound there.
+            _ if v.has_zero() && p < 3.0 => Interval::UNKNOWN,
+            _ => {
+                let sign = if v.has_zero() { Interval::new(-1.0, 1.0) } else { v.sign() };
+                let c = Interval::point(p) * Interval::point(p - 1.0) * Interval::point(p - 2.0);
+                c * power(v.abs(), p - 3.0) * sign
+            }
         }
-    };
-    of.chain(power(v.abs(), p), slope, curvature, third)
+    }
 }
 
 /// r^p, its slopes, and p r^(p-2) with the bounds of x^2/r^2, x y/r^2 and y^2/r^2.
@@ -207,7 +227,8 @@ fn radial([x, y]: [Interval; 2], p: f64) -> (Interval, [Interval; 2], Interval, 
 
 impl Enclosed for Dual<Interval> {
     fn absolute(self, p: f64) -> Self {
-        absolute(self, self.value, p)
+        let f = Absolute(self.value, p);
+        self.chain(f.value(), &f)
     }
 
     fn radial(at: [Self; 2], p: f64) -> Self {
@@ -220,7 +241,8 @@ impl Enclosed for Dual<Interval> {
 
 impl Enclosed for Jet<Interval> {
     fn absolute(self, p: f64) -> Self {
-        absolute(self, self.value, p)
+        let f = Absolute(self.value, p);
+        self.chain(f.value(), &f)
     }
 
     fn radial(at: [Self; 2], p: f64) -> Self {
@@ -239,7 +261,8 @@ impl Enclosed for Jet<Interval> {
 
 impl Enclosed for Cube<Interval> {
     fn absolute(self, p: f64) -> Self {
-        absolute(self, self.jet.value, p)
+        let f = Absolute(self.jet.value, p);
+        self.chain(f.value(), &f)
     }
 
     /// Third derivatives: p (p - 2) r^(p-3) (3 n_x + (p - 4) n_x^3), p (p - 2) r^(p-3) (n_y + (p - 4) n_x^2 n_y) and so on, n = (x, y)/r.
