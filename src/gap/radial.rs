@@ -2,7 +2,6 @@
 
 use super::{Axis, Cubic, Generatrix, Growth, Known, Material, Reach, Taylor};
 use crate::numeric::Interval;
-use crate::numeric::derivatives::Real;
 use crate::numeric::geometry::Rect;
 
 /// Room for the rounding of a radius.
@@ -89,7 +88,7 @@ pub(super) fn cubic(
     let middle = taylor(&Rect { min: c, max: c }, g)?;
     let r = distances(rect);
     let [along, across] = thirds(r);
-    let [x, y] = sides(rect).map(|v| v.share_of(r));
+    let [x, y] = sides(rect).map(|v| share(v, r));
     let (one, three) = (Interval::point(1.0), Interval::point(3.0));
     // n_x (3 s (1 - n_x^2) + g''' n_x^2), n_y (s (1 - 3 n_x^2) + g''' n_x^2) and so on.
     let alone = |n: Interval| n * (across * three * (one - n.powi(2)) + along * n.powi(2));
@@ -97,17 +96,18 @@ pub(super) fn cubic(
     Cubic { middle, third: [alone(x), mixed(x, y), mixed(y, x), alone(y)] }.finite()
 }
 
+/// x/r: between -1 and 1, on one side of 0 where x is.
+fn share(x: Interval, r: Interval) -> Interval {
+    let quotient = if r.lo > 0.0 { x / r } else { Interval::new(-1.0, 1.0) };
+    let (low, high) = (if x.lo >= 0.0 { 0.0 } else { -1.0 }, if x.hi <= 0.0 { 0.0 } else { 1.0 });
+    Interval { lo: quotient.lo.max(low), hi: quotient.hi.min(high), defined: true }
+}
+
 /// Bounds of the slopes of g(r) over a rectangle, from those of g'(r).
 pub(super) fn slopes(rect: &Rect, slope: Interval) -> Option<[Interval; 2]> {
     let (sides, r) = (sides(rect), distances(rect));
     let finite = slope.defined && slope.lo.is_finite() && slope.hi.is_finite();
-    // x/r lies between -1 and 1, on one side of 0 where x does.
-    let unit = |x: Interval| {
-        let quotient = if r.lo > 0.0 { x / r } else { Interval::new(-1.0, 1.0) };
-        let (low, high) = (if x.lo >= 0.0 { 0.0 } else { -1.0 }, if x.hi <= 0.0 { 0.0 } else { 1.0 });
-        Interval { lo: quotient.lo.max(low), hi: quotient.hi.min(high), defined: true }
-    };
-    finite.then(|| sides.map(|x| slope * unit(x)))
+    finite.then(|| sides.map(|x| slope * share(x, r)))
 }
 
 /// Bounds of g - slope . (x - c) over a rectangle: from the Taylor form where there is one, and from the values of g(r).
