@@ -29,7 +29,7 @@ const AT_END: f64 = 5.0;
 const ACROSS: usize = 20;
 
 /// How both grow with an error that is smaller.
-const FINER: [f64; 2] = [0.3, 0.4];
+const FINER: [f64; 2] = [0.38, 0.42];
 
 /// Cells across all of the overlap that tell how much of it is in contact, and cells of it on either side that are added to that.
 const LOOK: usize = 16;
