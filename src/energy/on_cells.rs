@@ -7,6 +7,7 @@ use super::of_gap::GapOverlap;
 use super::overlap::{Interval, Jet, OverlapBounds};
 use crate::gap::{AnyGap, Cubic, Gap, Taylor};
 use crate::grid::Grid;
+use crate::numeric;
 use crate::numeric::geometry::Rect;
 
 /// Side of the blocks of cells in which a gap of planes or a quadratic one is looked at together, and in which those parts of a composed
@@ -40,7 +41,7 @@ impl Smooth {
         }
     }
 
-    fn mean(&self, size: [f64; 2]) -> crate::numeric::Interval {
+    fn mean(&self, size: [f64; 2]) -> numeric::Interval {
         match self {
             Self::Second(taylor) => taylor.mean(size),
             Self::Third(cubic) => cubic.mean(size),
@@ -185,7 +186,7 @@ impl OverlapBounds for OnCells<'_> {
             let taylor = smooth.taylor(rect.size());
             let [low, high] = taylor.bounds(rect.size(), slope.map(|s| -s));
             // Close to a tip second derivatives have no bound, and values have.
-            let [gx, gy] = taylor.gradient.map(crate::numeric::Interval::magnitude);
+            let [gx, gy] = taylor.gradient.map(numeric::Interval::magnitude);
             let [w, h] = rect.size();
             (high - low <= gx * w + gy * h).then_some([low, high])
         });
@@ -206,8 +207,7 @@ impl OverlapBounds for OnCells<'_> {
             if *rect == cell {
                 return whole.map(|smooth| self.jet_of(&smooth));
             }
-            let close = self.blocks.is_some() || matches!(whole, Some(Smooth::Third(_)));
-            if close && whole.is_some() {
+            if whole.is_some_and(|smooth| self.blocks.is_some() || matches!(smooth, Smooth::Third(_))) {
                 return self.gap_about(rect).map(|smooth| self.jet_of(&smooth));
             }
             return self.of_parts_within(at, |overlap| overlap.jet(rect));

@@ -17,7 +17,7 @@ use super::overlap::{self, Interval, Jet, OverlapBounds};
 use super::parts::{Law, Parts};
 use super::pressed::Pressed;
 use super::residual::Quarter;
-use crate::gap::Taylor;
+use crate::gap::{Taylor, half_sides};
 use crate::numeric;
 use crate::numeric::geometry::Rect;
 
@@ -64,11 +64,6 @@ fn point(value: f64) -> numeric::Interval {
 /// Whether a jet knows third derivatives, and not that there are none.
 fn has_third(jet: &Jet) -> bool {
     jet.third != [[0.0; 2]; 4]
-}
-
-/// Half the sides of a rectangle, either way.
-fn half_sides(rect: &Rect) -> [numeric::Interval; 2] {
-    rect.size().map(|side| numeric::Interval::new((-0.5 * side).next_down(), (0.5 * side).next_up()))
 }
 
 /// Whether what has no law is smooth on the contact, which ends before the material does: not so close to a tip that its slopes in a cell
@@ -212,7 +207,7 @@ impl Virial {
             [-(more * xx + two), -(more * xy + turned), -(more * yy - two)]
         };
         let hessian = if has_third(f) {
-            let (sides, t) = (half_sides(rect), f.third.map(set));
+            let (sides, t) = (half_sides(rect.size()), f.third.map(set));
             let over = [0, 1, 2].map(|n| [xx, xy, yy][n] + t[n] * sides[0] + t[n + 1] * sides[1]);
             let [wx, wy] = self.motion([0, 1].map(|m| at[m] + sides[m]));
             let own = bent(over);
@@ -271,19 +266,19 @@ impl Virial {
                 self.eta_at(at)
             } else {
                 let f = parts.smooth.jet(&rect)?;
-                let [wx, wy] = self.motion(at);
-                let ([gx, gy], [xx, xy, yy]) = (f.gradient.map(set), f.hessian.map(set));
-                let (mu, beta, omega) = (point(self.mu), point(self.beta), point(self.omega));
-                let [dxx, dxy, dyy] = [xx, xy, yy].map(|h| point(0.5 * h.width()));
-                let quadratic = xx * x2 + yy * y2;
-                let of_f = set(f.value) + point(0.5) * quadratic + dxy * twist;
-                let odd = (wx * dxx + wy * dxy) * x + (wx * dxy + wy * dyy) * y;
-                let dilated = quadratic + point(2.0) * dxy * twist;
-                let turned = xy * x2 - xy * y2 + (dxx + dyy) * twist;
-                let moved = wx * gx + wy * gy + odd + beta * dilated + omega * turned;
                 let smooth = if has_third(&f) {
                     self.target(&rect, &f).mean(rect.size())
                 } else {
+                    let [wx, wy] = self.motion(at);
+                    let ([gx, gy], [xx, xy, yy]) = (f.gradient.map(set), f.hessian.map(set));
+                    let (mu, beta, omega) = (point(self.mu), point(self.beta), point(self.omega));
+                    let [dxx, dxy, dyy] = [xx, xy, yy].map(|h| point(0.5 * h.width()));
+                    let quadratic = xx * x2 + yy * y2;
+                    let of_f = set(f.value) + point(0.5) * quadratic + dxy * twist;
+                    let odd = (wx * dxx + wy * dxy) * x + (wx * dxy + wy * dyy) * y;
+                    let dilated = quadratic + point(2.0) * dxy * twist;
+                    let turned = xy * x2 - xy * y2 + (dxx + dyy) * twist;
+                    let moved = wx * gx + wy * gy + odd + beta * dilated + omega * turned;
                     self.eta_at(at) - mu * of_f - moved
                 };
                 parts.laws.iter().fold(smooth, |sum, law| sum + self.mean_of_law(law, &rect))

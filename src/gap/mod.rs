@@ -59,6 +59,7 @@ pub use rounded_tip::RoundedTip;
 pub use sphere::Sphere;
 pub use spline_map::SplineMap;
 pub use sum::Sum;
+pub(crate) use taylor::half_sides;
 pub use taylor::{Cubic, Taylor};
 
 use std::sync::Arc;

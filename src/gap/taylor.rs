@@ -41,7 +41,7 @@ impl Taylor {
     /// Bounds of the slopes over the rectangle, whose sides are w and h.
     #[must_use]
     pub fn slopes(&self, [w, h]: [f64; 2]) -> [Interval; 2] {
-        let [x, y] = [w, h].map(|side| Interval::new((-0.5 * side).next_down(), (0.5 * side).next_up()));
+        let [x, y] = half_sides([w, h]);
         let ([gx, gy], [xx, xy, yy]) = (self.gradient, self.hessian);
         [gx + xx * x + xy * y, gy + xy * x + yy * y]
     }
@@ -74,7 +74,7 @@ impl Taylor {
     /// Bounds of g - slope . (x - c) over the rectangle, whose sides are w and h.
     #[must_use]
     pub fn bounds(&self, [w, h]: [f64; 2], slope: [f64; 2]) -> [f64; 2] {
-        let [x, y] = [w, h].map(|side| Interval::new((-0.5 * side).next_down(), (0.5 * side).next_up()));
+        let [x, y] = half_sides([w, h]);
         let [gx, gy] = [0, 1].map(|m| self.gradient[m] - Interval::point(slope[m]));
         let [xx, xy, yy] = self.hessian;
         let half = Interval::point(0.5);
@@ -117,7 +117,7 @@ impl Cubic {
     /// The same to second order over the rectangle, whose sides are w and h.
     #[must_use]
     pub fn taylor(&self, [w, h]: [f64; 2]) -> Taylor {
-        let sides = [w, h].map(|side| Interval::new((-0.5 * side).next_down(), (0.5 * side).next_up()));
+        let sides = half_sides([w, h]);
         Taylor { hessian: self.hessian_at(sides), ..self.middle }
     }
 
@@ -155,6 +155,11 @@ impl Cubic {
         let ([xx, _, yy], part) = (self.middle.hessian, Interval::point(1.0) / Interval::point(24.0));
         self.middle.value + part * (xx * w2 + yy * h2) + Interval::new(-cubic, cubic)
     }
+}
+
+/// Half the sides of a rectangle, either way from its middle.
+pub(crate) fn half_sides(size: [f64; 2]) -> [Interval; 2] {
+    size.map(|side| Interval::new((-0.5 * side).next_down(), (0.5 * side).next_up()))
 }
 
 /// Bounds of g v + c v^2 for v in a symmetric interval.

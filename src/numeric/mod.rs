@@ -6,6 +6,8 @@ pub(crate) mod derivatives;
 pub mod geometry;
 pub mod interval;
 pub mod quadrature;
+#[cfg(feature = "formula")]
+pub(crate) mod real;
 pub mod scalar;
 pub(crate) mod simd;
 

@@ -1,6 +1,7 @@
 //! The functions of a formula, on numbers or intervals, alone or with their derivatives.
 
-use crate::numeric::derivatives::{Chain, Cube, Dual, Jet, OfOne, OfTwo, Real};
+use crate::numeric::derivatives::{Chain, Cube, Dual, Jet, OfOne, OfTwo};
+use crate::numeric::real::Real;
 
 /// Functions of one operand.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,7 +1,7 @@
 //! Numbers side by side, so that each operation of a tape is looked up once for all of them.
 
 use super::functions::{Number, One, Two};
-use crate::numeric::derivatives::Real;
+use crate::numeric::real::Real;
 
 /// As many as the points of a 3 x 3 rule.
 pub(super) const LANES: usize = 9;

@@ -8,7 +8,8 @@ use super::R;
 use super::functions::{Number, One, Two};
 use super::tape::{Op, Tape};
 use crate::numeric::Interval;
-use crate::numeric::derivatives::{Chain, Cube, Dual, Jet, OfOne, Real};
+use crate::numeric::derivatives::{Chain, Cube, Dual, Jet, OfOne};
+use crate::numeric::real::Real;
 
 /// One operation.
 #[derive(Debug, Clone, Copy, PartialEq)]
