@@ -946,3 +946,67 @@ fn a_pyramid_off_its_centre_is_balanced() {
         }
     }
 }
+
+/// The gap and a plane of no height, turned and moved: the same contact, of which less is known.
+fn written_as_a_sum(gap: &Value, degrees: f64) -> Value {
+    let level = json!({"kind": "polyhedron", "planes": [[0, 0, 0]]});
+    json!({"kind": "sum", "of": [gap, level], "rotate": degrees, "at": [0.013, -0.007]})
+}
+
+/// Error of the first by the second, over what both state.
+fn share(a: (f64, Option<f64>), b: (f64, Option<f64>)) -> f64 {
+    (a.0 / b.0 - 1.0).abs() / (a.1.unwrap() + b.1.unwrap() + 1e-9)
+}
+
+#[test]
+fn a_sum_with_nothing_is_the_same_within_all_errors() {
+    // Flanks of 1/60 and 1/10 of the flat were lines through steps, or areas that one step of two grids told.
+    let blunt = |slope: f64| json!({"kind": "revolved", "points": [[0.0, 0.0], [1.0, 0.0], [4.0, 3.0 * slope]]});
+    let worn = |faces: usize| json!({"kind": "pyramid", "faces": faces, "inclination": 30.0, "flat": 1.0});
+    let cases = [
+        (blunt(0.954), 0.0158, 30.0),
+        (blunt(0.1), 0.015, 11.0),
+        (blunt(0.606), 0.0142, 41.0),
+        (worn(6), 0.0557, 30.0),
+        (worn(4), 0.1, 8.0),
+        (json!({"kind": "pyramid", "faces": 6, "inclination": 6.6, "flat": 1.0}), 0.0243, -44.0),
+    ];
+    for (gap, depth, degrees) in cases {
+        let (known, summed) = (solved(&gap, depth), solved(&written_as_a_sum(&gap, degrees), depth));
+        let numbers = |state: &Solution| {
+            [
+                (state.force, state.force_error),
+                (state.energy.unwrap(), state.energy_error),
+                (state.stiffness, state.stiffness_error),
+                (state.patch.area, state.area_error),
+            ]
+        };
+        let shares: Vec<f64> = numbers(&known).into_iter().zip(numbers(&summed)).map(|(a, b)| share(a, b)).collect();
+        assert!(shares.iter().all(|share| *share <= 1.0), "{gap} at {depth}: {shares:?}");
+    }
+}
+
+/// The error that grids told at a depth of a wide contact was that of the narrow one which the force led to on the same cells.
+#[test]
+fn errors_under_a_force_are_those_of_its_depth() {
+    // A ring of radius 1 whose contact is three cells of 256 wide, and one of 1024.
+    let ring = json!({"kind": "formula", "expression": "(r - 1)^2/0.4"});
+    for (cells, force) in [(64, 0.3), (64, 0.03), (256, 0.01)] {
+        let known = &solved_in(&ring, &json!({"force": force}), Path::new("."))[0];
+        let scene = json!({
+            "effective_modulus": 1.0, "gap": written_as_a_sum(&ring, 0.0), "loading": {"force": force},
+            "solve": {"method": "fft", "cells": cells},
+        });
+        let state = match answers(&scene, Path::new(".")).remove(0) {
+            Ok(state) => state,
+            Err(unsolved) => *unsolved.best.expect("a number comes with its verdict"),
+        };
+        // A grid that cannot tell its error claims none.
+        let Some(error) = state.depth_error else { continue };
+        let off = (state.depth / known.depth - 1.0).abs();
+        assert!(
+            off <= error + known.depth_error.unwrap(),
+            "{cells} cells, force {force}: off by {off:.1e}, stated {error:.1e}"
+        );
+    }
+}

@@ -213,7 +213,7 @@ pub(crate) fn on_shared_grid(
     shared.edge = sharp_edges::boundary_type(&scaled, &state);
     let [spacing, lost] = sharp_edges::measure(&scaled, &state);
     shared.measure = [spacing * scaled.units.length, lost * scaled.units.length * scaled.units.length];
-    shared.rim = unresolved::boundary(&state.problem.grid, &state.solution.pressure);
+    shared.rim = unresolved::end(&state.problem, &state.solution.pressure);
     let error = if shared.needs_error { single_grid::load_by_other_kernel(&scaled, &state)? } else { 0.0 };
     // The energy of these cells themselves, whose derivatives force and moments are, whatever law the gap follows.
     let energy = state.energy() * contact.modulus().e_star() * scaled.units.height.powi(2) * scaled.units.length;

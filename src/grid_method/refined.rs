@@ -35,6 +35,9 @@ pub(crate) struct Refined {
 /// What the error of a force may be less than the tolerance.
 const ROUNDING: f64 = 1e-9;
 
+/// Times as many cells, along a side, below which a grid is compared with the one before the last.
+const SHORT_STEP: f64 = 1.5;
+
 /// Several times what the way to another depth of a homogeneous gap adds to an error.
 const OTHER_DEPTH: f64 = 1e-12;
 
@@ -101,11 +104,17 @@ impl Refined {
         }
         let found = finest.map_or_else(|| values(&self.state), Ok)?;
         // What the coarser grid cannot tell leaves the error unknown, no more.
-        let before = self.coarser.as_ref().and_then(|coarser| values(coarser).ok());
+        let before =
+            self.coarser.as_ref().and_then(|coarser| Some((values(coarser).ok()?, self.left_of_step(coarser))));
         Ok(std::array::from_fn(|n| {
-            let error = before.as_ref().and_then(|before| relative(found[n] - before[n], found[n]));
-            (found[n], error)
+            let step = before.as_ref().map(|(before, left)| left * (found[n] - before[n]));
+            (found[n], step.and_then(|step| relative(step, found[n])))
         }))
+    }
+
+    /// What is left of a number that changed by 1 from a coarser grid, to first order in the cells; no less than 1.
+    fn left_of_step(&self, coarser: &GridState) -> f64 {
+        (1.0 / (self.state.times_as_fine_as(coarser) - 1.0).max(0.0)).max(1.0)
     }
 
     /// With the bounds: their distance is the error, and the force lies between them; where the middle is within the tolerance of both, not so
@@ -135,7 +144,10 @@ impl Refined {
         let (force, error) =
             if lawful { (self.force, self.error) } else { (own, self.error.max((own - self.force).abs())) };
         let sums = self.sums.iter().copied().chain([own]).collect();
-        Self { coarser: Some(Box::new(self.state)), state, force, error, sums, proved: None, ..self }
+        // A step from a grid of hardly fewer cells tells little.
+        let before = self.coarser.filter(|_| state.times_as_fine_as(&self.state) < SHORT_STEP);
+        let coarser = before.unwrap_or_else(|| Box::new(self.state));
+        Self { coarser: Some(coarser), state, force, error, sums, proved: None, ..self }
     }
 
     /// The nearest force within bounds that others have proved; what it was off by is part of the error. Who prescribes the grid wants the

@@ -88,6 +88,67 @@ pub(crate) fn boundary_type(scaled: &Scaled, state: &GridState) -> Option<Edge> 
     found
 }
 
+/// Share of the force that may rest on flanks which these cells take for steps: P grows with the root of the area, and the flanks may bear as
+/// flat parts do, or not at all.
+pub(crate) fn on_flanks(scaled: &Scaled, state: &GridState) -> f64 {
+    let grid = &state.problem.grid;
+    let (mut area, mut flanks) = (0.0, 0.0);
+    for k in (0..grid.len()).filter(|&k| state.solution.pressure[k] > 0.0) {
+        area += grid.cell_area();
+        for (axis, sign) in [(0, 1.0), (0, -1.0), (1, 1.0), (1, -1.0)] {
+            let width = width_of_flank(scaled, state, k, axis, sign);
+            flanks += width.unwrap_or(0.0) * grid.spacing[1 - axis];
+        }
+    }
+    0.5 * flanks / area
+}
+
+/// Halvings of a fall that find its steepest part.
+const HALVINGS: usize = 40;
+
+/// Share of a fall that one half of its length has where it is steeper than the other.
+const STEEPER: f64 = 0.6;
+
+/// The width over which all of the overlap of a pressed cell falls as steeply as between it and the second cell beside it, where that one is
+/// free and lies a [`STEP`] lower; 0 at a jump.
+fn width_of_flank(scaled: &Scaled, state: &GridState, k: usize, axis: usize, sign: f64) -> Option<f64> {
+    let grid = &state.problem.grid;
+    let n = grid.shape[axis] as i64;
+    let stride = if axis == 0 { 1 } else { grid.shape[0] as i64 };
+    let place = if axis == 0 { k % grid.shape[0] } else { k / grid.shape[0] } as i64 + 2 * sign as i64;
+    let behind = k as i64 + 2 * sign as i64 * stride;
+    if (0..n).contains(&place) && state.solution.pressure[behind as usize] > 0.0 {
+        return None;
+    }
+    let centre = grid.centre_of(k);
+    let at = |t: f64| {
+        let mut p = centre;
+        p[axis] += sign * t;
+        scaled.depth - Gap::gap(&scaled.gap, p[0], p[1])
+    };
+    let (mut from, mut to) = (0.0, 2.0 * grid.spacing[axis]);
+    let (top, mut high, mut low) = (at(from), at(from), at(to));
+    if !(high - low > STEP * state.problem.deepest()) {
+        return None;
+    }
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (from + to);
+        let value = at(middle);
+        let [near, far] = [high - value, value - low];
+        let all = STEEPER * (high - low);
+        // Halves of an infinite fall have all of it.
+        if near >= all {
+            (to, low) = (middle, value);
+        } else if far >= all {
+            (from, high) = (middle, value);
+        } else {
+            break;
+        }
+    }
+    let slope = (high - low) / (to - from);
+    Some(if slope < f64::INFINITY { top / slope } else { 0.0 })
+}
+
 /// Points a side at which a cell is looked at.
 const POINTS: usize = 8;
 

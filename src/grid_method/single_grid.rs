@@ -38,6 +38,11 @@ impl GridState {
         self.solution.pressure.iter().sum::<f64>() * self.problem.grid.cell_area()
     }
 
+    /// How many times as many cells, along a side, it has as another in the same place.
+    pub fn times_as_fine_as(&self, other: &Self) -> f64 {
+        (other.problem.grid.cell_area() / self.problem.grid.cell_area()).sqrt()
+    }
+
     /// Where the resultant of the pressure acts.
     pub fn centre(&self) -> [f64; 2] {
         let (grid, pressure) = (&self.problem.grid, &self.solution.pressure);

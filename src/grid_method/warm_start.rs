@@ -26,7 +26,12 @@ pub(crate) struct WarmStart {
     growing: Option<Vec<f64>>,
     /// Estimates of relative errors by the grids of the first state.
     errors: Errors,
+    /// Force of that state, E* = 1.
+    estimated_at: f64,
 }
+
+/// Forces over that at which errors were estimated for which they still hold: those of a smaller contact, on the same cells, are larger.
+const SAME_ERRORS: std::ops::Range<f64> = 0.8..1.5;
 
 /// Relative errors that a state takes over from another on the same cells.
 #[derive(Debug, Clone, Copy, Default)]
@@ -181,7 +186,8 @@ impl WarmStart {
             ..before.clone()
         };
         let error = error / force * state.force();
-        Ok(Some(Self { errors: self.errors, ..Self::grown(scaled, Refined::of(state, error))? }))
+        let grown = Self::grown(scaled, Refined::of(state, error))?;
+        Ok(Some(Self { errors: self.errors, estimated_at: self.estimated_at, ..grown }))
     }
 
     /// Proved bounds of the force at a depth close by; `None` where none can be had.
@@ -196,7 +202,21 @@ impl WarmStart {
 
     fn grown(scaled: Scaled, refined: Refined) -> Result<Self, Unsolved> {
         let growing = if refined.sequence.is_none() { Some(single_grid::flat_punch(&refined.state)?) } else { None };
-        Ok(Self { scaled, refined, growing, errors: Errors::default() })
+        let estimated_at = refined.state.force();
+        Ok(Self { scaled, refined, growing, errors: Errors::default(), estimated_at })
+    }
+
+    /// Whether errors that were estimated at another depth are those of this one.
+    pub fn keeps_its_errors(&self) -> bool {
+        SAME_ERRORS.contains(&(self.refined.state.force() / self.estimated_at))
+    }
+
+    /// The overlap of this state.
+    ///
+    /// # Errors
+    /// `Unbounded`.
+    pub fn overlap(&self, contact: &Contact) -> Result<Option<Overlap>, Unsolved> {
+        Overlap::of(contact.gap(), self.scaled.depth * self.scaled.units.height)
     }
 
     /// dP/dd of the cells in contact.

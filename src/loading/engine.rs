@@ -112,6 +112,7 @@ impl<'a> Engine<'a> {
             }
             _ => None,
         };
+        let moved = moved.filter(WarmStart::keeps_its_errors);
         self.warm_start = match moved {
             Some(moved) => Some(moved),
             None => WarmStart::at(&overlap, self.settings)?,
@@ -128,6 +129,9 @@ impl<'a> Engine<'a> {
 
 /// Relative error of the force that the search for equilibrium begins with.
 const ROUGH: f64 = 0.02;
+
+/// Times that grids are laid anew because the force lies far from where their errors were told.
+const MOST_ANEW: usize = 4;
 
 /// A prescribed grid has so many times the cells, along a side, of the one that its depth is sought on; and the fewest of that.
 const COARSER: usize = 4;
@@ -148,11 +152,21 @@ impl Respond for Engine<'_> {
         let Some(warm_start) = self.warm_start.as_ref().filter(|_| self.settings.method != Method::Qp) else {
             return Ok(None);
         };
-        let loaded = match warm_start.continued_under(self.contact, force, self.settings) {
-            Ok(Some(loaded)) => loaded,
-            Err(unsolved) if unsolved.verdict == Verdict::TimeLimit => return Err(unsolved),
-            _ => return Ok(None),
+        let under = |warm_start: &WarmStart| match warm_start.continued_under(self.contact, force, self.settings) {
+            Err(unsolved) if unsolved.verdict != Verdict::TimeLimit => Ok(None),
+            other => other,
         };
+        let Some(mut loaded) = under(warm_start)? else { return Ok(None) };
+        for _ in 0..MOST_ANEW {
+            if loaded.keeps_its_errors() {
+                break;
+            }
+            // Anew where it led to.
+            let Some(overlap) = loaded.overlap(self.contact)? else { return Ok(None) };
+            let Some(anew) = WarmStart::at(&overlap, self.settings)? else { return Ok(None) };
+            let Some(found) = under(&anew)? else { return Ok(None) };
+            loaded = found;
+        }
         let state = loaded.solution(self.contact, self.settings);
         self.warm_start = Some(loaded);
         Ok(Some(self.counted(state?)))
