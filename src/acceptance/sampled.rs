@@ -98,7 +98,8 @@ fn widen(contact: &Contact, load: Load, state: &mut Solution) -> Option<f64> {
     }
     // Under a force they follow from the error of the depth.
     if matches!(load, Load::Depth(_) | Load::Tilted { .. }) {
-        let work = state.energy.map(|energy| state.force * off / energy);
+        // U grows by the mean of the forces at both depths, times the distance, at most.
+        let work = state.energy.map(|energy| (state.force + more) * off / energy);
         err_with_overlap(state, Some(share), work);
     }
     state.pressure.max_error = state.pressure.max_error.and_then(|own| Some(own + ripple(contact, state, off)?));

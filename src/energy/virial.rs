@@ -33,6 +33,9 @@ const DEPENDENT: f64 = 1e-7;
 /// T of the size of this share of eta is worth no more than none.
 const SMALL: f64 = 0.7;
 
+/// Share of a cell by which it is widened to see across its sides.
+const ACROSS: f64 = 1e-6;
+
 /// What a few hundred products and sums may change a bound by, relative to the size of what is added.
 const ROUNDING: f64 = 1e-12;
 
@@ -83,7 +86,12 @@ fn may_move(pressed: &Pressed, parts: &Parts, touch: &[Quarter]) -> bool {
         parts.smooth.jet(&rect).is_some_and(close) && parts.laws.iter().all(|law| law.overlap.material(&rect))
     };
     let around = if parts.ends() { 1 } else { 0 };
-    let all = |i: isize, j: isize| (-around..=around).all(|b| (-around..=around).all(|a| smooth(i + a, j + b)));
+    // Where one of several tips ends the gap jumps to the next, perhaps between two cells.
+    let joined =
+        |i: isize, j: isize| around == 0 || parts.smooth.jet(&pressed.rect(i, j).scaled(1.0 + ACROSS)).is_some();
+    let all = |i: isize, j: isize| {
+        joined(i, j) && (-around..=around).all(|b| (-around..=around).all(|a| smooth(i + a, j + b)))
+    };
     pressed.with(touch).all(|(i, j, _)| all(i, j))
 }
 

@@ -112,7 +112,8 @@ fn known_of(parts: &[AnyGap]) -> Known {
     let law = all().map(|k| k.law).reduce(|a, b| a.zip(b).filter(|(a, b)| a == b).map(|(a, _)| a)).flatten();
     let material = all().map(|k| k.material).reduce(|a, b| match (a, b) {
         (Material::Within(a), Material::Within(b)) => Material::Within(a.union(&b)),
-        (Material::Everywhere, _) | (_, Material::Everywhere) => Material::Everywhere,
+        (Material::Everywhere, Material::Everywhere) => Material::Everywhere,
+        // Where one ends and another does not, the gap jumps.
         _ => Material::Unknown,
     });
     Known {

@@ -10,6 +10,7 @@ use super::single_grid::{GridState, at_resolution};
 use crate::gap::Gap;
 use crate::numeric::geometry::Rect;
 use crate::overlap::Scaled;
+use crate::patch::peak::steepest;
 use crate::problem::{Method, Settings};
 use crate::solution::{Unsolved, Verdict};
 
@@ -103,12 +104,6 @@ pub(crate) fn on_flanks(scaled: &Scaled, state: &GridState) -> f64 {
     0.5 * flanks / area
 }
 
-/// Halvings of a fall that find its steepest part.
-const HALVINGS: usize = 40;
-
-/// Share of a fall that one half of its length has where it is steeper than the other.
-const STEEPER: f64 = 0.6;
-
 /// The width over which all of the overlap of a pressed cell falls as steeply as between it and the second cell beside it, where that one is
 /// free and lies a [`STEP`] lower; 0 at a jump.
 fn width_of_flank(scaled: &Scaled, state: &GridState, k: usize, axis: usize, sign: f64) -> Option<f64> {
@@ -126,26 +121,11 @@ fn width_of_flank(scaled: &Scaled, state: &GridState, k: usize, axis: usize, sig
         p[axis] += sign * t;
         scaled.depth - Gap::gap(&scaled.gap, p[0], p[1])
     };
-    let (mut from, mut to) = (0.0, 2.0 * grid.spacing[axis]);
-    let (top, mut high, mut low) = (at(from), at(from), at(to));
-    if !(high - low > STEP * state.problem.deepest()) {
+    let (length, top) = (2.0 * grid.spacing[axis], at(0.0));
+    if !(top - at(length) > STEP * state.problem.deepest()) {
         return None;
     }
-    for _ in 0..HALVINGS {
-        let middle = 0.5 * (from + to);
-        let value = at(middle);
-        let [near, far] = [high - value, value - low];
-        let all = STEEPER * (high - low);
-        // Halves of an infinite fall have all of it.
-        if near >= all {
-            (to, low) = (middle, value);
-        } else if far >= all {
-            (from, high) = (middle, value);
-        } else {
-            break;
-        }
-    }
-    let slope = (high - low) / (to - from);
+    let slope = steepest(at, length);
     Some(if slope < f64::INFINITY { top / slope } else { 0.0 })
 }
 

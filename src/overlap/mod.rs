@@ -10,7 +10,7 @@ mod units;
 
 use std::sync::OnceLock;
 
-use crate::gap::{AnyGap, Degree, Gap, Known, Reach, enclosure, lattice};
+use crate::gap::{AnyGap, Degree, Gap, Known, Minimum, Reach, enclosure, lattice};
 use crate::grid::Grid;
 use crate::numeric::geometry::Rect;
 use crate::solution::{Unsolved, Verdict};
@@ -35,6 +35,17 @@ pub(crate) struct Overlap {
     filled: OnceLock<bool>,
 }
 
+/// The gap without those of several tips that do not reach so deep: all that is asked there is a displacement above f, which is negative.
+fn touching(gap: &AnyGap, depth: f64) -> AnyGap {
+    let Some(parts) = gap.alternatives() else { return gap.clone() };
+    let kept: Vec<AnyGap> = parts.iter().filter(|part| part.reach(depth) != Reach::Nowhere).cloned().collect();
+    match kept.as_slice() {
+        [one] => one.clone(),
+        [_, ..] if 2 * kept.len() <= parts.len() => Minimum::new(kept).map_or_else(|_| gap.clone(), AnyGap::new),
+        _ => gap.clone(),
+    }
+}
+
 /// Points a side at which the deepest overlap is looked for.
 const LOOKS: usize = 33;
 
@@ -50,6 +61,7 @@ impl Overlap {
     /// # Errors
     /// `Unbounded` when the overlap has no end, with the direction in which it has none.
     pub fn of(gap: &AnyGap, depth: f64) -> Result<Option<Self>, Unsolved> {
+        let gap = &touching(gap, depth);
         let certain = gap.reach(depth);
         let found = known_or_searched(certain, gap, depth);
         let reach = match found {

@@ -36,13 +36,28 @@ impl Ends {
             None => gap.gap(centre(i, j)[0], centre(i, j)[1]) == f64::INFINITY,
         };
         let (mut rising, mut beside, mut strongest) = (Vec::new(), 0.0, (0.0, None));
+        let (step, least) = (STEP * problem.deepest(), JUMP);
         for k in (0..pressure.len()).filter(|&k| pressure[k] > 0.0) {
             let (i, j) = (k as i64 % nx, k as i64 / nx);
             let mut edge = None;
+            let rises_from =
+                |di: i64, dj: i64| index(i - di, j - dj).is_some_and(|behind| pressure[k] > pressure[behind]);
+            for (di, dj) in [(1, 0), (-1, 0), (0, 1), (0, -1)] {
+                let second = index(i + 2 * di, j + 2 * dj);
+                let falls =
+                    |second: usize| pressure[second] <= 0.0 && problem.overlap[k] - problem.overlap[second] > step;
+                if rising.last() != Some(&k) && second.is_some_and(falls) && rises_from(di, dj) {
+                    let at = |t: f64| {
+                        let [x, y] = [0, 1].map(|m| centre(i, j)[m] + t * [di, dj][m] as f64 * grid.spacing[m]);
+                        -gap.gap(x, y)
+                    };
+                    if steepest(at, 2.0) * least > step {
+                        rising.push(k);
+                    }
+                }
+            }
             for (di, dj) in [(1, 0), (-1, 0), (0, 1), (0, -1)].into_iter().filter(|&(di, dj)| void(i + di, j + dj)) {
-                if index(i - di, j - dj).is_some_and(|behind| pressure[k] > pressure[behind])
-                    && rising.last() != Some(&k)
-                {
+                if rises_from(di, dj) && rising.last() != Some(&k) {
                     rising.push(k);
                 }
                 // Its middle, or the part of it that has no material.
@@ -63,6 +78,38 @@ impl Ends {
     }
 }
 
+/// Share of the deepest overlap by which the gap grows over two cells where it may jump.
+const STEP: f64 = 0.25;
+
+/// Width, in cells, over which it grows by as much there at a jump: no flank is as steep.
+const JUMP: f64 = 1e-6;
+
+/// Halvings of a fall that find its steepest part.
+const HALVINGS: usize = 40;
+
+/// Share of a fall that one half of its length has where it is steeper than the other.
+const STEEPER: f64 = 0.6;
+
+/// The slope of the steepest part of a fall over a length, as far as halves of it tell: infinite or nearly so at a jump.
+pub(crate) fn steepest(at: impl Fn(f64) -> f64, length: f64) -> f64 {
+    let (mut from, mut to) = (0.0, length);
+    let (mut high, mut low) = (at(from), at(to));
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (from + to);
+        let value = at(middle);
+        let most = STEEPER * (high - low);
+        // Halves of an infinite fall have all of it.
+        if high - value >= most {
+            (to, low) = (middle, value);
+        } else if value - low >= most {
+            (from, high) = (middle, value);
+        } else {
+            break;
+        }
+    }
+    (high - low) / (to - from)
+}
+
 /// Why the pressure is infinite at the strongest cell of a piece, for another reason than an end of the material, as far as that
 /// is known. `gap` in the units of the problem, lengths and heights near 1.
 pub(crate) fn singular(gap: &AnyGap, problem: &Discrete, strongest: usize) -> Option<Singular> {
@@ -80,8 +127,8 @@ pub(crate) fn singular(gap: &AnyGap, problem: &Discrete, strongest: usize) -> Op
     kink_in(gap, &problem.grid.cell(strongest % nx, strongest / nx).scaled(WIDER))
 }
 
-/// Sides of the rectangle that is looked at over those of the cell.
-const WIDER: f64 = 1.2;
+/// Sides of the rectangle that is looked at over those of the cell: a tip may lie in the next one.
+const WIDER: f64 = 2.0;
 
 /// Rectangles that are looked at for one kink.
 const LOOKS: usize = 600;
