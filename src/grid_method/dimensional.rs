@@ -8,7 +8,7 @@ use crate::energy;
 use crate::gap::{AnyGap, Law};
 use crate::grid::Pressure;
 use crate::numeric::geometry::Rect;
-use crate::overlap::Scaled;
+use crate::overlap::{Scaled, touching};
 use crate::patch;
 use crate::patch::peak::{self, Ends};
 use crate::problem::{Contact, Settings};
@@ -100,7 +100,7 @@ pub(crate) fn in_users_units(
         None => (energy, energy_error),
     };
     // The gap itself: beside other contacts the scaled one is displaced by them.
-    let own_gap = contact.tilted_gap(tilt).scaled(scaled.units.origin, length, height);
+    let own_gap = touching(&contact.tilted_gap(tilt), depth).scaled(scaled.units.origin, length, height);
     let ends = Ends::of(&own_gap, &state.problem, values);
     let singular = infinite(&own_gap, state, &ends, &mut patch, &peaks);
     let unit_pressure = e_star * height / length;

@@ -36,7 +36,7 @@ pub(crate) struct Overlap {
 }
 
 /// The gap without those of several tips that do not reach so deep: all that is asked there is a displacement above f, which is negative.
-fn touching(gap: &AnyGap, depth: f64) -> AnyGap {
+pub(crate) fn touching(gap: &AnyGap, depth: f64) -> AnyGap {
     let Some(parts) = gap.alternatives() else { return gap.clone() };
     let kept: Vec<AnyGap> = parts.iter().filter(|part| part.reach(depth) != Reach::Nowhere).cloned().collect();
     match kept.as_slice() {
