@@ -1010,3 +1010,44 @@ fn errors_under_a_force_are_those_of_its_depth() {
         );
     }
 }
+
+/// A roller that ends, and another tip: as a minimum the gap jumps at the ends of the roller, between two cells, and has no end of material.
+#[test]
+fn a_tip_beside_a_roller_leaves_it_its_ends() {
+    let roller = clipped("x^2/2", &rectangle(0.21, 0.4));
+    let alone = solved(&roller, 0.01);
+    assert!(alone.pressure.max.is_none());
+    let beside = |gap: Value| solved(&json!({"kind": "min", "of": [roller, gap]}), 0.01);
+    // Too high to touch: the same contact by the same method.
+    let high = beside(json!({"kind": "formula", "expression": "r^2/2 + 0.05", "at": [3.0, 0.0]}));
+    assert_same(&high, &alone);
+    assert_eq!((high.origin, high.pressure.max), (alone.origin, None));
+    // Far off: the sum of both, but for what they press each other down by.
+    let far = beside(json!({"kind": "paraboloid", "radii": [1.0, 1.0], "at": [3000.0, 0.0]}));
+    let ball = solved(&json!({"kind": "paraboloid", "radii": [1.0, 1.0]}), 0.01);
+    assert_force(&far, alone.force + ball.force, 1e-3);
+    assert!(
+        share((far.stiffness, far.stiffness_error), (alone.stiffness + ball.stiffness, alone.stiffness_error)) < 1.0
+    );
+    assert!(far.patch.pieces.iter().any(|piece| piece.max_pressure.is_none()));
+}
+
+/// Tips and edges that grids did not see.
+#[test]
+fn pressure_is_infinite_at_every_tip_and_edge() {
+    let pyramid = json!({"kind": "pyramid", "faces": 4, "inclination": 20.0});
+    let ball = json!({"kind": "sphere", "radius": 1.0, "at": [9.0, 0.0]});
+    let planes = "max(0.3*x, -0.1*x + 0.25*y, -0.2*x - 0.3*y)";
+    let step = json!({"kind": "sum", "of": [
+        {"kind": "flat", "outline": {"disc": 1.0}}, {"kind": "polyhedron", "planes": [[0, 0, 0.004]]},
+    ]});
+    let cases = [
+        json!({"kind": "min", "of": [pyramid, ball]}),
+        json!({"kind": "formula", "expression": planes, "at": [0.1, 0.03]}),
+        json!({"kind": "min", "of": [{"kind": "flat", "outline": {"disc": 0.4}}, step]}),
+    ];
+    for gap in cases {
+        let state = solved(&gap, 0.01);
+        assert!(state.pressure.max.is_none() && state.pressure.singular.is_some(), "{gap}: {:?}", state.pressure.max);
+    }
+}

@@ -85,8 +85,11 @@ pub(crate) fn end(problem: &Discrete, pressure: &[f64]) -> f64 {
 /// 2.8 where it falls as r^1.5.
 const SMOOTH: f64 = 2.9;
 
-/// Error of a peak over the drop to the cells beside it: smooth, and not.
-const OF_DROP: [f64; 2] = [0.5, 2.5];
+/// The same where the pressure has a cusp, p0 - p ~ r^s with s below 0.3 to 0.6: 1.6 to 1.72 for s = 0.
+const CUSP: f64 = 1.9;
+
+/// Error of a peak over the drop to the cells beside it: smooth, not, and at a cusp, where it would be 1/s.
+const OF_DROP: [f64; 3] = [0.5, 2.5, 10.0];
 
 /// Relative error of the largest pressure of a grid, from how much the pressure varies from cell to cell about it.
 pub(crate) fn peak(grid: &Grid, pressure: &[f64], strongest: usize) -> f64 {
@@ -102,7 +105,14 @@ pub(crate) fn peak(grid: &Grid, pressure: &[f64], strongest: usize) -> f64 {
         [(1, 0), (-1, 0), (0, 1), (0, -1)].map(at).into_iter().fold(0.0, f64::max) / highest
     };
     let [near, far] = [drop(1), drop(2)];
-    OF_DROP[usize::from(!(far > SMOOTH * near))] * near
+    let kind = if far > SMOOTH * near {
+        0
+    } else if far > CUSP * near {
+        1
+    } else {
+        2
+    };
+    OF_DROP[kind] * near
 }
 
 #[cfg(test)]

@@ -11,6 +11,7 @@
 
 use crate::discrete::Discrete;
 use crate::gap::{AnyGap, DataEdge, Degree, Gap};
+use crate::grid::Grid;
 use crate::numeric::geometry::Rect;
 use crate::solution::Singular;
 
@@ -36,22 +37,20 @@ impl Ends {
             None => gap.gap(centre(i, j)[0], centre(i, j)[1]) == f64::INFINITY,
         };
         let (mut rising, mut beside, mut strongest) = (Vec::new(), 0.0, (0.0, None));
-        let (step, least) = (STEP * problem.deepest(), JUMP);
+        let step = STEP * problem.deepest();
         for k in (0..pressure.len()).filter(|&k| pressure[k] > 0.0) {
             let (i, j) = (k as i64 % nx, k as i64 / nx);
             let mut edge = None;
             let rises_from =
                 |di: i64, dj: i64| index(i - di, j - dj).is_some_and(|behind| pressure[k] > pressure[behind]);
             for (di, dj) in [(1, 0), (-1, 0), (0, 1), (0, -1)] {
-                let second = index(i + 2 * di, j + 2 * dj);
-                let falls =
-                    |second: usize| pressure[second] <= 0.0 && problem.overlap[k] - problem.overlap[second] > step;
-                if rising.last() != Some(&k) && second.is_some_and(falls) && rises_from(di, dj) {
+                let free = index(i + 2 * di, j + 2 * dj).is_none_or(|second| pressure[second] <= 0.0);
+                if rising.last() != Some(&k) && free && rises_from(di, dj) {
                     let at = |t: f64| {
                         let [x, y] = [0, 1].map(|m| centre(i, j)[m] + t * [di, dj][m] as f64 * grid.spacing[m]);
                         -gap.gap(x, y)
                     };
-                    if steepest(at, 2.0) * least > step {
+                    if at(0.0) - at(2.0) > step && steepest(at, 2.0) * JUMP > step {
                         rising.push(k);
                     }
                 }
@@ -136,6 +135,9 @@ const LOOKS: usize = 600;
 /// Side of what is left of a cell when the slopes beside it are compared, over that of the cell.
 const SMALLEST: f64 = 1e-6;
 
+/// Tiles a side of a cell in which a gap may tell that it is smooth.
+const TILES: usize = 5;
+
 /// Places that are compared.
 const PLACES: usize = 8;
 
@@ -166,8 +168,12 @@ fn kink_in(gap: &AnyGap, cell: &Rect) -> Option<Singular> {
         parts.sort_by(|a, b| low(b).total_cmp(&low(a)));
         stack.extend(parts);
     }
-    // A gap that nowhere tells that it is smooth tells nothing of kinks either.
-    places.into_iter().filter(|_| smooth > 0).find_map(|place| bend_at(gap, place, side))
+    // A gap that nowhere tells that it is smooth tells nothing of kinks either. (Places may all have been found before anything else was
+    // looked at.)
+    let tiles = Grid::over(cell, [TILES; 2]);
+    let tile = |k: usize| tiles.cell(k % TILES, k / TILES).scaled(0.9);
+    let tells = smooth > 0 || (0..TILES * TILES).any(|k| gap.taylor(&tile(k)).is_some());
+    places.into_iter().filter(|_| tells).find_map(|place| bend_at(gap, place, side))
 }
 
 /// Directions in which a bend is looked for.
