@@ -62,6 +62,9 @@ const OF_TIP: f64 = 1.2;
 /// By what steps fall on smooth contacts.
 const SMOOTH: std::ops::Range<f64> = 5.5..11.0;
 
+/// Share of the step before the last that is left of a force at least, however small the last one: at the order 1.5.
+const AFTER_TWO: f64 = 0.2;
+
 /// Steps that fall by less show no order.
 const LEAST_RATIO: f64 = 1.5;
 
@@ -127,14 +130,14 @@ pub fn of_forces(coarse_to_fine: &[f64]) -> Option<Estimate> {
     match *coarse_to_fine {
         [.., a, b, c] => {
             let (first, second) = ((b - a).abs(), (c - b).abs());
-            // First order: what is left is as much as the last step. Faster: a third of it, but never trust one small step (at the order 1.5, a
-            // fifth of the one before is left), nor an order that is seen once.
+            // First order: what is left is as much as the last step. Faster: a third of it, but never trust one small step, nor an order that is
+            // seen once.
             let before = match *coarse_to_fine {
                 [.., z, a, b, _] => (a - z).abs() / (b - a).abs(),
                 _ => f64::INFINITY,
             };
             let ratio = (first / second).min(before).clamp(2.0, 4.0);
-            Some(Estimate { value: c, error: (second / (ratio - 1.0)).max(0.2 * first) })
+            Some(Estimate { value: c, error: (second / (ratio - 1.0)).max(AFTER_TWO * first) })
         }
         [a, b] => Some(Estimate { value: b, error: (b - a).abs() }),
         _ => None,
