@@ -85,8 +85,11 @@ pub(crate) fn end(problem: &Discrete, pressure: &[f64]) -> f64 {
 /// 2.8 where it falls as r^1.5.
 const SMOOTH: f64 = 2.9;
 
-/// The same where the pressure has a cusp, p0 - p ~ r^s with s below 0.3 to 0.6: 1.6 to 1.72 for s = 0.
-const CUSP: f64 = 1.9;
+/// The same where the pressure has a cusp, p0 - p ~ r^s with s below 0.3, in the middle of a cell or on a corner of it: 1.72 and 1.6 for s = 0.
+const CUSP: [f64; 2] = [1.9, 1.72];
+
+/// Least drop to a cell beside the peak over the largest below which the peak is on a side or a corner.
+const EVEN: f64 = 0.25;
 
 /// Error of a peak over the drop to the cells beside it: smooth, not, and at a cusp, where it would be 1/s.
 const OF_DROP: [f64; 3] = [0.5, 2.5, 10.0];
@@ -96,18 +99,21 @@ pub(crate) fn peak(grid: &Grid, pressure: &[f64], strongest: usize) -> f64 {
     let [nx, ny] = grid.shape.map(|n| n as i64);
     let (i, j) = (strongest as i64 % nx, strongest as i64 / nx);
     let highest = pressure[strongest];
-    let drop = |far: i64| {
+    let drops = |far: i64| {
         let at = |(di, dj): (i64, i64)| {
             let (i, j) = (i + far * di, j + far * dj);
             let inside = (0..nx).contains(&i) && (0..ny).contains(&j);
-            if inside { highest - pressure[(j * nx + i) as usize] } else { highest }
+            (if inside { highest - pressure[(j * nx + i) as usize] } else { highest }) / highest
         };
-        [(1, 0), (-1, 0), (0, 1), (0, -1)].map(at).into_iter().fold(0.0, f64::max) / highest
+        [(1, 0), (-1, 0), (0, 1), (0, -1)].map(at)
     };
-    let [near, far] = [drop(1), drop(2)];
+    let most = |drops: [f64; 4]| drops.into_iter().fold(0.0, f64::max);
+    let beside = drops(1);
+    let [near, far] = [beside, drops(2)].map(most);
+    let on_side = beside.iter().any(|drop| *drop < EVEN * near);
     let kind = if far > SMOOTH * near {
         0
-    } else if far > CUSP * near {
+    } else if far > CUSP[usize::from(on_side)] * near {
         1
     } else {
         2
