@@ -57,6 +57,17 @@ impl Minimum {
         Ok(Self { parts: flat, known })
     }
 
+    /// The least of those that are kept of so many parts, where that is simpler: one alone, or at most half of them.
+    pub(crate) fn of_kept(kept: &[&AnyGap], parts: usize) -> Option<AnyGap> {
+        match kept {
+            [one] => Some((*one).clone()),
+            several if 2 * several.len() <= parts => {
+                Self::new(several.iter().map(|&part| part.clone()).collect()).ok().map(AnyGap::new)
+            }
+            _ => None,
+        }
+    }
+
     /// The gaps of which the least counts; those of a minimum among them are named one by one.
     #[must_use]
     pub fn parts(&self) -> &[AnyGap] {
@@ -236,10 +247,7 @@ impl Gap for Minimum {
         let kept = self.candidates(rect);
         match kept.as_slice() {
             [one] => Some(one.restricted(rect).unwrap_or_else(|| (*one).clone())),
-            several if 2 * several.len() <= self.parts.len() => {
-                Self::new(several.iter().map(|&part| part.clone()).collect()).ok().map(AnyGap::new)
-            }
-            _ => None,
+            several => Self::of_kept(several, self.parts.len()),
         }
     }
 

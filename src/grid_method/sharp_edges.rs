@@ -10,7 +10,7 @@ use super::single_grid::{GridState, at_resolution};
 use crate::gap::Gap;
 use crate::numeric::geometry::Rect;
 use crate::overlap::Scaled;
-use crate::patch::peak::steepest;
+use crate::patch::peak::{STEP, steepest_beside};
 use crate::problem::{Method, Settings};
 use crate::solution::{Unsolved, Verdict};
 
@@ -46,8 +46,8 @@ pub(crate) fn cells(k: usize) -> usize {
     (COARSEST * (k as f64 / STEPS).exp2()).round() as usize
 }
 
-/// Share of the depth by which the gap grows over two cells where it counts as a step.
-const STEP: f64 = 0.25;
+/// The way to the cells beside one.
+const BESIDE: [[i64; 2]; 4] = [[1, 0], [-1, 0], [0, 1], [0, -1]];
 
 /// What a contact runs up to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -75,7 +75,7 @@ pub(crate) fn boundary_type(scaled: &Scaled, state: &GridState) -> Option<Edge> 
             on_grid(cell).map_or_else(|| scaled.depth - Gap::gap(&scaled.gap, centre(0), centre(1)), |k| overlap[k])
         };
         let pressed = |cell: [i64; 2]| on_grid(cell).is_some_and(|k| state.solution.pressure[k] > 0.0);
-        for along in [[1, 0], [-1, 0], [0, 1], [0, -1]] {
+        for along in BESIDE {
             if at(cell(along, 1)) == f64::NEG_INFINITY {
                 return Some(Edge::End);
             }
@@ -92,41 +92,19 @@ pub(crate) fn boundary_type(scaled: &Scaled, state: &GridState) -> Option<Edge> 
 /// Share of the force that may rest on flanks which these cells take for steps: P grows with the root of the area, and the flanks may bear as
 /// flat parts do, or not at all.
 pub(crate) fn on_flanks(scaled: &Scaled, state: &GridState) -> f64 {
-    let grid = &state.problem.grid;
+    let (problem, pressure) = (&state.problem, &state.solution.pressure);
+    let (grid, step) = (&problem.grid, STEP * problem.deepest());
     let (mut area, mut flanks) = (0.0, 0.0);
-    for k in (0..grid.len()).filter(|&k| state.solution.pressure[k] > 0.0) {
+    for k in (0..grid.len()).filter(|&k| pressure[k] > 0.0) {
         area += grid.cell_area();
-        for (axis, sign) in [(0, 1.0), (0, -1.0), (1, 1.0), (1, -1.0)] {
-            let width = width_of_flank(scaled, state, k, axis, sign);
-            flanks += width.unwrap_or(0.0) * grid.spacing[1 - axis];
+        for along in BESIDE {
+            let Some(slope) = steepest_beside(&scaled.gap, problem, pressure, k, along, step) else { continue };
+            let [x, y] = grid.centre_of(k);
+            // All of the overlap would fall over this width; 0 at a jump.
+            flanks += (scaled.depth - Gap::gap(&scaled.gap, x, y)) / slope * grid.spacing[usize::from(along[0] != 0)];
         }
     }
     0.5 * flanks / area
-}
-
-/// The width over which all of the overlap of a pressed cell falls as steeply as between it and the second cell beside it, where that one is
-/// free and lies a [`STEP`] lower; 0 at a jump.
-fn width_of_flank(scaled: &Scaled, state: &GridState, k: usize, axis: usize, sign: f64) -> Option<f64> {
-    let grid = &state.problem.grid;
-    let n = grid.shape[axis] as i64;
-    let stride = if axis == 0 { 1 } else { grid.shape[0] as i64 };
-    let place = if axis == 0 { k % grid.shape[0] } else { k / grid.shape[0] } as i64 + 2 * sign as i64;
-    let behind = k as i64 + 2 * sign as i64 * stride;
-    if (0..n).contains(&place) && state.solution.pressure[behind as usize] > 0.0 {
-        return None;
-    }
-    let centre = grid.centre_of(k);
-    let at = |t: f64| {
-        let mut p = centre;
-        p[axis] += sign * t;
-        scaled.depth - Gap::gap(&scaled.gap, p[0], p[1])
-    };
-    let (length, top) = (2.0 * grid.spacing[axis], at(0.0));
-    if !(top - at(length) > STEP * state.problem.deepest()) {
-        return None;
-    }
-    let slope = steepest(at, length);
-    Some(if slope < f64::INFINITY { top / slope } else { 0.0 })
 }
 
 /// Points a side at which a cell is looked at.

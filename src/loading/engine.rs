@@ -157,14 +157,16 @@ impl Respond for Engine<'_> {
             other => other,
         };
         let Some(mut loaded) = under(warm_start)? else { return Ok(None) };
-        for _ in 0..MOST_ANEW {
-            if loaded.keeps_its_errors() {
-                break;
+        let mut anew = 0;
+        while !loaded.keeps_its_errors() {
+            anew += 1;
+            if anew > MOST_ANEW {
+                return Ok(None);
             }
-            // Anew where it led to.
+            // Where it led to.
             let Some(overlap) = loaded.overlap(self.contact)? else { return Ok(None) };
-            let Some(anew) = WarmStart::at(&overlap, self.settings)? else { return Ok(None) };
-            let Some(found) = under(&anew)? else { return Ok(None) };
+            let Some(there) = WarmStart::at(&overlap, self.settings)? else { return Ok(None) };
+            let Some(found) = under(&there)? else { return Ok(None) };
             loaded = found;
         }
         let state = loaded.solution(self.contact, self.settings);

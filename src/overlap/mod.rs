@@ -38,12 +38,8 @@ pub(crate) struct Overlap {
 /// The gap without those of several tips that do not reach so deep: all that is asked there is a displacement above f, which is negative.
 pub(crate) fn touching(gap: &AnyGap, depth: f64) -> AnyGap {
     let Some(parts) = gap.alternatives() else { return gap.clone() };
-    let kept: Vec<AnyGap> = parts.iter().filter(|part| part.reach(depth) != Reach::Nowhere).cloned().collect();
-    match kept.as_slice() {
-        [one] => one.clone(),
-        [_, ..] if 2 * kept.len() <= parts.len() => Minimum::new(kept).map_or_else(|_| gap.clone(), AnyGap::new),
-        _ => gap.clone(),
-    }
+    let kept: Vec<&AnyGap> = parts.iter().filter(|part| part.reach(depth) != Reach::Nowhere).collect();
+    Minimum::of_kept(&kept, parts.len()).unwrap_or_else(|| gap.clone())
 }
 
 /// Points a side at which the deepest overlap is looked for.

@@ -44,20 +44,16 @@ impl Ends {
             let rises_from =
                 |di: i64, dj: i64| index(i - di, j - dj).is_some_and(|behind| pressure[k] > pressure[behind]);
             for (di, dj) in [(1, 0), (-1, 0), (0, 1), (0, -1)] {
-                let free = index(i + 2 * di, j + 2 * dj).is_none_or(|second| pressure[second] <= 0.0);
-                if rising.last() != Some(&k) && free && rises_from(di, dj) {
-                    let at = |t: f64| {
-                        let [x, y] = [0, 1].map(|m| centre(i, j)[m] + t * [di, dj][m] as f64 * grid.spacing[m]);
-                        -gap.gap(x, y)
-                    };
-                    if at(0.0) - at(2.0) > step && steepest(at, 2.0) * JUMP > step {
-                        rising.push(k);
-                    }
-                }
-            }
-            for (di, dj) in [(1, 0), (-1, 0), (0, 1), (0, -1)].into_iter().filter(|&(di, dj)| void(i + di, j + dj)) {
-                if rises_from(di, dj) && rising.last() != Some(&k) {
+                let ends = void(i + di, j + dj);
+                let jumps = || {
+                    let far = JUMP * grid.spacing[usize::from(di == 0)];
+                    steepest_beside(gap, problem, pressure, k, [di, dj], step).is_some_and(|slope| slope * far > step)
+                };
+                if rising.last() != Some(&k) && rises_from(di, dj) && (ends || jumps()) {
                     rising.push(k);
+                }
+                if !ends {
+                    continue;
                 }
                 // Its middle, or the part of it that has no material.
                 let mut looks =
@@ -77,36 +73,56 @@ impl Ends {
     }
 }
 
-/// Share of the deepest overlap by which the gap grows over two cells where it may jump.
-const STEP: f64 = 0.25;
+/// Share of the deepest overlap by which the gap grows over two cells where it counts as a step.
+pub(crate) const STEP: f64 = 0.25;
 
 /// Width, in cells, over which it grows by as much there at a jump: no flank is as steep.
 const JUMP: f64 = 1e-6;
 
-/// Halvings of a fall that find its steepest part.
+/// Halvings of a rise that find its steepest part.
 const HALVINGS: usize = 40;
 
-/// Share of a fall that one half of its length has where it is steeper than the other.
+/// Share of a rise that one half of its length has where it is steeper than the other.
 const STEEPER: f64 = 0.6;
 
-/// The slope of the steepest part of a fall over a length, as far as halves of it tell: infinite or nearly so at a jump.
-pub(crate) fn steepest(at: impl Fn(f64) -> f64, length: f64) -> f64 {
-    let (mut from, mut to) = (0.0, length);
-    let (mut high, mut low) = (at(from), at(to));
+/// The slope of the gap where it is steepest between a pressed cell and the second one beside it, as far as halves of the way tell, where that
+/// one is free and the gap there higher by `step`: infinite or nearly so at a jump.
+pub(crate) fn steepest_beside(
+    gap: &AnyGap,
+    problem: &Discrete,
+    pressure: &[f64],
+    k: usize,
+    [di, dj]: [i64; 2],
+    step: f64,
+) -> Option<f64> {
+    let grid = &problem.grid;
+    let [nx, ny] = grid.shape.map(|n| n as i64);
+    let (i, j) = (k as i64 % nx + 2 * di, k as i64 / nx + 2 * dj);
+    if (0..nx).contains(&i) && (0..ny).contains(&j) && pressure[(j * nx + i) as usize] > 0.0 {
+        return None;
+    }
+    let ([x, y], [hx, hy]) = (grid.centre_of(k), grid.spacing);
+    // Of the way in cells.
+    let at = |t: f64| gap.gap(x + t * di as f64 * hx, y + t * dj as f64 * hy);
+    let (mut from, mut to) = (0.0, 2.0);
+    let (mut low, mut high) = (at(from), at(to));
+    if !(high - low > step) {
+        return None;
+    }
     for _ in 0..HALVINGS {
         let middle = 0.5 * (from + to);
         let value = at(middle);
         let most = STEEPER * (high - low);
-        // Halves of an infinite fall have all of it.
-        if high - value >= most {
-            (to, low) = (middle, value);
-        } else if value - low >= most {
-            (from, high) = (middle, value);
+        // Halves of an infinite rise have all of it.
+        if value - low >= most {
+            (to, high) = (middle, value);
+        } else if high - value >= most {
+            (from, low) = (middle, value);
         } else {
             break;
         }
     }
-    (high - low) / (to - from)
+    Some((high - low) / ((to - from) * if di == 0 { hy } else { hx }))
 }
 
 /// Why the pressure is infinite at the strongest cell of a piece, for another reason than an end of the material, as far as that

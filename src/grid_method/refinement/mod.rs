@@ -240,8 +240,7 @@ impl Refinement<'_> {
             if !good && edge == Some(Edge::Step) && cells == STEPPED {
                 // A flank may be resolved yet: only if a line does better than that, which knows nothing of flanks.
                 let flanks = sharp_edges::on_flanks(self.scaled, &state);
-                let tried = if flanks < tolerance { Some(self.at_sharp_edges(false)) } else { None };
-                let tried = tried.and_then(Result::ok);
+                let tried = if flanks < tolerance { self.at_sharp_edges(false).ok() } else { None };
                 let tried = tried.map(|found| Refined { error: found.error + flanks * found.force, ..found });
                 // A line that leaves what these grids allow is not that of a step.
                 let room = extrapolation::left_by_first_order(&self.forces);
