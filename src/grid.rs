@@ -62,6 +62,12 @@ impl Grid {
         (0..grid.shape[1]).flat_map(move |j| (0..grid.shape[0]).map(move |i| grid.centre(i, j)))
     }
 
+    /// All cells, row by row.
+    pub fn cells(&self) -> impl Iterator<Item = Rect> + use<> {
+        let grid = *self;
+        (0..grid.shape[1]).flat_map(move |j| (0..grid.shape[0]).map(move |i| grid.cell(i, j)))
+    }
+
     /// Centres of the cells under pressure, and their pressures.
     pub fn loaded<'a>(&self, pressure: &'a [f64]) -> impl Iterator<Item = ([f64; 2], f64)> + use<'a> {
         self.centres().zip(pressure.iter().copied()).filter(|(_, p)| *p > 0.0)

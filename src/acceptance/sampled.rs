@@ -1,8 +1,9 @@
 //! What a measured gap leaves open, on top of the error of its contact.
 //!
-//! If the gap is nowhere farther than e from that of the bodies, over all that can touch, then their force lies between those at the depths
-//! d - e and d + e: pressures of the one are admissible for the other ([`crate::bracket`]). P is convex, so that P - P' e is below; above,
-//! P' grows no faster than that of a degree-1 gap, P' (1 + e/(d - d0)) e. That e is an estimate from the samples
+//! On a grid it is found from cell to cell ([`crate::grid_method`]). Without one: if the gap is nowhere farther than e from that of the
+//! bodies, over all that can touch, then their force lies between those at the depths d - e and d + e: pressures of the one are admissible
+//! for the other ([`crate::bracket`]). P is convex, so that P - P' e is below; above, P' grows no faster than that of a degree-1 gap,
+//! P' (1 + e/(d - d0)) e; U grows by the mean of the forces at both depths, times e, at most. That e is an estimate from the samples
 //! ([`crate::gap::Gap::sampling_error`]), and makes the evidence one.
 
 use std::f64::consts::PI;
@@ -12,7 +13,7 @@ use crate::bracket::DepthBracket;
 use crate::gap::Gap;
 use crate::overlap::Overlap;
 use crate::problem::{Contact, Load, Settings};
-use crate::solution::{Piece, Solution, Unsolved, Verdict, rounded_up};
+use crate::solution::{Piece, Samples, Solution, Unsolved, Verdict, rounded_up};
 
 /// The answer with the error of the measured gap in its error and its bracket.
 ///
@@ -53,20 +54,11 @@ pub(crate) fn with_samples(
 
 /// The share of the force that the samples of a measured gap leave open; `None` where it is not measured.
 pub(crate) fn share(contact: &Contact, state: &Solution) -> Option<f64> {
-    open(contact, state).map(|open| open.more / state.force).filter(|share| share.is_finite())
+    open(contact, state).map(|(open, _)| open.force / state.force).filter(|share| share.is_finite())
 }
 
-/// What the samples of a gap leave open.
-struct Open {
-    /// Of the gap.
-    off: f64,
-    /// Depth of the state below the lowest gap.
-    overlap: f64,
-    /// Of the force.
-    more: f64,
-}
-
-fn open(contact: &Contact, state: &Solution) -> Option<Open> {
+/// That, and the depth of the state below the lowest gap.
+fn open(contact: &Contact, state: &Solution) -> Option<(Samples, f64)> {
     if !(state.force > 0.0) {
         return None;
     }
@@ -74,19 +66,23 @@ fn open(contact: &Contact, state: &Solution) -> Option<Open> {
     if !gap.is_measured() {
         return None;
     }
+    let overlap = state.depth - gap.known().floor.max(f64::MIN);
+    if let Some(samples) = state.samples {
+        return Some((samples, overlap));
+    }
     let reach = Overlap::of(&gap, state.depth).ok().flatten()?.reach;
     let rect = state.grid.and_then(|grid| grid.extent().intersection(&reach)).unwrap_or(reach);
     let off = gap.sampling_error(&rect);
     if !(off > 0.0) {
         return None;
     }
-    let overlap = state.depth - gap.known().floor.max(f64::MIN);
-    Some(Open { off, overlap, more: state.stiffness * off * (1.0 + (off / overlap).clamp(0.0, 1.0)) })
+    let force = state.stiffness * off * (1.0 + (off / overlap).clamp(0.0, 1.0));
+    Some((Samples { off, force, work: (state.force + force) * off }, overlap))
 }
 
 /// Adds what the samples leave open; its share of the force, `None` where the gap is not measured.
 fn widen(contact: &Contact, load: Load, state: &mut Solution) -> Option<f64> {
-    let Open { off, overlap, more } = open(contact, state)?;
+    let (Samples { off, force: more, work }, overlap) = open(contact, state)?;
     let gap = contact.tilted_gap(state.tilt);
     let share = more / state.force;
     // An error that is no number any more is none that could be stated.
@@ -98,8 +94,7 @@ fn widen(contact: &Contact, load: Load, state: &mut Solution) -> Option<f64> {
     }
     // Under a force they follow from the error of the depth.
     if matches!(load, Load::Depth(_) | Load::Tilted { .. }) {
-        // U grows by the mean of the forces at both depths, times the distance, at most.
-        let work = state.energy.map(|energy| (state.force + more) * off / energy);
+        let work = state.energy.map(|energy| work / energy);
         err_with_overlap(state, Some(share), work);
     }
     state.pressure.max_error = state.pressure.max_error.and_then(|own| Some(own + ripple(contact, state, off)?));

@@ -166,6 +166,7 @@ fn dimensional(contact: &Contact, depth: f64, tilt: [f64; 2], settings: &Setting
         force_error: None,
         depth_error: Some(0.0),
         map_error: None,
+        samples: None,
         stiffness_error: None,
         energy_error: None,
         area_error: None,

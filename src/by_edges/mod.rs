@@ -339,6 +339,7 @@ fn in_users_units(
         force_error: Some((high - low) / (high + low)),
         depth_error: Some(0.0),
         map_error: None,
+        samples: None,
         stiffness_error: found.stiffness_error,
         // Beyond the range of numbers bounds are none.
         energy_error: Some((found.energy[1] - found.energy[0]) / (found.energy[1] + found.energy[0]))

@@ -252,6 +252,7 @@ pub(crate) fn solution(
         force_error: Some(form.error),
         depth_error: Some(0.0),
         map_error: None,
+        samples: None,
         stiffness_error: Some(form.error),
         energy_error: Some(form.error),
         area_error: Some(2.0 * form.error),

@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 use nalgebra::{Rotation2, Vector2};
 
 use super::transform::{Transform, quarter_exact};
-use super::{Cubic, Gap, Growth, Known, Material, Reach, Ridges, Taylor, enclosure, mean, range};
+use super::{Cubic, Gap, Growth, Known, LeftOpen, Material, Reach, Ridges, Taylor, enclosure, mean, range};
 use crate::error::{InputError, finite};
 use crate::grid::Grid;
 use crate::numeric::Interval;
@@ -315,6 +315,12 @@ impl Gap for AnyGap {
 
     fn sampling_error(&self, rect: &Rect) -> f64 {
         self.transform.height_scale() * self.inner.sampling_error(&self.transform.rect_inward(rect))
+    }
+
+    fn left_open(&self, places: &[Rect]) -> Vec<LeftOpen> {
+        let inward: Vec<Rect> = places.iter().map(|place| self.transform.rect_inward(place)).collect();
+        let scale = self.transform.height_scale();
+        self.inner.left_open(&inward).into_iter().map(|open| open * scale).collect()
     }
 
     fn restricted(&self, rect: &Rect) -> Option<AnyGap> {

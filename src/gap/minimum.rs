@@ -1,7 +1,8 @@
 //! A punch with several tips: the least of several gaps.
 
+use super::left_open::joined;
 use super::sum::{common_axis, common_mirrors, drawn_along, tips_of};
-use super::{AnyGap, Cubic, Gap, Generatrix, Growth, Known, Material, Reach, Taylor, enclosure};
+use super::{AnyGap, Cubic, Gap, Generatrix, Growth, Known, LeftOpen, Material, Reach, Taylor, enclosure};
 use crate::error::InputError;
 use crate::numeric::Interval;
 use crate::numeric::geometry::Rect;
@@ -241,6 +242,10 @@ impl Gap for Minimum {
 
     fn sampling_error(&self, rect: &Rect) -> f64 {
         self.parts.iter().map(|part| part.sampling_error(rect)).fold(0.0, f64::max)
+    }
+
+    fn left_open(&self, places: &[Rect]) -> Vec<LeftOpen> {
+        joined(self.parts.iter().filter(|part| part.is_measured()), places, LeftOpen::larger)
     }
 
     fn restricted(&self, rect: &Rect) -> Option<AnyGap> {

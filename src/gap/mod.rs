@@ -19,6 +19,7 @@ mod growth;
 mod height_map;
 mod known;
 pub(crate) mod lattice;
+mod left_open;
 mod mean;
 mod minimum;
 mod outline;
@@ -47,6 +48,7 @@ pub use formula::Formula;
 pub use growth::Growth;
 pub use height_map::{HeightMap, Heights, MapFormat, Surface, Zero};
 pub use known::{Axis, Crown, Degree, Face, Generatrix, Known, Law, Material, Quadratic};
+pub use left_open::LeftOpen;
 pub use minimum::Minimum;
 pub use outline::Outline;
 pub use paraboloid::Paraboloid;
@@ -204,6 +206,11 @@ pub trait Gap: Send + Sync {
     /// of their noise. An estimate from the samples alone; 0 where the gap is given by construction.
     fn sampling_error(&self, _rect: &Rect) -> f64 {
         0.0
+    }
+
+    /// The same at each of several places, on the mean over it.
+    fn left_open(&self, places: &[Rect]) -> Vec<LeftOpen> {
+        vec![LeftOpen::default(); places.len()]
     }
 
     /// The same gap inside a rectangle, simpler where only some of its parts matter there; outside, anything.

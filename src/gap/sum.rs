@@ -1,8 +1,9 @@
 //! Two curved bodies: the sum of several gaps.
 
+use super::left_open::joined;
 use super::{
-    AnyGap, Axis, Crown, Cubic, Degree, Face, Gap, Generatrix, Growth, Known, Law, Material, Quadratic, Reach, Taylor,
-    enclosure, growth,
+    AnyGap, Axis, Crown, Cubic, Degree, Face, Gap, Generatrix, Growth, Known, Law, LeftOpen, Material, Quadratic,
+    Reach, Taylor, enclosure, growth,
 };
 use crate::error::InputError;
 use crate::numeric::Interval;
@@ -334,6 +335,10 @@ impl Gap for Sum {
 
     fn sampling_error(&self, rect: &Rect) -> f64 {
         self.parts.iter().map(|part| part.sampling_error(rect)).sum()
+    }
+
+    fn left_open(&self, places: &[Rect]) -> Vec<LeftOpen> {
+        joined(self.parts.iter().filter(|part| part.is_measured()), places, |a, b| a + b)
     }
 
     fn restricted(&self, rect: &Rect) -> Option<AnyGap> {

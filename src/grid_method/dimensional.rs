@@ -2,6 +2,7 @@
 
 use super::gap_left;
 use super::refined::Refined;
+use super::samples;
 use super::single_grid::{self, GridState};
 use super::unresolved;
 use crate::energy;
@@ -13,7 +14,7 @@ use crate::patch;
 use crate::patch::peak::{self, Ends};
 use crate::problem::{Contact, Settings};
 use crate::solution::{
-    Cost, ForceBracket, Origin, Patch, PressureSummary, Singular, Solution, TouchesEdge, Unsolved, Validity,
+    Cost, ForceBracket, Origin, Patch, PressureSummary, Samples, Singular, Solution, TouchesEdge, Unsolved, Validity,
 };
 
 /// A state of the grid method, its stiffness found.
@@ -158,6 +159,11 @@ pub(crate) fn in_users_units(
         force_error: Some(error / force),
         depth_error: Some(0.0),
         map_error: None,
+        samples: samples::left_open(scaled, state).map(|open| Samples {
+            off: open.off * height,
+            force: open.force * unit_force,
+            work: open.work * unit_force * height,
+        }),
         stiffness_error,
         energy_error,
         area_error,

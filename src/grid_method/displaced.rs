@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use super::contact_loads::{ContactLoads, FULL, ORDERS, angle, at, polynomials};
-use crate::gap::{AnyGap, Gap, Known, Reach};
+use crate::gap::{AnyGap, Gap, Known, LeftOpen, Reach};
 use crate::grid::Grid;
 use crate::numeric::geometry::Rect;
 
@@ -130,6 +130,18 @@ impl Gap for DisplacedGap {
 
     fn reach(&self, _depth: f64) -> Reach {
         Reach::Within(self.within)
+    }
+
+    fn is_measured(&self) -> bool {
+        self.gap.is_measured()
+    }
+
+    fn sampling_error(&self, rect: &Rect) -> f64 {
+        self.gap.sampling_error(rect)
+    }
+
+    fn left_open(&self, places: &[Rect]) -> Vec<LeftOpen> {
+        self.gap.left_open(places)
     }
 
     fn mean(&self, cell: &Rect) -> f64 {

@@ -9,6 +9,7 @@ pub(crate) mod extrapolation;
 pub(crate) mod gap_left;
 pub(crate) mod refined;
 pub(crate) mod refinement;
+mod samples;
 mod separate;
 mod separate_stiffness;
 pub(crate) mod sharp_edges;
@@ -88,7 +89,7 @@ pub(crate) fn within_samples(overlap: &Overlap, settings: &Settings) -> Settings
     if settings.cells.is_some() || !overlap.gap.is_measured() {
         return *settings;
     }
-    let open = overlap.gap.sampling_error(&overlap.reach) / overlap.deepest;
+    let open = samples::before(overlap) / overlap.deepest;
     if !(open > 0.0) {
         return *settings;
     }
@@ -109,7 +110,7 @@ const FORCE_OF_SAMPLES: f64 = 2.0;
 const LEAST_LEFT: f64 = 0.1;
 
 /// Share of what samples leave open that the error of the grids may be, and the largest such error.
-const OF_SAMPLES: f64 = 0.05;
+const OF_SAMPLES: f64 = 0.2;
 const ROUGHEST: f64 = 0.02;
 
 /// Whether the contacts of an overlap are solved on several grids.

@@ -11,6 +11,7 @@ use std::f64::consts::PI;
 use super::contact_loads::{ContactLoads, PointLoads};
 use super::dimensional::in_users_units;
 use super::refined::Refined;
+use super::samples;
 use super::separate_stiffness::growth;
 use super::subcontact::{Cells, Solved, Subcontact, cell_loads};
 use super::together::together;
@@ -256,6 +257,11 @@ pub(crate) fn solution(contact: &Contact, wanted: Wanted, held: &mut Option<Cont
     let short = out_of_time.or_else(short);
     let matrix = growth(contact, &contacts.ones, with_matrix)?;
     let mut all = together(states, settings, contacts.missed * contact.modulus().e_star());
+    let forces = contacts.ones.iter().map(|one| one.as_ref().map_or(0.0, |one| one.loads.total()));
+    let loaded: Vec<(Rect, f64)> = rectangles.iter().copied().zip(forces).collect();
+    if samples::may_touch_between(gap, depth, &loaded) {
+        all.samples = None;
+    }
     all.stiffness = matrix[0][0];
     all.stiffness_matrix = with_matrix.then_some(matrix);
     (all.cost.iterations, all.cost.operator_products) = contacts.spent;

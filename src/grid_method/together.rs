@@ -2,7 +2,7 @@
 
 use crate::grid::{Grid, Pressure};
 use crate::problem::Settings;
-use crate::solution::{Origin, Patch, Piece, PressureSummary, Residuals, Solution, TouchesEdge, Validity};
+use crate::solution::{Origin, Patch, Piece, PressureSummary, Residuals, Samples, Solution, TouchesEdge, Validity};
 
 /// Cells along the longer side of the field that all contacts share.
 const FIELD: usize = 1024;
@@ -77,6 +77,11 @@ pub(super) fn together(states: Vec<Solution>, settings: &Settings, missed: f64) 
     all.pressure =
         PressureSummary { max, max_error, singular, mean: (area > 0.0).then(|| force / area), at, field, gap: None };
     (all.stiffness_error, all.energy_error, all.area_error) = (stiffness_error, energy_error, area_error);
+    all.samples = states.iter().filter_map(|s| s.samples).reduce(|a, b| Samples {
+        off: a.off.max(b.off),
+        force: a.force + b.force,
+        work: a.work + b.work,
+    });
     (all.touches_edge, all.validity, all.grid) = (touches_edge, validity, grid);
     all.patch = patch;
     all.residuals = Some(residuals);

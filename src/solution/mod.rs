@@ -86,6 +86,8 @@ pub struct Solution {
     /// The part of the error that the samples of a measured gap leave open, relative to the force: an estimate from coarser samples. `None`
     /// for gaps that are no measurements.
     pub map_error: Option<f64>,
+    /// The same on the cells of the grid, where there is one.
+    pub(crate) samples: Option<Samples>,
     /// Relative error of the stiffness; `None` when nothing is known of it.
     pub stiffness_error: Option<f64>,
     /// Relative error of the stored energy; `None` when nothing is known of it.
@@ -120,6 +122,17 @@ pub struct Solution {
     pub left_out: Vec<String>,
     /// What the user should know about how the answer came about, in words.
     pub remarks: Vec<String>,
+}
+
+/// What the samples of a measured gap leave open.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Samples {
+    /// Of the gap, at most, where the bodies may touch.
+    pub off: f64,
+    /// Of the force.
+    pub force: f64,
+    /// Of the stored energy.
+    pub work: f64,
 }
 
 /// What the stated error of a force is.
@@ -221,6 +234,7 @@ impl Solution {
             force_error: Some(0.0),
             depth_error: Some(0.0),
             map_error: None,
+            samples: None,
             stiffness_error: Some(0.0),
             energy_error: Some(0.0),
             area_error: Some(0.0),
@@ -254,6 +268,7 @@ impl Solution {
         other.force *= stronger;
         other.scale_bracket(stronger);
         other.depth_bracket = None;
+        other.samples = None;
         other.stiffness *= longer;
         other.energy = self.energy.map(|u| u * deeper * stronger);
         // About the centre the rows scale one by one; the matrix is about the origin.

@@ -1,7 +1,7 @@
 //! What measured heights are as a gap: bilinear between their nodes.
 
-use super::{HeightMap, MANY, ROUNDING, bilinear};
-use crate::gap::{DataEdge, Gap, Growth, Known, Material, Reach, Taylor};
+use super::{HeightMap, MANY, ROUNDING, bilinear, mean_over};
+use crate::gap::{DataEdge, Gap, Growth, Known, LeftOpen, Material, Reach, Taylor};
 use crate::grid::Grid;
 use crate::numeric::Interval;
 use crate::numeric::geometry::Rect;
@@ -204,6 +204,13 @@ impl Gap for HeightMap {
 
     fn sampling_error(&self, rect: &Rect) -> f64 {
         self.nodes.largest(self.uncertainty.as_deref(), rect)
+    }
+
+    fn left_open(&self, places: &[Rect]) -> Vec<LeftOpen> {
+        let everywhere = [0, 1].map(|m| [0, self.nodes.shape[m] - 1]);
+        let noise =
+            |place: &Rect| Some(mean_over(self.uncertainty.as_deref()?, everywhere, self.nodes.around(place, 0)?));
+        places.iter().map(|place| LeftOpen { noise: noise(place).unwrap_or(0.0), ..LeftOpen::default() }).collect()
     }
 
     fn ray_kinks(&self, from: [f64; 2], direction: [f64; 2], kinks: &mut Vec<f64>) {

@@ -10,7 +10,7 @@ mod text;
 mod x3p;
 
 pub use heights::{Heights, MapFormat};
-pub(super) use nodes::{Nodes, ROUNDING};
+pub(super) use nodes::{Nodes, ROUNDING, mean_over};
 pub(super) use text::decoded;
 
 use super::extremes::Extremes;

@@ -69,24 +69,26 @@ impl Nodes {
 
     /// The cells from one to another along both sides that a rectangle touches; `None` off the map.
     pub fn blocks(&self, rect: &Rect) -> Option<[[usize; 2]; 2]> {
-        let side = |m: usize| {
-            let parts = self.parts(m, rect);
-            Some([parts.first()?.0, parts.last()?.0])
-        };
-        Some([side(0)?, side(1)?])
+        let ([i, k], [j, l]) = (self.touched(0, rect)?.0, self.touched(1, rect)?.0);
+        Some([[i, k], [j, l]])
     }
 
     /// Every cell that a side of a rectangle touches, with the part of it in [0, 1]; none off the map.
     pub fn parts(&self, m: usize, rect: &Rect) -> Vec<(usize, [f64; 2])> {
-        let [a, b] = [rect.min[m], rect.max[m]].map(|v| (v - self.origin[m]) / self.spacing[m]);
+        let Some(([first, end], side)) = self.touched(m, rect) else { return Vec::new() };
+        (first..=end).map(|k| (k, side.map(|u| (u - k as f64).clamp(0.0, 1.0)))).collect()
+    }
+
+    /// The first and the last cell that a side of a rectangle touches, and where it begins and ends in steps of the map; `None` off the map.
+    fn touched(&self, m: usize, rect: &Rect) -> Option<([usize; 2], [f64; 2])> {
+        let side = [rect.min[m], rect.max[m]].map(|v| (v - self.origin[m]) / self.spacing[m]);
         let last = self.shape[m] - 2;
         // Points within rounding of the border count as on the map, as they do for the gap itself.
-        if b < -ROUNDING || a > (last + 1) as f64 + ROUNDING {
-            return Vec::new();
+        if side[1] < -ROUNDING || side[0] > (last + 1) as f64 + ROUNDING {
+            return None;
         }
-        let [a, b] = [a, b].map(|u| u.clamp(0.0, (last + 1) as f64));
-        let (first, end) = ((a.floor() as usize).min(last), (b.floor() as usize).min(last));
-        (first..=end).map(|k| (k, [a, b].map(|u| (u - k as f64).clamp(0.0, 1.0)))).collect()
+        let side = side.map(|u| u.clamp(0.0, (last + 1) as f64));
+        Some((side.map(|u| (u.floor() as usize).min(last)), side))
     }
 
     /// Rectangles around connected groups of cells of which something holds, corners counted.
@@ -135,4 +137,15 @@ impl Nodes {
         let inside = (rows[0]..=rows[1]).flat_map(|j| (columns[0]..=columns[1]).map(move |i| j * self.shape[0] + i));
         inside.map(|k| values[k]).filter(|v| v.is_finite()).fold(0.0, f64::max)
     }
+}
+
+/// The mean over the nodes `at` of what is known at those `over`, row by row, from one to another along both sides; what is no number counts
+/// as 0.
+pub(in crate::gap) fn mean_over(values: &[f64], over: [[usize; 2]; 2], at: [[usize; 2]; 2]) -> f64 {
+    let width = over[0][1] - over[0][0] + 1;
+    let [columns, rows] = at;
+    let inside = (rows[0]..=rows[1]).flat_map(|j| (columns[0]..=columns[1]).map(move |i| (i, j)));
+    let known = inside.map(|(i, j)| values[(j - over[1][0]) * width + i - over[0][0]]);
+    let (sum, count) = known.fold((0.0, 0.0), |(sum, n), v| (if v.is_finite() { sum + v } else { sum }, n + 1.0));
+    sum / count
 }

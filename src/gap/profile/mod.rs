@@ -8,7 +8,7 @@ pub use table::LineFormat;
 
 use super::height_map::{Surface, Zero};
 use super::spline::{Ends, PiecewiseCubic};
-use super::{DataEdge, Gap, Growth, Known, Reach, Taylor};
+use super::{DataEdge, Gap, Growth, Known, LeftOpen, Reach, Taylor};
 use crate::error::{InputError, positive};
 use crate::numeric::Interval;
 use crate::numeric::geometry::Rect;
@@ -153,13 +153,14 @@ impl Profile {
     }
 
     /// The heights against splines through every n-th of them, laid on the knots [from, to), begun at the first of them and `later`: the
-    /// greatest difference over [first, end).
-    fn missed(&self, [from, to]: [usize; 2], inner: [usize; 2], [every, later]: [usize; 2]) -> Option<f64> {
-        let whole = self.missed_from(from, to, inner, every);
-        whole.map(|off| self.missed_from(from + later, to, inner, every).map_or(off, |other| off.max(other)))
+    /// greatest differences at those of [first, end).
+    fn missed(&self, [from, to]: [usize; 2], inner: [usize; 2], [every, later]: [usize; 2]) -> Option<Vec<f64>> {
+        let whole = self.missed_from(from, to, inner, every)?;
+        let Some(other) = self.missed_from(from + later, to, inner, every) else { return Some(whole) };
+        Some(whole.iter().zip(other).map(|(a, b)| a.max(b)).collect())
     }
 
-    fn missed_from(&self, from: usize, to: usize, [first, end]: [usize; 2], every: usize) -> Option<f64> {
+    fn missed_from(&self, from: usize, to: usize, [first, end]: [usize; 2], every: usize) -> Option<Vec<f64>> {
         let knots = self.heights.knots();
         let places: Vec<usize> = (from..to).step_by(every).collect();
         let coarse: Vec<f64> = places.iter().map(|&k| knots[k]).collect();
@@ -169,21 +170,35 @@ impl Profile {
         let values: Vec<f64> = coarse.iter().map(|&q| self.heights.value(q)).collect();
         let last = places[places.len() - 1];
         let spline = PiecewiseCubic::spline(coarse, &values, Ends::NotAKnot);
-        let off =
-            (first.max(from)..end.min(last + 1)).map(|k| (spline.value(knots[k]) - self.heights.value(knots[k])).abs());
-        Some(off.fold(0.0, f64::max))
+        let off = |k: usize| {
+            if (from..=last).contains(&k) { spline.value(knots[k]) - self.heights.value(knots[k]) } else { 0.0 }
+        };
+        Some((first..end).map(|k| off(k).abs()).collect())
+    }
+
+    /// The knots [first, end) that hold an interval.
+    fn holding(&self, [a, b]: [f64; 2]) -> [usize; 2] {
+        let knots = self.heights.knots();
+        let first = knots.partition_point(|&q| q < a).saturating_sub(1);
+        let end = (knots.partition_point(|&q| q <= b) + 1).min(knots.len());
+        [first.min(end), end]
+    }
+
+    /// What splines through every second and every fourth knot miss at those of [first, end).
+    fn missed_by_coarser(&self, [first, end]: [usize; 2]) -> [Option<Vec<f64>>; 2] {
+        let around = [first.saturating_sub(MARGIN), (end + MARGIN).min(self.heights.knots().len())];
+        [[2, 1], [4, 2]].map(|every| self.missed(around, [first, end], every))
+    }
+
+    /// By how much the heights vary over an interval.
+    fn variation(&self, across: [f64; 2]) -> f64 {
+        let [low, high] = self.heights.bounds(across, 0.0);
+        if high.is_finite() { high - low } else { 0.0 }
     }
 }
 
 /// Knots beyond an interval that a coarser spline over it is laid on: what its ends do has died away there.
 pub(super) const MARGIN: usize = 24;
-
-/// What a spline through all values misses, from what it misses through every second and every fourth: it falls on as it fell, and
-/// is taken twice. A cubic spline gains a factor of 16 at most.
-pub(super) fn left_out([second, fourth]: [f64; 2]) -> f64 {
-    let gain = if fourth > 0.0 { (second / fourth).clamp(1.0 / 16.0, 1.0) } else { 1.0 };
-    2.0 * gain * second
-}
 
 impl Gap for Profile {
     fn gap(&self, x: f64, y: f64) -> f64 {
@@ -300,23 +315,35 @@ impl Gap for Profile {
     }
 
     fn sampling_error(&self, rect: &Rect) -> f64 {
-        let knots = self.heights.knots();
-        let [a, b] = Self::side(rect, self.across);
-        let first = knots.partition_point(|&q| q < a).saturating_sub(1);
-        let end = (knots.partition_point(|&q| q <= b) + 1).min(knots.len());
-        let own = self.uncertainty[first.min(end)..end].iter().copied().fold(0.0, f64::max);
+        let side = Self::side(rect, self.across);
+        let held = self.holding(side);
+        let largest = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
+        let noise = largest(&self.uncertainty[held[0]..held[1]]);
         if !self.heights.is_smooth() {
-            return own;
+            return noise;
         }
-        let around = [first.saturating_sub(MARGIN), (end + MARGIN).min(knots.len())];
-        let [second, fourth] = [[2, 1], [4, 2]].map(|every| self.missed(around, [first, end], every));
-        let heights = || self.heights.bounds([a, b], 0.0);
-        match (second, fourth) {
-            (Some(second), Some(fourth)) => own + left_out([second, fourth]),
-            (Some(second), None) => own + 2.0 * second,
-            // Too few values to tell: all that they vary by.
-            _ => own + Some(heights()).map_or(0.0, |[low, high]| if high.is_finite() { high - low } else { 0.0 }),
-        }
+        let [second, fourth] = self.missed_by_coarser(held).map(|off| off.map(|off| largest(&off)));
+        LeftOpen::of(noise, second, fourth, || self.variation(side)).size()
+    }
+
+    fn left_open(&self, places: &[Rect]) -> Vec<LeftOpen> {
+        let Some(all) = places.iter().copied().reduce(|a, b| a.union(&b)) else { return Vec::new() };
+        let all = self.holding(Self::side(&all, self.across));
+        let coarser = self.heights.is_smooth().then(|| self.missed_by_coarser(all));
+        let one = |place: &Rect| {
+            let side = Self::side(place, self.across);
+            let [first, end] = self.holding(side);
+            if first == end {
+                return LeftOpen::default();
+            }
+            let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+            let noise = mean(&self.uncertainty[first..end]);
+            let Some(coarser) = &coarser else { return LeftOpen { noise, ..LeftOpen::default() } };
+            let within = |off: &Vec<f64>| mean(&off[first - all[0]..end - all[0]]);
+            let [second, fourth] = [&coarser[0], &coarser[1]].map(|off| off.as_ref().map(within));
+            LeftOpen::of(noise, second, fourth, || self.variation(side))
+        };
+        places.iter().map(one).collect()
     }
 
     fn ray_kinks(&self, from: [f64; 2], direction: [f64; 2], kinks: &mut Vec<f64>) {

@@ -3,10 +3,10 @@
 mod surface;
 
 use super::extremes::Extremes;
-use super::height_map::{HeightMap, Heights, Nodes, ROUNDING, Surface, Zero};
-use super::profile::{MARGIN, left_out};
+use super::height_map::{HeightMap, Heights, Nodes, ROUNDING, Surface, Zero, mean_over};
+use super::profile::MARGIN;
 use super::spline::{Ends, bernstein};
-use super::{DataEdge, Gap, Growth, Known, Material, Reach, Taylor};
+use super::{DataEdge, Gap, Growth, Known, LeftOpen, Material, Reach, Taylor};
 use crate::error::InputError;
 use crate::grid::Grid;
 use crate::numeric::Interval;
@@ -102,17 +102,21 @@ impl SplineMap {
     }
 
     /// The heights against splines through every n-th of them, laid on the nodes `around` from their first on and from those `later`: the
-    /// greatest difference over `inner`. A sharp tip is seen by those that have no node on it.
-    fn missed(&self, around: [[usize; 2]; 2], inner: [[usize; 2]; 2], [every, later]: [usize; 2]) -> Option<f64> {
+    /// greatest differences at the nodes `inner`, row by row. A sharp tip is seen by those that have no node on it.
+    fn missed(&self, around: [[usize; 2]; 2], inner: [[usize; 2]; 2], [every, later]: [usize; 2]) -> Option<Vec<f64>> {
         let shifted = |[i, j]: [usize; 2]| {
             let [columns, rows] = around;
             [[columns[0] + i, columns[1]], [rows[0] + j, rows[1]]]
         };
         let all = [[0, 0], [later, 0], [0, later], [later, later]].map(shifted);
-        all.into_iter().filter_map(|around| self.missed_on(around, inner, every)).reduce(f64::max)
+        let larger = |mut most: Vec<f64>, other: Vec<f64>| {
+            most.iter_mut().zip(other).for_each(|(most, off)| *most = most.max(off));
+            most
+        };
+        all.into_iter().filter_map(|around| self.missed_on(around, inner, every)).reduce(larger)
     }
 
-    fn missed_on(&self, [columns, rows]: [[usize; 2]; 2], inner: [[usize; 2]; 2], every: usize) -> Option<f64> {
+    fn missed_on(&self, [columns, rows]: [[usize; 2]; 2], inner: [[usize; 2]; 2], every: usize) -> Option<Vec<f64>> {
         if columns[0] >= columns[1] || rows[0] >= rows[1] {
             return None;
         }
@@ -126,7 +130,6 @@ impl SplineMap {
         let spacing = nodes.spacing.map(|h| h * every as f64);
         let coarse = Nodes { shape: [nx, ny], spacing, origin: nodes.node(columns[0], rows[0]) };
         let coarse = Splines::through(coarse, &gaps, Ends::NotAKnot);
-        let mut most = 0.0_f64;
         // Cell and place in it; at the end of a cell without material the next one may have some.
         let place = |k: usize, first: usize, n: usize| {
             let steps = k.checked_sub(first)?;
@@ -134,20 +137,23 @@ impl SplineMap {
             let at = (steps - cell * every) as f64 / every as f64;
             (at <= 1.0).then_some((cell, at))
         };
-        for j in inner[1][0]..=inner[1][1] {
-            for i in inner[0][0]..=inner[0][1] {
-                let Some(((column, s), (row, t))) = place(i, columns[0], nx).zip(place(j, rows[0], ny)) else {
-                    continue;
-                };
-                let value = coarse.inside(column, row, [s, t]).unwrap_or_else(|| {
-                    let [x, y] = nodes.node(i, j);
-                    coarse.at([x, y])
-                });
-                let off = value - self.splines.value(j * nodes.shape[0] + i);
-                most = if off.is_finite() { most.max(off.abs()) } else { most };
-            }
-        }
-        Some(most)
+        let off = |[i, j]: [usize; 2]| {
+            let Some(((column, s), (row, t))) = place(i, columns[0], nx).zip(place(j, rows[0], ny)) else {
+                return 0.0;
+            };
+            let value = coarse.inside(column, row, [s, t]).unwrap_or_else(|| coarse.at(nodes.node(i, j)));
+            let off = (value - self.splines.value(j * nodes.shape[0] + i)).abs();
+            if off.is_finite() { off } else { 0.0 }
+        };
+        let [width, height] = inner.map(|[first, last]| last - first + 1);
+        let node = |k: usize| [inner[0][0] + k % width, inner[1][0] + k / width];
+        Some((0..width * height).map(node).map(off).collect())
+    }
+
+    /// By how much the heights vary around a rectangle.
+    fn variation(&self, rect: &Rect) -> f64 {
+        let [low, high] = self.frame().blocks(rect).map_or([0.0; 2], |blocks| self.extremes.over(blocks));
+        if high.is_finite() { high - low } else { 0.0 }
     }
 }
 
@@ -271,19 +277,30 @@ impl Gap for SplineMap {
     }
 
     fn sampling_error(&self, rect: &Rect) -> f64 {
-        let own = self.frame().largest(self.uncertainty.as_deref(), rect);
+        let noise = self.frame().largest(self.uncertainty.as_deref(), rect);
         let (Some(around), Some(inner)) = (self.frame().around(rect, MARGIN), self.frame().around(rect, 0)) else {
-            return own;
+            return noise;
         };
-        match [[2, 1], [4, 2]].map(|every| self.missed(around, inner, every)) {
-            [Some(second), Some(fourth)] => own + left_out([second, fourth]),
-            [Some(second), None] => own + 2.0 * second,
-            // Too few values to tell: all that they vary by.
-            _ => {
-                let [low, high] = self.frame().blocks(rect).map_or([0.0; 2], |blocks| self.extremes.over(blocks));
-                own + if high.is_finite() { high - low } else { 0.0 }
-            }
-        }
+        let most = |every| self.missed(around, inner, every).map(|off| off.into_iter().fold(0.0, f64::max));
+        LeftOpen::of(noise, most([2, 1]), most([4, 2]), || self.variation(rect)).size()
+    }
+
+    fn left_open(&self, places: &[Rect]) -> Vec<LeftOpen> {
+        let frame = self.frame();
+        let nowhere = || vec![LeftOpen::default(); places.len()];
+        let Some(all) = places.iter().copied().reduce(|a, b| a.union(&b)) else { return nowhere() };
+        let (Some(around), Some(inner)) = (frame.around(&all, MARGIN), frame.around(&all, 0)) else {
+            return nowhere();
+        };
+        let [second, fourth] = [[2, 1], [4, 2]].map(|every| self.missed(around, inner, every));
+        let everywhere = [0, 1].map(|m| [0, frame.shape[m] - 1]);
+        let one = |place: &Rect| {
+            let Some(at) = frame.around(place, 0) else { return LeftOpen::default() };
+            let noise = self.uncertainty.as_deref().map_or(0.0, |noise| mean_over(noise, everywhere, at));
+            let [second, fourth] = [&second, &fourth].map(|off| off.as_ref().map(|off| mean_over(off, inner, at)));
+            LeftOpen::of(noise, second, fourth, || self.variation(place))
+        };
+        places.iter().map(one).collect()
     }
 
     fn ray_kinks(&self, from: [f64; 2], direction: [f64; 2], kinks: &mut Vec<f64>) {
