@@ -83,13 +83,13 @@ pub(crate) fn solution(
     }
 }
 
-/// No closer than the samples of a measured gap can be told from: what they leave open of the force, P' off >= P off/(d - g0) since P is
-/// convex, is stated beside the error of the grids (`acceptance/sampled`), and where it exceeds the tolerance no finer grid helps.
+/// No closer than the samples of a measured gap can be told from: what they leave open of the force is stated beside the error of the
+/// grids (`acceptance/sampled`), and where it exceeds the tolerance no finer grid helps.
 pub(crate) fn within_samples(overlap: &Overlap, settings: &Settings) -> Settings {
     if settings.cells.is_some() || !overlap.gap.is_measured() {
         return *settings;
     }
-    let open = samples::before(overlap) / overlap.deepest;
+    let open = samples::expected(overlap);
     if !(open > 0.0) {
         return *settings;
     }
@@ -97,14 +97,14 @@ pub(crate) fn within_samples(overlap: &Overlap, settings: &Settings) -> Settings
         (OF_SAMPLES * open).clamp(settings.tolerance, ROUGHEST.max(settings.tolerance))
     } else {
         // Both together are to be within it, where that is possible.
-        let left = settings.tolerance - FORCE_OF_SAMPLES * open;
+        let left = settings.tolerance - SAMPLES_ROOM * open;
         if left > 0.0 { left.max(LEAST_LEFT * settings.tolerance) } else { 0.5 * settings.tolerance }
     };
     Settings { tolerance, ..*settings }
 }
 
-/// What samples leave open of the force, in what they leave open of the overlap: its degree, and room.
-const FORCE_OF_SAMPLES: f64 = 2.0;
+/// What samples leave open of the force is expected on few cells: room for that.
+const SAMPLES_ROOM: f64 = 1.5;
 
 /// Share of the tolerance that the grids are asked for at least beside what samples leave open.
 const LEAST_LEFT: f64 = 0.1;

@@ -13,12 +13,15 @@
 
 use std::f64::consts::PI;
 
+use super::domain;
 use super::single_grid::GridState;
+use crate::discrete::Discrete;
 use crate::gap::{AnyGap, Gap, LeftOpen};
-use crate::grid::Grid;
+use crate::grid::{Grid, Kernel, shape};
 use crate::matrix_free;
 use crate::numeric::geometry::{Rect, distance};
 use crate::overlap::{Overlap, Scaled};
+use crate::problem::Method;
 use crate::solution::Samples;
 
 /// Residual of the flat punch: its sum errs by the square.
@@ -83,8 +86,24 @@ fn laid(rect: &Rect, cells: usize) -> Grid {
     Grid::over(rect, size.map(|side| ((cells as f64 * side / size[0].max(size[1])).ceil() as usize).clamp(1, cells)))
 }
 
-/// Before any grid: what samples leave open of the gap where the undeformed bodies overlap, the deeper the more it counts.
-pub(super) fn before(overlap: &Overlap) -> f64 {
+/// What they will leave open of the force, relative to it: on few cells, which only have to show the way.
+pub(super) fn expected(overlap: &Overlap) -> f64 {
+    let on_few_cells = || {
+        let scaled = overlap.scaled();
+        let window = domain::locate(&scaled).ok()?;
+        let problem =
+            Discrete::sample(&scaled.gap, scaled.depth, Grid::over(&window, shape(&window, CELLS)), Kernel::Galerkin);
+        let solution = domain::coarse(&problem).ok()?;
+        let state = GridState::of(Method::Fft, problem, solution);
+        let share = left_open(&scaled, &state)?.force / state.force();
+        Some(share).filter(|share| share.is_finite())
+    };
+    on_few_cells().unwrap_or_else(|| where_they_overlap(overlap))
+}
+
+/// The same where few cells find no contact: what samples leave open of the gap where the undeformed bodies overlap, the deeper the more it
+/// counts; P is convex, and so is of degree one at least.
+fn where_they_overlap(overlap: &Overlap) -> f64 {
     let reach = &overlap.reach;
     let grid = laid(reach, CELLS);
     let places: Vec<_> = grid.cells().collect();
@@ -93,7 +112,8 @@ pub(super) fn before(overlap: &Overlap) -> f64 {
     let open = overlap.gap.left_open(&places);
     let sum = open.into_iter().zip(&weights).fold(LeftOpen::default(), |sum, (open, weight)| sum + open * *weight);
     let whole: f64 = weights.iter().sum();
-    if whole > 0.0 { (sum * (1.0 / whole)).size() } else { overlap.gap.sampling_error(reach) }
+    let off = if whole > 0.0 { (sum * (1.0 / whole)).size() } else { overlap.gap.sampling_error(reach) };
+    off / overlap.deepest
 }
 
 /// Cells along the longer side for that.
