@@ -179,8 +179,10 @@ fn kink_in(gap: &AnyGap, cell: &Rect) -> Option<Singular> {
         let half = size.map(|s| 0.25 * s);
         let part = |[sx, sy]: [f64; 2]| Rect::around([cx + sx * half[0], cy + sy * half[1]], half);
         let mut parts = [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]].map(part);
-        // The lowest is looked at first: tips are low.
-        let low = |rect: &Rect| gap.gap(rect.centre()[0], rect.centre()[1]);
+        // The lowest is looked at first: tips are low, and beside them a kink is not seen from both distances.
+        let low = |rect: &Rect| {
+            gap.bounds(rect, [0.0; 2]).map_or_else(|| gap.gap(rect.centre()[0], rect.centre()[1]), |[low, _]| low)
+        };
         parts.sort_by(|a, b| low(b).total_cmp(&low(a)));
         stack.extend(parts);
     }
@@ -229,3 +231,26 @@ const STRAIGHT: f64 = 1.1;
 
 /// Least bend of a tip in any direction over the largest: sin(11 degrees) is as much as a ridge has in some direction.
 const ALONG: f64 = 0.2;
+
+#[cfg(test)]
+#[cfg(feature = "formula")]
+mod tests {
+    use super::*;
+    use crate::gap::Formula;
+
+    #[test]
+    fn a_tip_where_five_ridges_meet_is_found_beside_them() {
+        let faces = [[-0.3254, 0.163], [-0.2556, -0.2591], [0.1674, -0.3231], [0.3591, 0.05938], [0.05448, 0.3598]];
+        let at = [0.034981, 0.060677];
+        let terms = faces.map(|[a, b]| format!("{a}*(x-{})+({b})*(y-{})", at[0], at[1]));
+        let gap: AnyGap = (&Formula::new(&format!("max({})", terms.join(", "))).unwrap()).into();
+        let side = 0.003;
+        for [s, t] in [[0.05, -0.19], [0.4, 0.4], [-0.3, 0.1], [0.0, 0.0]] {
+            let cell = Rect::around([at[0] + s * side, at[1] + t * side], [0.5 * side; 2]);
+            assert_eq!(kink_in(&gap, &cell.scaled(WIDER)), Some(Singular::Tip), "{s} {t}");
+        }
+        // On one of the ridges, far from it.
+        let beside = Rect::around([at[0] + 20.0 * side, at[1] + 20.3 * side], [2.0 * side; 2]);
+        assert_eq!(kink_in(&gap, &beside), Some(Singular::Edge));
+    }
+}
