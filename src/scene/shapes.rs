@@ -3,9 +3,9 @@
 use serde::Deserialize;
 
 use crate::error::InputError;
-#[cfg(feature = "formula")]
-use crate::gap::Formula;
 use crate::gap::{AnyGap, Cone, Flat, Outline, Paraboloid, Polyhedron, Power, Revolved, RoundedTip, Sphere};
+#[cfg(feature = "formula")]
+use crate::gap::{Formula, Minimum};
 
 /// Most planes of a polyhedron: to find its ridges takes the square of them.
 const MOST_PLANES: usize = 1000;
@@ -285,14 +285,17 @@ pub(super) struct FormulaForm {
 impl FormulaForm {
     #[cfg(feature = "formula")]
     pub fn build(self) -> Result<AnyGap, InputError> {
-        match self.region {
+        let formula = match self.region {
             None => Formula::new(&self.expression),
             Some(region) => {
                 let region = region.build().map_err(|e| e.within("region"))?;
                 Formula::within(&self.expression, region)
             }
+        }?;
+        match formula.parts() {
+            Some(parts) => Minimum::new(parts.into_iter().map(AnyGap::new).collect()).map(AnyGap::new),
+            None => Ok(AnyGap::new(formula)),
         }
-        .map(AnyGap::new)
     }
 
     #[cfg(not(feature = "formula"))]

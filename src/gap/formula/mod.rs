@@ -235,6 +235,27 @@ impl Formula {
         &self.expression
     }
 
+    /// The formulas that it is the least of, where more is known of each of them than of all together: it is a `min` of several, everywhere,
+    /// and no law, axis or planes of the whole are known.
+    ///
+    /// ```
+    /// use contact_patch::gap::{Formula, Gap};
+    /// let tips = Formula::new("min((x - 1)^2 + y^2, (x + 1)^2 + y^2 + 0.1)")?.parts();
+    /// assert_eq!(tips.unwrap()[1].known().centre, [-1.0, 0.0]);
+    /// # Ok::<(), contact_patch::InputError>(())
+    /// ```
+    #[must_use]
+    pub fn parts(&self) -> Option<Vec<Self>> {
+        let Known { law, axis, .. } = &self.known;
+        if self.region.is_some() || self.polyhedron.is_some() || law.is_some() || axis.is_some() {
+            return None;
+        }
+        let parts = self.tape.minima();
+        // One that has no value anywhere is not told apart.
+        let one = |tape: Tape| Self::build(&self.expression, tape, None).ok();
+        if parts.len() > 1 { parts.into_iter().map(one).collect() } else { None }
+    }
+
     /// Where there is material, if that was said.
     #[must_use]
     pub fn region(&self) -> Option<&Outline> {

@@ -64,10 +64,8 @@ impl Tape {
         &self.ops
     }
 
-    /// The terms whose sum it is, as tapes of their own: through sums, differences, and products with a constant. Rounding of products of
-    /// constants aside.
-    pub(super) fn terms(&self) -> Vec<Self> {
-        // Where the operands of each operation begin.
+    /// Where the operands of each operation begin.
+    fn starts(&self) -> Vec<usize> {
         let mut starts: Vec<usize> = Vec::with_capacity(self.ops.len());
         let mut stack: Vec<usize> = Vec::new();
         for (k, op) in self.ops.iter().enumerate() {
@@ -82,6 +80,26 @@ impl Tape {
             stack.push(start);
             starts.push(start);
         }
+        starts
+    }
+
+    /// What it is the least of, as tapes of their own: itself where it is no minimum.
+    pub(super) fn minima(&self) -> Vec<Self> {
+        let starts = self.starts();
+        let (mut parts, mut open) = (Vec::new(), vec![self.ops.len()]);
+        while let Some(end) = open.pop() {
+            match self.ops[end - 1] {
+                Op::Two(Two::Min) => open.extend([end - 1, starts[end - 2]]),
+                _ => parts.push(self.term(starts[end - 1], end, 1.0)),
+            }
+        }
+        parts
+    }
+
+    /// The terms whose sum it is, as tapes of their own: through sums, differences, and products with a constant. Rounding of products of
+    /// constants aside.
+    pub(super) fn terms(&self) -> Vec<Self> {
+        let starts = self.starts();
         let mut terms = Vec::new();
         let mut open = vec![(self.ops.len(), 1.0)];
         // From the end of an expression, and its factor.
