@@ -35,6 +35,9 @@ pub struct Polyhedron {
 /// More planes than this are looked at only where they matter.
 const MANY: usize = 64;
 
+/// Roundings of a height where planes meet: of its products and sums, and of the point.
+const ROUNDINGS: f64 = 4.0;
+
 /// More planes than this are refused: finding where they meet takes the square of their number.
 const MOST_PLANES: usize = 2000;
 
@@ -197,13 +200,13 @@ impl Gap for Polyhedron {
 
     fn describe(&self) -> Known {
         let pointed = self.regular().map(|_| Law { degree: Degree::Power(1.0), lowest: 0.0 });
-        // Planes that all pass through one point are homogeneous about it.
+        // Planes that all pass through one point, to the rounding of their heights there, are homogeneous about it.
         let [x, y] = self.lowest.point;
-        let through = |p: &[f64; 3]| {
-            p[0] * x + p[1] * y + p[2] == self.planes[0][0] * x + self.planes[0][1] * y + self.planes[0][2]
-        };
+        let height = |[a, b, c]: &[f64; 3]| a * x + b * y + c;
+        let rounding = |[a, b, c]: &[f64; 3]| ROUNDINGS * f64::EPSILON * ((a * x).abs() + (b * y).abs() + c.abs());
         let meeting = || {
-            let lowest = self.planes[0][0] * x + self.planes[0][1] * y + self.planes[0][2];
+            let (first, lowest) = (&self.planes[0], height(&self.planes[0]));
+            let through = |p: &[f64; 3]| (height(p) - lowest).abs() <= rounding(p) + rounding(first);
             self.planes.iter().all(through).then_some(Law { degree: Degree::Power(1.0), lowest })
         };
         let flat = (self.planes.len() == 1).then(|| Quadratic {
@@ -426,6 +429,25 @@ mod tests {
                     .fold(f64::MIN, f64::max);
                 assert!((punch.gap(x, y) - brute).abs() < 1e-14, "{faces} faces at {x}, {y}");
             }
+        }
+    }
+
+    #[test]
+    fn planes_that_meet_in_one_point_but_for_rounding_are_homogeneous_about_it() {
+        let faces = |at: [f64; 2], turned: f64, off: f64| {
+            let plane = |k: usize| {
+                let (sin, cos) = (TAU * k as f64 / 5.0 + turned).sin_cos();
+                [0.3 * cos, 0.2 * sin, 0.01 - 0.3 * cos * at[0] - 0.2 * sin * at[1] + if k == 1 { off } else { 0.0 }]
+            };
+            Polyhedron::new((0..5).map(plane).collect()).unwrap().describe()
+        };
+        for (at, turned) in [([0.0; 2], 0.0), ([0.1234, -0.311], 0.3), ([1e3, 700.0], 1.1)] {
+            let known = faces(at, turned, 0.0);
+            let law = known.law.unwrap();
+            assert!(law.degree == Degree::Power(1.0) && (law.lowest - 0.01).abs() <= 1e-15 * (1.0 + at[0]));
+            assert!((0..2).all(|m| (known.centre[m] - at[m]).abs() <= 1e-14 * (1.0 + at[m].abs())));
+            // One that passes beside it is none of them.
+            assert!(faces(at, turned, 1e-11).law.is_none(), "{at:?}");
         }
     }
 

@@ -235,8 +235,8 @@ impl Formula {
         &self.expression
     }
 
-    /// The formulas that it is the least of, where more is known of each of them than of all together: it is a `min` of several, everywhere,
-    /// and no law, axis or planes of the whole are known.
+    /// The formulas that it is the least of, where more is known of each of them than of all together: it is a `min` of several, all of which
+    /// have a value everywhere, and no law, axis or planes of the whole are known.
     ///
     /// ```
     /// use contact_patch::gap::{Formula, Gap};
@@ -251,8 +251,11 @@ impl Formula {
             return None;
         }
         let parts = self.tape.minima();
-        // One that has no value anywhere is not told apart.
-        let one = |tape: Tape| Self::build(&self.expression, tape, None).ok();
+        // Where one of them has no value the whole has none.
+        let one = |tape: Tape| {
+            let part = Self::build(&self.expression, tape, None).ok()?;
+            part.values(&everywhere()).defined.then_some(part)
+        };
         if parts.len() > 1 { parts.into_iter().map(one).collect() } else { None }
     }
 
@@ -356,6 +359,31 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn a_minimum_is_the_least_of_its_parts() {
+        for (text, count) in [
+            ("min((x - 1)^2 + y^2, (x + 1)^2 + y^2 + 0.1)", 2),
+            ("min(0.3*hypot(x - 1, y), r^2 + 0.1, max(x, -x, y + 0.2, -y))", 3),
+            ("min(min(exp(x) + y^2, sqrt(abs(x)) + y^2), 2 + sin(x)*y^2, x^4 + y)", 4),
+            ("min(min(exp(x) + y^2, sqrt(x) + y^2), x^4 + y)", 0),
+            // A law, an axis, or no minimum at its top.
+            ("min(abs(x), abs(y))", 0),
+            ("min(r^2, 0.1 + r)", 0),
+            ("0.1 + min(x^2 + y^2, 1 + x)", 0),
+            ("max(x, -x, min(y, 1))", 0),
+        ] {
+            let formula = Formula::new(text).unwrap();
+            let parts = formula.parts();
+            assert_eq!(parts.as_ref().map_or(0, Vec::len), count, "{text}");
+            for k in 0..50 {
+                let (x, y) = (2.0 * (1.7 * f64::from(k)).sin(), 2.0 * (0.9 * f64::from(k)).cos());
+                let least = |parts: &Vec<Formula>| parts.iter().map(|p| p.gap(x, y)).fold(f64::INFINITY, f64::min);
+                assert_eq!(formula.gap(x, y), parts.as_ref().map_or(formula.gap(x, y), least), "{text} at {x}, {y}");
+            }
+        }
+        assert!(Formula::within("min(x^2 + y, y^2)", Outline::disc(1.0).unwrap()).unwrap().parts().is_none());
     }
 
     #[test]
