@@ -49,8 +49,13 @@ impl<'a> Engine<'a> {
         let on_grid = matches!(state.origin, Origin::OneGrid | Origin::ManyGrids { .. });
         let wanted = self.settings.evidence == ErrorBar::Proof && on_grid;
         let found = self.warm_start.as_ref().filter(|_| wanted);
-        match found.and_then(|found| found.bounds_at(self.contact, state.depth, self.settings)) {
-            Some(bounds) => state.held_by(bounds, self.settings.tolerance),
+        // Both errors together are to be within the tolerance, where that is possible.
+        let open = state.samples.map_or(0.0, |open| open.force / state.force);
+        let left = self.settings.tolerance - open;
+        let settings =
+            Settings { tolerance: if left > 0.0 { left } else { self.settings.tolerance }, ..*self.settings };
+        match found.and_then(|found| found.bounds_at(self.contact, state.depth, &settings)) {
+            Some(bounds) => state.held_by(bounds, settings.tolerance),
             None => state,
         }
     }
