@@ -241,7 +241,7 @@ impl Formula {
     /// ```
     /// use contact_patch::gap::{Formula, Gap};
     /// let tips = Formula::new("min((x - 1)^2 + y^2, (x + 1)^2 + y^2 + 0.1)")?.parts();
-    /// assert_eq!(tips.unwrap()[1].known().centre, [-1.0, 0.0]);
+    /// assert_eq!(tips.unwrap()[1].describe().centre, [-1.0, 0.0]);
     /// # Ok::<(), contact_patch::InputError>(())
     /// ```
     #[must_use]
