@@ -57,12 +57,19 @@ impl Mul<f64> for LeftOpen {
     }
 }
 
-/// What several measured parts of a gap leave open at the same places.
-pub(super) fn joined<'a>(
-    measured: impl Iterator<Item = &'a AnyGap>,
+/// Coarser samples that are laid against all: every second and every fourth, begun at the first of them and at a later one.
+pub(super) const COARSER: [[usize; 2]; 2] = [[2, 1], [4, 2]];
+
+/// Samples beyond an interval that a coarser spline over it is laid on: what its ends do has died away there.
+pub(super) const MARGIN: usize = 24;
+
+/// What those of several parts of a gap that are measured leave open at the same places.
+pub(super) fn joined(
+    parts: &[AnyGap],
     places: &[Rect],
     join: impl Fn(LeftOpen, LeftOpen) -> LeftOpen,
 ) -> Vec<LeftOpen> {
     let both = |a: Vec<LeftOpen>, b: Vec<LeftOpen>| a.into_iter().zip(b).map(|(a, b)| join(a, b)).collect();
+    let measured = parts.iter().filter(|part| part.is_measured());
     measured.map(|part| part.left_open(places)).reduce(both).unwrap_or_else(|| vec![LeftOpen::default(); places.len()])
 }

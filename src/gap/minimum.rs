@@ -245,7 +245,7 @@ impl Gap for Minimum {
     }
 
     fn left_open(&self, places: &[Rect]) -> Vec<LeftOpen> {
-        joined(self.parts.iter().filter(|part| part.is_measured()), places, LeftOpen::larger)
+        joined(&self.parts, places, LeftOpen::larger)
     }
 
     fn restricted(&self, rect: &Rect) -> Option<AnyGap> {

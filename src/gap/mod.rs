@@ -12,6 +12,7 @@ mod declared;
 pub(crate) mod enclosure;
 mod envelope;
 mod extremes;
+mod fan;
 mod flat;
 #[cfg(feature = "formula")]
 mod formula;

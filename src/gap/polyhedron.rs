@@ -1,10 +1,12 @@
 //! Polyhedral punches: the gap is the highest of several planes.
 
+use std::borrow::Cow;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use super::cone::slope_of;
 use super::envelope::{Lowest, least_rise};
-use super::ridges::{corner_window, unit};
+use super::fan::Fan;
+use super::ridges::corner_window;
 use super::{
     AnyGap, Cubic, Degree, Gap, Growth, Known, Law, Material, Quadratic, Reach, Ridges, Taylor, mean, radial, range,
 };
@@ -19,10 +21,8 @@ use crate::numeric::geometry::Rect;
 pub struct Polyhedron {
     planes: Vec<[f64; 3]>,
     lowest: Lowest,
-    /// Number of faces and slope of a pyramid, pointed or blunt: the first planes are its faces in order.
-    fan: Option<(usize, f64)>,
-    /// Inradius of the flat tip of a pyramid.
-    flat: f64,
+    /// Of a regular pyramid, pointed or blunt: the first planes are its faces in order.
+    fan: Option<Fan>,
     /// Angle of a direction in which the highest plane does not rise: the gap stays as low as it is there.
     level_direction: Option<f64>,
     /// Least slope of the highest plane along any ray, far out.
@@ -63,7 +63,7 @@ impl Polyhedron {
         let ridges = Ridges::of(&planes, &window);
         let (rise, level_direction) = least_rise(&planes);
         let lowest = Lowest::of(&planes, rise, level_direction);
-        Ok(Self { planes, lowest, fan: None, flat: 0.0, level_direction, rise, window, ridges })
+        Ok(Self { planes, lowest, fan: None, level_direction, rise, window, ridges })
     }
 
     /// Only some of the planes, without what the approximate methods ask for.
@@ -71,7 +71,7 @@ impl Polyhedron {
         let (rise, level_direction) = least_rise(&planes);
         let lowest = Lowest::of(&planes, rise, level_direction);
         let window = Rect::around(lowest.point, [0.0; 2]);
-        Self { planes, lowest, fan: None, flat: 0.0, level_direction, rise, window, ridges: Ridges::default() }
+        Self { planes, lowest, fan: None, level_direction, rise, window, ridges: Ridges::default() }
     }
 
     /// A regular pyramid of `faces` >= 2 faces, each inclined by `inclination` (radians, in (0, pi/2)); the first face
@@ -81,58 +81,32 @@ impl Polyhedron {
     /// # Errors
     /// When there are fewer than two faces or more than 100 000, or the inclination is out of range.
     pub fn pyramid(faces: usize, inclination: f64) -> Result<Self, InputError> {
-        if !(2..=100_000).contains(&faces) {
-            return Err(InputError::new("faces", faces, "a whole number from 2 to 100000"));
-        }
-        let slope = slope_of(inclination)?;
-        let planes = (0..faces)
-            .map(|k| {
-                let (sin, cos) = unit(k, faces);
-                [slope * cos, slope * sin, 0.0]
-            })
-            .collect();
-        Ok(Self::of_fan(planes, faces, slope, 0.0))
+        Ok(Self::of_fan(Fan { faces, slope: slope_of_faces(faces, inclination)?, flat: 0.0 }))
     }
 
-    fn of_fan(planes: Vec<[f64; 3]>, faces: usize, slope: f64, flat: f64) -> Self {
-        let ridges = Ridges::of_fan(faces, slope, flat);
-        let room = if flat > 0.0 { 4.0 * flat / (0.5 * TAU / faces as f64).cos() } else { 4.0 };
-        let window = Rect::around([0.0; 2], [room; 2]);
-        let level_direction = (faces == 2).then_some(FRAC_PI_2);
-        let rise = slope * (0.5 * TAU / faces as f64).cos();
+    fn of_fan(fan: Fan) -> Self {
+        let mut planes = fan.planes();
+        if fan.flat > 0.0 {
+            planes.push([0.0; 3]);
+        }
         Self {
             planes,
             lowest: Lowest::AT_ORIGIN,
-            fan: Some((faces, slope)),
-            flat,
-            level_direction,
-            rise,
-            window,
-            ridges,
+            fan: Some(fan),
+            level_direction: (fan.faces == 2).then_some(FRAC_PI_2),
+            rise: fan.rise(),
+            window: fan.window(),
+            ridges: Ridges::of_fan(fan.faces, fan.slope, fan.flat),
         }
     }
 
-    /// The planes of a fan that can be the highest over a rectangle.
-    fn near(&self, faces: usize, rect: &Rect) -> Vec<[f64; 3]> {
-        if rect.contains([0.0; 2]) {
-            return self.planes.clone();
-        }
-        // The sector in which the rectangle is seen from the apex.
-        let [x, y] = rect.centre();
-        let middle = y.atan2(x);
-        let aside = |c: [f64; 2]| {
-            let off = c[1].atan2(c[0]) - middle;
-            (off + TAU + 0.5 * TAU).rem_euclid(TAU) - 0.5 * TAU
-        };
-        let spread = rect.corners().into_iter().map(|c| aside(c).abs()).fold(0.0, f64::max);
-        let step = TAU / faces as f64;
-        let (first, last) =
-            (((middle - spread) / step).floor() as i64 - 1, ((middle + spread) / step).ceil() as i64 + 1);
-        if (last - first) as usize >= faces {
-            return self.planes.clone();
-        }
-        let face = |k: i64| self.planes[k.rem_euclid(faces as i64) as usize];
-        (first..=last).map(face).chain(self.planes[faces..].iter().copied()).collect()
+    /// The planes that can be the highest over a rectangle, where there are many: of a fan, those of its sector.
+    fn near(&self, rect: &Rect) -> Cow<'_, [[f64; 3]]> {
+        let sector = self.fan.filter(|fan| fan.faces > MANY).and_then(|fan| Some((fan.faces, fan.over(rect)?)));
+        sector.map_or(Cow::Borrowed(&self.planes), |(faces, sector)| {
+            let others = self.planes[faces..].iter().copied();
+            Cow::Owned(sector.map(|k| self.planes[k]).chain(others).collect())
+        })
     }
 
     /// A pyramid whose tip is cut off so that a flat polygon of this inradius is left; the gap is zero on the flat.
@@ -140,19 +114,13 @@ impl Polyhedron {
     /// # Errors
     /// As [`Polyhedron::pyramid`]; names `flat` when it is not a finite number greater than zero.
     pub fn truncated_pyramid(faces: usize, inclination: f64, flat: f64) -> Result<Self, InputError> {
-        let pointed = Self::pyramid(faces, inclination)?;
+        let slope = slope_of_faces(faces, inclination)?;
         let flat = positive("flat", flat)?;
-        let slope = slope_of(inclination)?;
         if faces == 2 {
             let [a, b] = [slope, -slope].map(|s| [s, 0.0, -slope * flat]);
             return Self::new(vec![a, b, [0.0; 3]]);
         }
-        let mut planes = pointed.planes;
-        for plane in &mut planes {
-            plane[2] = -slope * flat;
-        }
-        planes.push([0.0; 3]);
-        Ok(Self::of_fan(planes, faces, slope, flat))
+        Ok(Self::of_fan(Fan { faces, slope, flat }))
     }
 
     /// The planes, `[slope_x, slope_y, offset]`.
@@ -164,7 +132,7 @@ impl Polyhedron {
     /// Number of faces and their slope, when this is a regular pointed pyramid.
     #[must_use]
     pub fn regular(&self) -> Option<(usize, f64)> {
-        self.fan.filter(|_| self.flat == 0.0)
+        self.fan.filter(|fan| fan.flat == 0.0).map(|fan| (fan.faces, fan.slope))
     }
 
     /// The highest plane, behind its height.
@@ -176,16 +144,22 @@ impl Polyhedron {
         };
         let higher = |top: (f64, _), here: (f64, _)| if here.0 > top.0 { here } else { top };
         // With few faces it is quicker to look at them all.
-        if let Some((faces, _)) = self.fan.filter(|&(faces, _)| faces > 12) {
-            // The face whose sector holds the point; neighbours guard against rounding.
-            let k = (y.atan2(x) / TAU * faces as f64).round() as i64;
-            let face = |k: i64| &self.planes[k.rem_euclid(faces as i64) as usize];
-            let others = [face(k - 1), face(k + 1)].into_iter().chain(&self.planes[faces..]);
-            return others.map(at).fold(at(face(k)), higher);
+        if let Some(fan) = self.fan.filter(|fan| fan.faces > 12) {
+            let [own, before, after] = fan.at([x, y]).map(|k| &self.planes[k]);
+            let others = [before, after].into_iter().chain(&self.planes[fan.faces..]);
+            return others.map(at).fold(at(own), higher);
         }
         let (first, others) = self.planes.split_first().expect("at least one plane");
         others.iter().map(at).fold(at(first), higher)
     }
+}
+
+/// The slope of so many faces of a regular pyramid.
+fn slope_of_faces(faces: usize, inclination: f64) -> Result<f64, InputError> {
+    if !(2..=100_000).contains(&faces) {
+        return Err(InputError::new("faces", faces, "a whole number from 2 to 100000"));
+    }
+    slope_of(inclination)
 }
 
 impl Gap for Polyhedron {
@@ -222,29 +196,14 @@ impl Gap for Polyhedron {
             quadratic: flat,
             material: Material::Everywhere,
             // The first face looks along +x.
-            mirrors: self.fan.map_or([false; 2], |(faces, _)| [faces.is_multiple_of(2), true]),
+            mirrors: self.fan.map_or([false; 2], |fan| [fan.faces.is_multiple_of(2), true]),
             ..Known::nothing()
         }
     }
 
     fn reach(&self, depth: f64) -> Reach {
-        if let Some((faces, slope)) = self.fan {
-            if depth <= 0.0 {
-                return Reach::Nowhere;
-            }
-            if faces == 2 {
-                return Reach::Unbounded { from: [0.0; 2], along: FRAC_PI_2 };
-            }
-            let ridge = (depth / slope + self.flat) / (0.5 * TAU / faces as f64).cos();
-            if self.flat > 0.0 {
-                let corner = |k: usize| {
-                    let (sin, cos) = unit(2 * k + 1, 2 * faces);
-                    [ridge * cos, ridge * sin]
-                };
-                return Rect::holding((0..faces).map(corner))
-                    .map_or(Reach::Nowhere, |rect| Reach::Within(rect.scaled(1.0 + 1e-12)));
-            }
-            return Reach::Within(Rect::around([0.0; 2], [ridge * (1.0 + 1e-12); 2]));
+        if let Some(fan) = self.fan {
+            return fan.reach(depth);
         }
         if depth <= self.lowest.floor {
             return Reach::Nowhere;
@@ -258,10 +217,7 @@ impl Gap for Polyhedron {
     }
 
     fn bounds(&self, rect: &Rect, slope: [f64; 2]) -> Option<[f64; 2]> {
-        if let Some((faces, _)) = self.fan.filter(|&(faces, _)| faces > MANY) {
-            return Some(range::of_planes(&self.near(faces, rect), rect, slope));
-        }
-        Some(range::of_planes(&self.planes, rect, slope))
+        Some(range::of_planes(&self.near(rect), rect, slope))
     }
 
     fn cubic(&self, rect: &Rect) -> Option<Cubic> {
@@ -280,12 +236,7 @@ impl Gap for Polyhedron {
             let rise = a * x + b * y + c + 0.5 * (a.abs() * w + b.abs() * h);
             rise + 8.0 * f64::EPSILON * (size(p) + size(top)) <= 0.0
         };
-        let below = |planes: &[[f64; 3]]| planes.iter().all(|p| p == top || over(p));
-        let highest = match self.fan.filter(|&(faces, _)| faces > MANY) {
-            Some((faces, _)) => below(&self.near(faces, rect)),
-            None => below(&self.planes),
-        };
-        if !highest {
+        if !self.near(rect).iter().all(|p| p == top || over(p)) {
             return None;
         }
         let [x, y] = rect.centre().map(Interval::point);
@@ -295,10 +246,7 @@ impl Gap for Polyhedron {
 
     fn slopes(&self, rect: &Rect) -> Option<[Interval; 2]> {
         let own = self.bounds(rect, [0.0; 2])?[0];
-        let near = match self.fan {
-            Some((faces, _)) if faces > MANY => self.near(faces, rect),
-            _ => self.planes.clone(),
-        };
+        let near = self.near(rect);
         // A plane that lies below the lowest point of the gap all over the rectangle is nowhere the highest.
         let [x, y] = radial::sides(rect);
         let highest = |p: &[f64; 3]| {

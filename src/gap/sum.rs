@@ -338,7 +338,7 @@ impl Gap for Sum {
     }
 
     fn left_open(&self, places: &[Rect]) -> Vec<LeftOpen> {
-        joined(self.parts.iter().filter(|part| part.is_measured()), places, |a, b| a + b)
+        joined(&self.parts, places, |a, b| a + b)
     }
 
     fn restricted(&self, rect: &Rect) -> Option<AnyGap> {

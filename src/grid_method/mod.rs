@@ -130,8 +130,8 @@ pub(crate) fn on_several_grids(
     roughly: bool,
     held: &mut Option<Contacts>,
 ) -> Result<Option<Solution>, Unsolved> {
-    let settings = &within_samples(overlap, settings);
     let Some(rectangles) = separate::rectangles(overlap, settings) else { return Ok(None) };
+    let settings = &within_samples(overlap, settings);
     let Overlap { gap, depth, .. } = overlap;
     let (rectangles, depth, tilt) = (&rectangles[..], *depth, [0.0; 2]);
     let wanted = Wanted { gap, rectangles, depth, tilt, settings, with_matrix: false, roughly };

@@ -66,7 +66,7 @@ pub(super) fn may_touch_between(gap: &AnyGap, depth: f64, contacts: &[(Rect, f64
     else {
         return false;
     };
-    let grid = laid(&all, BETWEEN);
+    let grid = Grid::over(&all, shape(&all, BETWEEN));
     let between: Vec<Rect> =
         grid.cells().filter(|cell| !contacts.iter().any(|(within, _)| within.contains(cell.centre()))).collect();
     let left = |[x, y]: [f64; 2]| {
@@ -79,12 +79,6 @@ pub(super) fn may_touch_between(gap: &AnyGap, depth: f64, contacts: &[(Rect, f64
 
 /// Cells along the longer side for that.
 const BETWEEN: usize = 256;
-
-/// Square cells over a rectangle, so many along its longer side.
-fn laid(rect: &Rect, cells: usize) -> Grid {
-    let size = rect.size();
-    Grid::over(rect, size.map(|side| ((cells as f64 * side / size[0].max(size[1])).ceil() as usize).clamp(1, cells)))
-}
 
 /// What they will leave open of the force, relative to it: on few cells, which only have to show the way.
 pub(super) fn expected(overlap: &Overlap) -> f64 {
@@ -105,7 +99,7 @@ pub(super) fn expected(overlap: &Overlap) -> f64 {
 /// counts; P is convex, and so is of degree one at least.
 fn where_they_overlap(overlap: &Overlap) -> f64 {
     let reach = &overlap.reach;
-    let grid = laid(reach, CELLS);
+    let grid = Grid::over(reach, shape(reach, CELLS));
     let places: Vec<_> = grid.cells().collect();
     let depth = |at: [f64; 2]| (overlap.depth - overlap.gap.gap(at[0], at[1])).max(0.0);
     let weights: Vec<f64> = grid.centres().map(depth).collect();

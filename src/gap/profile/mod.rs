@@ -7,6 +7,7 @@ pub use line::Line;
 pub use table::LineFormat;
 
 use super::height_map::{Surface, Zero};
+use super::left_open::{COARSER, MARGIN};
 use super::spline::{Ends, PiecewiseCubic};
 use super::{DataEdge, Gap, Growth, Known, LeftOpen, Reach, Taylor};
 use crate::error::{InputError, positive};
@@ -187,7 +188,7 @@ impl Profile {
     /// What splines through every second and every fourth knot miss at those of [first, end).
     fn missed_by_coarser(&self, [first, end]: [usize; 2]) -> [Option<Vec<f64>>; 2] {
         let around = [first.saturating_sub(MARGIN), (end + MARGIN).min(self.heights.knots().len())];
-        [[2, 1], [4, 2]].map(|every| self.missed(around, [first, end], every))
+        COARSER.map(|every| self.missed(around, [first, end], every))
     }
 
     /// By how much the heights vary over an interval.
@@ -196,9 +197,6 @@ impl Profile {
         if high.is_finite() { high - low } else { 0.0 }
     }
 }
-
-/// Knots beyond an interval that a coarser spline over it is laid on: what its ends do has died away there.
-pub(super) const MARGIN: usize = 24;
 
 impl Gap for Profile {
     fn gap(&self, x: f64, y: f64) -> f64 {

@@ -4,7 +4,7 @@ mod surface;
 
 use super::extremes::Extremes;
 use super::height_map::{HeightMap, Heights, Nodes, ROUNDING, Surface, Zero, mean_over};
-use super::profile::MARGIN;
+use super::left_open::{COARSER, MARGIN};
 use super::spline::{Ends, bernstein};
 use super::{DataEdge, Gap, Growth, Known, LeftOpen, Material, Reach, Taylor};
 use crate::error::InputError;
@@ -282,7 +282,8 @@ impl Gap for SplineMap {
             return noise;
         };
         let most = |every| self.missed(around, inner, every).map(|off| off.into_iter().fold(0.0, f64::max));
-        LeftOpen::of(noise, most([2, 1]), most([4, 2]), || self.variation(rect)).size()
+        let [second, fourth] = COARSER.map(most);
+        LeftOpen::of(noise, second, fourth, || self.variation(rect)).size()
     }
 
     fn left_open(&self, places: &[Rect]) -> Vec<LeftOpen> {
@@ -292,7 +293,7 @@ impl Gap for SplineMap {
         let (Some(around), Some(inner)) = (frame.around(&all, MARGIN), frame.around(&all, 0)) else {
             return nowhere();
         };
-        let [second, fourth] = [[2, 1], [4, 2]].map(|every| self.missed(around, inner, every));
+        let [second, fourth] = COARSER.map(|every| self.missed(around, inner, every));
         let everywhere = [0, 1].map(|m| [0, frame.shape[m] - 1]);
         let one = |place: &Rect| {
             let Some(at) = frame.around(place, 0) else { return LeftOpen::default() };
