@@ -88,6 +88,13 @@ fn honest_results_are_accepted() {
             json!({"method": "closed_form"}),
             json!(["pressure"]),
         ),
+        // The edge of a flat tip two cells and a bit from a row of cells, close to that of the contact.
+        (
+            json!({"kind": "revolved", "points": [[0.0, 0.0], [3.509e-5, 0.0], [1.348e-4, 9.955e-5]]}),
+            json!({"depth": 1.1215e-5}),
+            json!({}),
+            json!(["pressure"]),
+        ),
         // Pieces that carry the same, in whatever order.
         (
             json!({"kind": "formula", "expression": "x^2/0.02 + y^2/0.02 + 5e-7*(1 - cos(x/2e-5)*cos(y/2e-5))"}),

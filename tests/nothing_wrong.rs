@@ -1051,3 +1051,39 @@ fn pressure_is_infinite_at_every_tip_and_edge() {
         assert!(state.pressure.max.is_none() && state.pressure.singular.is_some(), "{gap}: {:?}", state.pressure.max);
     }
 }
+
+/// Cells of the chords of an open ring were as long on every mesh: nothing told what they leave of a pressure that ends on the way.
+#[test]
+fn tilted_rings_that_lift_off_are_known_along_their_chords() {
+    let turn = |k: u32, r: f64| {
+        let (sin, cos) = (0.1867 * f64::from(k)).sin_cos();
+        json!([r * cos, r * sin])
+    };
+    let outer = (0..28).map(|k| turn(k, 1.0));
+    let corners: Vec<Value> = outer.chain((0..28).rev().map(|k| turn(k, 0.745))).collect();
+    let gap = json!({"kind": "flat", "outline": {"polygon": corners}});
+    let state = solved_in(&gap, &json!({"force": 1.0, "through": [-0.5072, 0.4314]}), Path::new(".")).remove(0);
+    // Of 3072 cells, good to 2e-4; the limit of 17 grids is the same within its own error.
+    let off = (state.depth / 0.416375 - 1.0).abs();
+    assert!(off <= state.depth_error.unwrap() + 2e-4, "{off:e}, {:?}", state.depth_error);
+    assert!(share((state.stiffness, state.stiffness_error), (1.29956, Some(7e-3))) < 1.0, "{}", state.stiffness);
+}
+
+/// A U whose arms stay in contact: the line of lift-off lies anywhere in a cell, and two meshes nearly alike differ by chance.
+#[test]
+fn a_punch_on_two_arms_reaches_its_tolerance() {
+    let corners = [
+        [-1.0, -1.0],
+        [1.0, -1.0],
+        [1.0, 1.0],
+        [0.7977, 1.0],
+        [0.7977, -0.7977],
+        [-0.7977, -0.7977],
+        [-0.7977, 1.0],
+        [-1.0, 1.0],
+    ];
+    let gap = json!({"kind": "flat", "outline": {"polygon": corners}});
+    let state = solved_in(&gap, &json!({"force": 1.0, "through": [-0.44828, 0.5841]}), Path::new(".")).remove(0);
+    assert_eq!(state.patch.regions, 2);
+    assert!(state.stiffness_error < Some(0.05), "{:?}", state.stiffness_error);
+}

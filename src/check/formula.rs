@@ -22,7 +22,7 @@ pub(super) fn window(gap: &AnyGap, modulus: EffectiveModulus, depth: f64, pressu
 }
 
 /// Largest share by which a pressure differs from what its residual and those of its four neighbours say, three cells and
-/// more from the edge of the contact and away from kinks of the gap, where the pressure is no smoother than a logarithm; and where.
+/// more from the edge of the contact and from kinks of the gap, where the pressure is no smoother than a logarithm; and where.
 pub(super) fn unexplained(gap: &AnyGap, modulus: EffectiveModulus, depth: f64, pressure: &Pressure) -> (f64, [f64; 2]) {
     let (grid, [nx, ny]) = (&pressure.grid, pressure.grid.shape);
     let q: Vec<f64> = pressure.values.iter().map(|p| p / modulus.e_star()).collect();
@@ -48,7 +48,7 @@ pub(super) fn unexplained(gap: &AnyGap, modulus: EffectiveModulus, depth: f64, p
     (worst, at)
 }
 
-/// Whether the gap has a kink within two cells of a point: its second differences over quarters of a cell are then a quarter or
+/// Whether the gap has a kink within three cells of a point, along the axes: its second differences over quarters of a cell are then a quarter or
 /// an eighth of those over cells, and a sixteenth where it is smooth.
 fn kinked(gap: &AnyGap, [x, y]: [f64; 2], spacing: [f64; 2]) -> bool {
     (0..2).any(|axis| {
@@ -56,7 +56,7 @@ fn kinked(gap: &AnyGap, [x, y]: [f64; 2], spacing: [f64; 2]) -> bool {
             let t = 0.25 * f64::from(n) * spacing[axis];
             if axis == 0 { gap.gap(x + t, y) } else { gap.gap(x, y + t) }
         };
-        let values: Vec<f64> = (-8..=8).map(along).collect();
+        let values: Vec<f64> = (-12..=12).map(along).collect();
         let bend = |stride: usize| {
             let second = |k: usize| (values[k - stride] - 2.0 * values[k] + values[k + stride]).abs();
             (stride..values.len() - stride).map(second).fold(0.0, f64::max)

@@ -111,7 +111,8 @@ impl Piece {
             };
             (0..count).all(room)
         };
-        if !convex(&piece) {
+        // The largest circle in a short part of a band touches the sides that it shares, and lies anywhere between the edges.
+        if !convex(&piece) || piece.band().is_some() {
             piece.middle = [0, 1].map(|k| piece.feet.iter().map(|f| f[k]).sum::<f64>() / count as f64);
         }
         let positive = |i: usize| CORNERS.iter().all(|c| piece.block(i).jacobian(c[0], c[1]) > 0.0);
@@ -124,6 +125,11 @@ impl Piece {
 
     fn after(&self, i: usize) -> usize {
         (i + 1) % self.corners.len()
+    }
+
+    /// Of side i.
+    fn length(&self, i: usize) -> f64 {
+        norm(minus(self.corners[self.after(i)], self.corners[i]))
     }
 
     /// Half the width between its edges.
@@ -291,6 +297,7 @@ fn fill(
     for (piece, class) in pieces.iter().zip(&class) {
         if let Some(e) = piece.band()
             && [e, e + 2].iter().all(|&i| !all[class[i]].graded && grades[class[i]].len() == 2)
+            && [e + 1, e + 3].iter().all(|&i| piece.length(i % 4) <= most)
         {
             band(piece, e, [&grades[class[(e + 3) % 4]], &grades[class[e + 1]]], index, cells);
             continue;

@@ -60,6 +60,9 @@ pub(super) const ENOUGH: [f64; 2] = [4.5, 1.3];
 /// The mesh before the first one, where it lifts off, over that.
 pub(super) const BEFORE: f64 = 0.67;
 
+/// The n of a mesh that another one is held against, over its own, at most where there is one.
+const APART: f64 = 0.75;
+
 /// The least n of a mesh that only tells what a finer one leaves.
 const FEWEST: usize = 2;
 
@@ -75,8 +78,10 @@ pub(super) const LOOK: f64 = 0.4;
 pub(crate) fn tilted(outline: &Outline, given: Given, limits: &Limits) -> Option<Tilted> {
     // Without symmetry, and mostly without a proof, which is what takes the time.
     let unknowns = limits.unknowns + limits.unknowns / 2;
+    // Where fewer leave too much.
+    let at_most = 2 * limits.unknowns;
     let punch = |n: usize, most: f64| {
-        let fitted = outline.mesh_within(n, most).filter(|fitted| fitted.mesh.loaded <= unknowns)?;
+        let fitted = outline.mesh_within(n, most).filter(|fitted| fitted.mesh.loaded <= at_most)?;
         Punch::new(fitted, limits.deadline)
     };
     // A look at what is in contact, for the size of the cells.
@@ -103,14 +108,15 @@ pub(crate) fn tilted(outline: &Outline, given: Given, limits: &Limits) -> Option
     // An estimate takes two meshes.
     let second = |n: usize| (n as f64 / BEFORE).ceil().min(enough).max(n as f64 + 1.0);
     let last = |n: usize| if lifts { second(n) as usize } else { n };
-    let fits = |n: usize, size: f64| {
+    let is_within = |unknowns: usize, n: usize, size: f64| {
         let most = FINE * size / n as f64;
         outline.mesh_within(n, most).is_some_and(|fitted| fitted.mesh.loaded <= unknowns)
     };
+    let fits = |n: usize, size: f64| is_within(unknowns, n, size);
     while n > COARSEST && !fits(last(n), size) {
         n -= 1;
     }
-    let mut best: Option<(usize, Tilted)> = None;
+    let mut meshes: Vec<(usize, Tilted)> = Vec::new();
     let mut before = limits.deadline.remaining();
     // The look that tells how fine a mesh proves enough: a coarse one may see no contact in a corner.
     let mut told = !lifts || !provable;
@@ -129,17 +135,18 @@ pub(crate) fn tilted(outline: &Outline, given: Given, limits: &Limits) -> Option
         }
         let found = found.and_then(|(pressed, punch)| punch.bounded(&pressed, given, outline, provable));
         // Too many cells: one that is not as fine as it should be is better than none.
-        let found = found
-            .or_else(|| if best.is_some() { None } else { punch(n, f64::INFINITY)?.answer(given, outline, provable) });
-        let Some(mut found) = found else { return best.map(|(_, best)| best) };
+        let found = found.or_else(|| {
+            if meshes.is_empty() { punch(n, f64::INFINITY)?.answer(given, outline, provable) } else { None }
+        });
+        let Some(mut found) = found else { return meshes.pop().map(|(_, best)| best) };
         // A coarser mesh, which only tells what this one leaves.
         let on_coarser = |coarser: usize| {
             let punch = punch(coarser, FINE * size / coarser as f64)?;
             Some((coarser, punch.answer(given, outline, false)?))
         };
         if !found.proved {
-            found.estimate(n, best.as_ref().map(|(n, best)| (*n, best)));
-            if best.is_none() && !fits(second(n) as usize, size) {
+            found.estimate(n, compared(&meshes, n));
+            if meshes.is_empty() && !fits(second(n) as usize, size) {
                 // No finer one can follow: a coarser one tells as well.
                 let coarser = ((BEFORE * n as f64).round() as usize).max(FEWEST);
                 if let Some((coarser, other)) = on_coarser(coarser) {
@@ -149,16 +156,16 @@ pub(crate) fn tilted(outline: &Outline, given: Given, limits: &Limits) -> Option
         }
         let width = found.width();
         // What cells at many corners leave falls more slowly.
-        let order = best.as_ref().filter(|(_, before)| before.width() < 1.0).map_or(3.0, |(coarser, before)| {
+        let order = meshes.last().filter(|(_, before)| before.width() < 1.0).map_or(3.0, |(coarser, before)| {
             let seen = (before.width() / width).ln() / (n as f64 / *coarser as f64).ln();
             seen.clamp(SLOWEST, 3.0)
         });
         let wanted =
             if width < 1.0 { n as f64 * (width / (AIM * limits.tolerance)).powf(1.0 / order) } else { second(n) };
-        let mut next = ((0.98 * wanted).ceil() as usize).max(n + 1).min(2 * n);
-        while next > n && !fits(next, size) {
-            next -= 1;
-        }
+        let finest = ((0.98 * wanted).ceil() as usize).max(n + 1).min(2 * n);
+        let next =
+            [unknowns, at_most].iter().find_map(|most| (n + 1..=finest).rev().find(|k| is_within(*most, *k, size)));
+        let next = next.unwrap_or(n);
         let growth = (next * next) as f64 / (n * n) as f64;
         let left = limits.deadline.remaining();
         let too_many = next <= n;
@@ -166,7 +173,7 @@ pub(crate) fn tilted(outline: &Outline, given: Given, limits: &Limits) -> Option
         if last && width > limits.tolerance && found.proved {
             // More than can be proved can be told.
             let again = || on_coarser(((BEFORE * n as f64) as usize).max(COARSEST));
-            if let Some((coarser, other)) = best.take().or_else(again).filter(|(coarser, _)| *coarser < n) {
+            if let Some((coarser, other)) = meshes.pop().or_else(again).filter(|(coarser, _)| *coarser < n) {
                 let mut told = found.clone();
                 told.estimate(n, Some((coarser, &other)));
                 (told.proved, told.depth) = (false, None);
@@ -175,12 +182,19 @@ pub(crate) fn tilted(outline: &Outline, given: Given, limits: &Limits) -> Option
                 }
             }
         }
-        best = Some((n, found));
         if last {
-            return best.map(|(_, best)| best);
+            return Some(found);
         }
+        meshes.push((n, found));
         (n, before) = (next, left);
     }
+}
+
+/// The mesh that tells what one of this n leaves. The line of lift-off lies anywhere in a cell: of what changes between two meshes that are
+/// nearly alike most is chance, and the order it is divided by nearly zero.
+fn compared(meshes: &[(usize, Tilted)], n: usize) -> Option<(usize, &Tilted)> {
+    let apart = meshes.iter().rev().find(|(coarser, _)| *coarser as f64 <= APART * n as f64);
+    apart.or(meshes.first()).map(|(coarser, found)| (*coarser, found))
 }
 
 /// What of an outline can touch: nothing does where f <= 0; where f is not given, with room for what the look at it leaves open. A small
@@ -213,13 +227,18 @@ impl Tilted {
 
     /// Where it lifts off: what energy and force still change by, after what they changed by since the mesh before.
     fn estimate(&mut self, n: usize, before: Option<(usize, &Self)>) {
-        let Some((coarser, before)) = before else {
+        let told = before.and_then(|(coarser, before)| {
+            // Cells may be fewer than n asks for: not finer along all sides.
+            let cells = (self.unknowns as f64 / before.unknowns as f64).sqrt();
+            let ratio = cells.min(n as f64 / coarser as f64);
+            (ratio > 1.0).then_some((ratio, before))
+        });
+        let Some((ratio, before)) = told else {
             self.force[0] = 0.0;
             self.force[1] = 2.0 * self.load[0];
             self.stiffness_error = 1.0;
             return;
         };
-        let ratio = n as f64 / coarser as f64;
         // Under a load what changes is the plane: the load that this takes, its moments about where it acts over the size of the contact.
         let moved = Vector3::from(self.plane) - Vector3::from(before.plane);
         let moved = Matrix3::from_fn(|i, j| self.matrix[i][j]) * moved;

@@ -165,7 +165,12 @@ impl Punch {
             .map(|[x, y]| plane[0] + plane[1] * x + plane[2] * y)
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), f| (a.min(f), b.max(f)));
         let varies = ((high - low) / high).clamp(1e-3, 1.0);
-        let size = 0.5 * extent(0).max(extent(1)) * varies.powf(-2.0 / 3.0);
+        let longer = extent(0).max(extent(1));
+        let area: f64 = (0..contact.len()).filter(|&i| contact[i]).map(|i| self.weights[0][i]).sum();
+        // Of arms about as wide as w the compliance goes with w, and so does what cells leave of it: of the order of (h/l)^3 l/w. A proof
+        // tells by itself what they leave.
+        let compact = if contact.iter().all(|c| *c) { 1.0 } else { (area / (longer * longer)).min(1.0) };
+        let size = 0.5 * longer * varies.powf(-2.0 / 3.0) * compact.cbrt();
         (high > 0.0 && size > 0.0).then_some(Pressed { pressure, planes, plane, contact, varies, size })
     }
 
