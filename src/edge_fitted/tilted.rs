@@ -94,7 +94,7 @@ pub(crate) fn tilted(outline: &Outline, given: Given, limits: &Limits) -> Option
         (found.everywhere, found.proved) = (false, false);
         return Some(found);
     }
-    let mut size = first.size;
+    let mut size = first.size(outline);
     let corners = outline.corners().len();
     let provable = outline.is_covered() && limits.proof;
     let lifts = first.lifts() || !provable;
@@ -123,7 +123,7 @@ pub(crate) fn tilted(outline: &Outline, given: Given, limits: &Limits) -> Option
     loop {
         let found = punch(n, FINE * size / n as f64).and_then(|punch| Some((punch.pressed(given)?, punch)));
         if let Some((pressed, punch)) = &found {
-            size = pressed.size;
+            size = pressed.size(outline);
             if !pressed.lifts() && !told {
                 told = true;
                 let wanted = punch.enough(pressed, given, corners, AIM * limits.tolerance);

@@ -71,12 +71,21 @@ pub(super) struct Pressed {
     /// Share of the largest f that f varies by.
     pub varies: f64,
     /// Half the extent of the contact, longer where f varies less.
-    pub size: f64,
+    size: f64,
+    /// Area over the square of the extent, where it lifts off.
+    compact: f64,
 }
 
 impl Pressed {
     pub fn lifts(&self) -> bool {
         self.contact.iter().any(|c| !c)
+    }
+
+    /// The length that cells are small against. Of arms about as wide as w the compliance goes with w, and so does what cells leave of it: of
+    /// the order of (h/l)^3 l/w. A proof tells by itself what they leave, and so do cells along a curve, which are finer on finer meshes:
+    /// those along the chords of a polygon need not be.
+    pub fn size(&self, outline: &Outline) -> f64 {
+        if outline.is_curved() { self.size } else { self.size * self.compact.cbrt() }
     }
 }
 
@@ -167,11 +176,9 @@ impl Punch {
         let varies = ((high - low) / high).clamp(1e-3, 1.0);
         let longer = extent(0).max(extent(1));
         let area: f64 = (0..contact.len()).filter(|&i| contact[i]).map(|i| self.weights[0][i]).sum();
-        // Of arms about as wide as w the compliance goes with w, and so does what cells leave of it: of the order of (h/l)^3 l/w. A proof
-        // tells by itself what they leave.
         let compact = if contact.iter().all(|c| *c) { 1.0 } else { (area / (longer * longer)).min(1.0) };
-        let size = 0.5 * longer * varies.powf(-2.0 / 3.0) * compact.cbrt();
-        (high > 0.0 && size > 0.0).then_some(Pressed { pressure, planes, plane, contact, varies, size })
+        let size = 0.5 * longer * varies.powf(-2.0 / 3.0);
+        (high > 0.0 && size > 0.0).then_some(Pressed { pressure, planes, plane, contact, varies, size, compact })
     }
 
     /// The n for which the error of the force may be within the tolerance, where it touches everywhere.
