@@ -40,7 +40,7 @@ const FEWER: f64 = 2.0 / 3.0;
 
 /// The contact ends among the cells, anywhere in one: P_A of a set of cells that is too wide or too narrow by a share delta is too small by
 /// the order of delta^2, by chance more on one mesh than on another. With 1.0 four forces of 224 rollers were off by 1.1 to 2.0 times what
-/// is stated, and three areas by 1.1.
+/// is stated, and four areas by up to 1.1.
 const SAFE: f64 = 1.5;
 const SAFE_AREA: f64 = 1.25;
 

@@ -6,8 +6,7 @@
 use crate::discrete::Discrete;
 use crate::grid::Grid;
 
-/// Shares of rho^1.5: of two forces that may agree by chance, and of areas and stiffnesses, for which 0.54 is seen on rollers with logarithmic
-/// ends.
+/// Shares of rho^1.5: of two forces that may agree by chance, and of areas and stiffnesses, twice what is seen.
 const OF_RIM: f64 = 0.4;
 const OF_END: f64 = 0.6;
 
