@@ -47,7 +47,7 @@ const SAFE_AREA: f64 = 1.25;
 /// Rounds of more cells.
 const ROUNDS: usize = 4;
 
-/// Cells of a round over those of the one before, below which it is not worth its time.
+/// Cells of a round over those of the one before, below which it is not worth its time where more of them were wanted.
 const LEAST_GROWTH: f64 = 1.3;
 
 /// The stiffness of a strip grows with the logarithm of its width: of a cell across that counts as a whole, no more than this.
@@ -98,11 +98,11 @@ pub(crate) fn line_contact(
         let change = |other: &State, of: fn(&State) -> f64| (of(&fine) / of(other) - 1.0).abs();
         let largest = |other: &State| change(other, |s| s.solved.force).max(change(other, |s| s.solved.energy));
         let both = |of: fn(&State) -> f64| change(&shorter, of) + change(&coarse, of);
-        let left = [largest(&shorter), largest(&coarse)];
+        let left = [&shorter, &coarse].map(|other| SAFE * largest(other));
         let own = &fine.solved;
         let found = Estimated {
             force: own.force,
-            error: SAFE * (left[0] + left[1]),
+            error: left[0] + left[1],
             energy: own.energy,
             stiffness: own.stiffness,
             stiffness_error: both(|s| s.solved.stiffness) + OF_CELL / cells as f64,
@@ -119,14 +119,14 @@ pub(crate) fn line_contact(
         if done {
             break;
         }
-        let more = [wanted(rows, SAFE * left[0], limits), wanted(cells, SAFE * left[1], limits)];
+        let more = [wanted(rows, left[0], limits), wanted(cells, left[1], limits)];
         let more = if more == [rows, cells] { [rows + rows / 4, cells + cells / 4] } else { more };
         // No more of both together than may be solved.
         let growth = |more: [usize; 2]| (more[0] * more[1]) as f64 / (rows * cells) as f64;
         let most = limits.unknowns as f64 / unknowns as f64;
         let less = (most / growth(more)).min(1.0).sqrt();
         let more = [(less * more[0] as f64) as usize, (less * more[1] as f64) as usize];
-        if growth(more) < LEAST_GROWTH {
+        if less < 1.0 && growth(more) < LEAST_GROWTH {
             break;
         }
         [rows, cells] = more;

@@ -155,6 +155,9 @@ pub(crate) fn tilted(outline: &Outline, given: Given, limits: &Limits) -> Option
             }
         }
         let width = found.width();
+        if width <= limits.tolerance {
+            return Some(found);
+        }
         // What cells at many corners leave falls more slowly.
         let order = meshes.last().filter(|(_, before)| before.width() < 1.0).map_or(3.0, |(coarser, before)| {
             let seen = (before.width() / width).ln() / (n as f64 / *coarser as f64).ln();
@@ -168,9 +171,8 @@ pub(crate) fn tilted(outline: &Outline, given: Given, limits: &Limits) -> Option
         let next = next.unwrap_or(n);
         let growth = (next * next) as f64 / (n * n) as f64;
         let left = limits.deadline.remaining();
-        let too_many = next <= n;
-        let last = width <= limits.tolerance || too_many || (before - left) * growth > left;
-        if last && width > limits.tolerance && found.proved {
+        let last = next <= n || (before - left) * growth > left;
+        if last && found.proved {
             // More than can be proved can be told.
             let again = || on_coarser(((BEFORE * n as f64) as usize).max(COARSEST));
             if let Some((coarser, other)) = meshes.pop().or_else(again).filter(|(coarser, _)| *coarser < n) {
