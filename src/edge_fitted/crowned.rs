@@ -113,7 +113,7 @@ impl State {
         let overlap = |q: Point| f.about(outward(q)).value;
         let solved = Solved::new(mesh, &group, &overlap, Touching::Some, limits)?;
         let contact: Vec<bool> = solved.pressure.iter().map(|p| *p > 0.0).collect();
-        let mut regions = regions(&solved.mesh, &contact, &solved.pressure);
+        let mut regions = regions(&solved.mesh, &contact, &solved.pressure, &|_| false);
         regions.iter_mut().for_each(|region| region.map(outward));
         let cells: Vec<_> = solved.cells(Touching::Some).into_iter().map(|(c, p)| (c.map(outward), p)).collect();
         let corners = || cells.iter().flat_map(|(corners, _)| *corners);

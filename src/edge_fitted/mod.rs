@@ -67,6 +67,7 @@ mod subdivision;
 mod surroundings;
 mod symmetry;
 mod tilted;
+mod tilted_bounds;
 mod tilted_mesh;
 
 pub(crate) use annular::{Annular, Law, RadialBounds, RadialJet, Span, annular};
@@ -83,7 +84,8 @@ pub(crate) use region::Region;
 pub(crate) use roller::{Roller, roller};
 pub(crate) use symmetry::mirrors;
 pub(crate) use tilted::tilted;
-pub(crate) use tilted_mesh::{Given, Tilted};
+pub(crate) use tilted_bounds::Tilted;
+pub(crate) use tilted_mesh::Given;
 
 use crate::clock::Deadline;
 

@@ -11,7 +11,8 @@ pub(crate) struct Region {
     pub boundary: Vec<Vec<Point>>,
     /// Its area.
     pub area: f64,
-    /// Area of its cells that have a neighbour without contact on the same material: where contact ends among them is not known.
+    /// Area of its cells that have a neighbour without contact on the same material, or may lift off in part: where contact ends among
+    /// them is not known.
     pub doubt: f64,
     /// The centroid of its area.
     pub centroid: Point,
@@ -27,8 +28,8 @@ impl Region {
     }
 }
 
-/// The regions of the loaded cells with `contact`.
-pub(crate) fn regions(mesh: &Mesh, contact: &[bool], pressure: &[f64]) -> Vec<Region> {
+/// The regions of the loaded cells with `contact`; `partly`: those that may lift off in part though none beside them does.
+pub(crate) fn regions(mesh: &Mesh, contact: &[bool], pressure: &[f64], partly: &dyn Fn(usize) -> bool) -> Vec<Region> {
     let on = |side: Option<usize>| side.filter(|&c| contact[c]);
     let mut label = vec![usize::MAX; contact.len()];
     let mut count = 0;
@@ -60,7 +61,7 @@ pub(crate) fn regions(mesh: &Mesh, contact: &[bool], pressure: &[f64]) -> Vec<Re
         region.centroid = [region.centroid[0] + x, region.centroid[1] + y];
         region.force += pressure[cell] * area;
         let ends = |edge: usize| mesh.edges[edge].sides.into_iter().flatten().any(|c| !contact[c]);
-        if mesh.cell_edges[cell].iter().flatten().any(|(edge, _)| ends(*edge)) {
+        if mesh.cell_edges[cell].iter().flatten().any(|(edge, _)| ends(*edge)) || partly(cell) {
             region.doubt += area;
         }
     }

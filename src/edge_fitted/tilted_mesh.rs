@@ -1,26 +1,21 @@
-//! One mesh of a tilted punch: its pressure, and what that proves (`tilted` has the formulas).
+//! One mesh of a tilted punch, and its pressure (`tilted` has the formulas).
 
 use nalgebra::Vector3;
 
 use super::active_set::{Planes, balance, solve, solve_from};
 use super::compliance::Compliance;
-use super::flat::usual_width;
 use super::line_potential::Lines;
 use super::mesh::{Bilinear, Mesh, Point};
 use super::mirrored::Mirrored;
-use super::outline::{COARSEST, Fitted, Outline};
-use super::region::{Region, regions};
+use super::outline::{Fitted, Outline};
 use crate::clock::Deadline;
-
-/// gamma over Q, and a'' over K, times n^3, over the usual width of a level punch, as they choose the first mesh, no more; at a given plane
-/// the lower bound of the force is sharper than under a load.
-const LEFT: [f64; 2] = [0.24, 0.5];
-
-/// That width at least: of many corners, one may all but lift off.
-const LEAST: f64 = 0.18;
 
 /// The n that no mesh goes beyond.
 pub(super) const FINEST: usize = 64;
+
+/// Pressure of a cell at an edge over that of the level punch, over the same of a neighbour, below which it may be negative in a part of the
+/// cell: towards a corner that goes as A + B s^e, 0 < e < 1, and cells are graded, so that A may be negative.
+const FALLING: f64 = 2.0 / 3.0;
 
 /// What is given of a tilting punch, in the outline's axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,43 +26,19 @@ pub(crate) enum Given {
     Load { load: [f64; 3], at: Point },
 }
 
-/// A tilted punch in contact, E* = 1, in the outline's axes.
-#[derive(Debug, Clone)]
-pub(crate) struct Tilted {
-    /// f = plane . (1, x, y).
-    pub plane: [f64; 3],
-    /// The integrals of p, p x and p y of the computed pressure.
-    pub load: [f64; 3],
-    /// Their derivatives by the plane.
-    pub matrix: [[f64; 3]; 3],
-    /// Relative error of its first entry.
-    pub stiffness_error: f64,
-    /// Bounds of the force at the plane; within its error where it is not proved.
-    pub force: [f64; 2],
-    /// Whether these are proved: contact everywhere in a polygon.
-    pub proved: bool,
-    /// Proved bounds of plane . (1, x, y) at the place where it is asked for, under exactly the load.
-    pub depth: Option<[f64; 2]>,
-    /// Bounds of the stored energy.
-    pub energy: [f64; 2],
-    /// Corners and pressure of all cells.
-    pub cells: Vec<([Point; 4], f64)>,
-    /// The separate regions of contact.
-    pub regions: Vec<Region>,
-    /// Whether it touches everywhere.
-    pub everywhere: bool,
-    /// Unknowns of the last mesh.
-    pub unknowns: usize,
-}
+/// Pressure that an enclosed cell gets in place of a negative one, over the least of those across two opposite sides.
+const ENCLOSED: f64 = 1.0;
 
 /// The pressure on a mesh.
 pub(super) struct Pressed {
-    pressure: Vec<f64>,
+    pub(super) pressure: Vec<f64>,
+    /// What was added to that of enclosed cells, where there are any.
+    pub(super) added: Option<Vec<f64>>,
     /// Of the cells in contact.
-    planes: Planes,
+    pub(super) planes: Planes,
     /// f = plane . (1, x, y) in the mesh's axes.
-    plane: Vector3<f64>,
-    contact: Vec<bool>,
+    pub(super) plane: Vector3<f64>,
+    pub(super) contact: Vec<bool>,
     /// Share of the largest f that f varies by.
     pub varies: f64,
     /// Half the extent of the contact, longer where f varies less.
@@ -91,13 +62,13 @@ impl Pressed {
 
 /// A mesh with its compliance, every cell an unknown.
 pub(super) struct Punch {
-    fitted: Fitted,
-    mirrored: Mirrored,
-    lines: Lines,
-    compliance: Compliance,
+    pub(super) fitted: Fitted,
+    pub(super) mirrored: Mirrored,
+    pub(super) lines: Lines,
+    pub(super) compliance: Compliance,
     /// Integrals of 1, x and y over the cells, in the mesh's axes.
-    weights: [Vec<f64>; 3],
-    deadline: Deadline,
+    pub(super) weights: [Vec<f64>; 3],
+    pub(super) deadline: Deadline,
 }
 
 impl Punch {
@@ -112,18 +83,18 @@ impl Punch {
         Some(Self { fitted, mirrored, lines, compliance, weights, deadline })
     }
 
-    fn mesh(&self) -> &Mesh {
+    pub(super) fn mesh(&self) -> &Mesh {
         &self.fitted.mesh
     }
 
     /// The integral of g . (1, x, y) over every cell.
-    fn integrals(&self, g: &Vector3<f64>) -> Vec<f64> {
+    pub(super) fn integrals(&self, g: &Vector3<f64>) -> Vec<f64> {
         let [one, x, y] = &self.weights;
         (0..one.len()).map(|i| g[0] * one[i] + g[1] * x[i] + g[2] * y[i]).collect()
     }
 
     /// The integrals of p, p x and p y.
-    fn load(&self, p: &[f64]) -> Vector3<f64> {
+    pub(super) fn load(&self, p: &[f64]) -> Vector3<f64> {
         Vector3::from_fn(|k, _| p.iter().zip(&self.weights[k]).map(|(p, w)| p * w).sum())
     }
 
@@ -132,6 +103,7 @@ impl Punch {
         let map = self.fitted.basis();
         let everywhere = || self.mirrored.planes(&self.compliance, &self.weights);
         let positive = |p: &[f64]| p.iter().all(|p| *p > 0.0);
+        let mut added = None;
         let (pressure, plane, whole) = match given {
             Given::Plane(plane) => {
                 let g = map.transpose() * Vector3::from(plane);
@@ -140,7 +112,12 @@ impl Punch {
                 if positive(&integrals) {
                     let whole = everywhere()?;
                     let p = whole.combined(&g);
-                    let p = if positive(&p) { p } else { solve_from(&self.compliance, &integrals, &p) };
+                    added = self.added(&p);
+                    let p = match &added {
+                        Some(added) => sum(&p, added),
+                        None if positive(&p) => p,
+                        None => solve_from(&self.compliance, &integrals, &p),
+                    };
                     (p, g, Some(whole))
                 } else {
                     (solve(&self.compliance, &integrals), g, None)
@@ -149,12 +126,21 @@ impl Punch {
             Given::Load { load, .. } => {
                 let wanted = map.try_inverse()? * Vector3::from(load);
                 let whole = everywhere()?;
-                let g = whole.stiffness(&self.weights).try_inverse()? * wanted;
+                let per = whole.stiffness(&self.weights).try_inverse()?;
+                let g = per * wanted;
                 let p = whole.combined(&g);
-                let (p, g) = if positive(&p) {
-                    (p, g)
-                } else {
-                    balance(&self.compliance, &self.weights, wanted, &p, self.deadline)?
+                let raised = self.added(&p).map(|added| {
+                    // The plane takes what else would be too much of the load.
+                    let g = g - per * self.load(&added);
+                    (sum(&whole.combined(&g), &added), g, added)
+                });
+                let (p, g) = match raised.filter(|(p, ..)| positive(p)) {
+                    Some((p, g, own)) => {
+                        added = Some(own);
+                        (p, g)
+                    }
+                    None if positive(&p) => (p, g),
+                    None => balance(&self.compliance, &self.weights, wanted, &p, self.deadline)?,
                 };
                 (p, g, Some(whole))
             }
@@ -178,26 +164,27 @@ impl Punch {
         let area: f64 = (0..contact.len()).filter(|&i| contact[i]).map(|i| self.weights[0][i]).sum();
         let compact = if contact.iter().all(|c| *c) { 1.0 } else { (area / (longer * longer)).min(1.0) };
         let size = 0.5 * longer * varies.powf(-2.0 / 3.0);
-        (high > 0.0 && size > 0.0).then_some(Pressed { pressure, planes, plane, contact, varies, size, compact })
+        (high > 0.0 && size > 0.0).then_some(Pressed { pressure, added, planes, plane, contact, varies, size, compact })
     }
 
-    /// The n for which the error of the force may be within the tolerance, where it touches everywhere.
-    pub fn enough(&self, pressed: &Pressed, given: Given, corners: usize, tolerance: f64) -> usize {
-        let usual = usual_width(corners);
-        let of_form = match given {
-            Given::Plane(_) => LEFT[0] * usual,
-            Given::Load { .. } => LEFT[1] * usual.max(LEAST),
+    /// The least pressure across two opposite sides of a cell that has cells beyond all four, where both are pressed: it lifts off for no
+    /// reason but that it is thin, and takes up what its neighbours leave.
+    pub(super) fn enclosing(&self, cell: usize, p: &[f64]) -> Option<f64> {
+        let beyond = |k: usize| {
+            let (edge, _) = self.mesh().cell_edges[cell][k]?;
+            self.mesh().edges[edge].sides.into_iter().flatten().find(|c| *c != cell).map(|c| p[c])
         };
-        let Pressed { pressure: p, planes, plane: g, .. } = pressed;
-        let k = planes.stiffness(&self.weights);
-        let [form, load] = [g.dot(&(k * g)), self.load(p)[0]];
-        let cuts = self.cuts(&planes.0[0], p, k[(0, 0)] / form);
-        let width = |n: usize| {
-            let left = of_form * (n as f64).powi(-3);
-            let [gamma, rest] = [left * form, left * k[(0, 0)]];
-            0.5 * (missed(&cuts, gamma, rest) + (2.0 * gamma * rest).sqrt()) / load
+        let [a, b, c, d] = [beyond(0)?, beyond(1)?, beyond(2)?, beyond(3)?];
+        Some(a.min(c).max(b.min(d))).filter(|least| *least > 0.0)
+    }
+
+    /// What enclosed cells lack to a small pressure where no others lack any; `None` too where none does.
+    fn added(&self, p: &[f64]) -> Option<Vec<f64>> {
+        let missing = |cell: usize| {
+            if p[cell] > 0.0 { Some(0.0) } else { Some(ENCLOSED * self.enclosing(cell, p)? - p[cell]) }
         };
-        (COARSEST..FINEST).find(|n| width(*n) <= tolerance).unwrap_or(FINEST)
+        let added: Vec<f64> = (0..p.len()).map(missing).collect::<Option<_>>()?;
+        added.iter().any(|more| *more > 0.0).then_some(added)
     }
 
     /// The plane in the outline's axes.
@@ -205,153 +192,15 @@ impl Punch {
         Some((self.fitted.basis().transpose().try_inverse()? * pressed.plane).into())
     }
 
-    /// Both.
-    pub fn answer(&self, given: Given, outline: &Outline, proof: bool) -> Option<Tilted> {
-        self.bounded(&self.pressed(given)?, given, outline, proof)
-    }
-
-    /// What the pressure proves, where that is wanted, and what it leaves open.
-    pub fn bounded(&self, pressed: &Pressed, given: Given, outline: &Outline, proof: bool) -> Option<Tilted> {
-        let map = self.fitted.basis();
-        let Pressed { pressure: p, planes, plane: g, contact, .. } = pressed;
-        let displaced = outline.displaced();
-        let proved = proof && !pressed.lifts() && outline.is_covered();
-        let matrix = planes.stiffness(&self.weights);
-        let unit = &planes.0[0];
-        // t that makes both parts of one size.
-        let energy = g.dot(&(matrix * g));
-        let t2 = (energy / matrix[(0, 0)]).sqrt();
-        if !(t2 > 0.0 && t2.is_finite()) {
-            return None;
-        }
-        let t = t2.sqrt();
-        let load = self.load(p);
-        // What the place of the edges leaves open, of the sizes of both parts.
-        let off = displaced * (energy / t2 + matrix[(0, 0)] * g.norm_squared());
-        let low = self.form_below(p, g) - off;
-        let (mut force, mut bounds_of_energy, mut stiffness_error, mut depth) = ([load[0]; 2], [low, low], 0.0, None);
-        if proved {
-            let (third, of_third) = match given {
-                // t e - g/t.
-                Given::Plane(_) => {
-                    let pressure = unit.iter().zip(p).map(|(m, p)| t * m - p / t).collect();
-                    (pressure, Vector3::new(t, 0.0, 0.0) - g / t)
-                }
-                // c = K^-1 e.
-                Given::Load { at, .. } => {
-                    let asked = map.try_inverse()? * Vector3::new(1.0, at[0], at[1]);
-                    let c = matrix.try_inverse()? * asked;
-                    (planes.combined(&c), c)
-                }
-            };
-            let asked = [Vector3::x(), *g, of_third];
-            let rests = self.mirrored.residuals(self.mesh(), &self.lines, planes, asked, self.deadline)?;
-            let [rest_of_unit, rest_of_p, rest_of_third] = rests;
-            // By at most the rests of products gamma and a'' are larger.
-            let gamma = 0.5 * rest_of_p + self.compliance.uncertainty(p, p) + off;
-            let rest = rest_of_unit + 2.0 * self.compliance.uncertainty(unit, unit) + off;
-            let rounding =
-                1e-12 * (load[0] + t2 * matrix[(0, 0)] + energy / t2) + off + self.compliance.uncertainty(p, unit);
-            let room = 2.0 * rounding + self.compliance.uncertainty(p, unit);
-            let below = match given {
-                Given::Plane(_) => {
-                    let plus: Vec<f64> = unit.iter().zip(p).map(|(m, p)| t * m + p / t).collect();
-                    let over = Vector3::new(t, 0.0, 0.0) + g / t;
-                    let (above, below) = (self.form_below(&plus, &over), self.form_below(&third, &of_third));
-                    // Q of the difference from above: its rounding and the uncertainty of its products counted the other way.
-                    let below = below + 2.0 * self.compliance.uncertainty(&third, &third) + rounding + rest_of_third;
-                    0.25 * (above - below) - rounding
-                }
-                Given::Load { .. } => {
-                    let less: Vec<f64> = unit.iter().map(|m| -m).collect();
-                    load[0] - missed(&self.cuts(&less, p, rest / gamma), gamma, rest) - room
-                }
-            };
-            force = [below, load[0] + missed(&self.cuts(unit, p, rest / gamma), gamma, rest) + room];
-            if let Given::Load { .. } = given {
-                let rest = rest_of_third + 2.0 * self.compliance.uncertainty(&third, &third);
-                depth = Some(self.depth_bounds((p, g), (&third, &of_third), [gamma, rest], displaced));
-            }
-            bounds_of_energy[1] = low + 2.0 * gamma;
-            stiffness_error = 0.5 * rest / matrix[(0, 0)];
-        }
-        let finite = force.iter().chain(&bounds_of_energy).all(|x| x.is_finite());
-        let finite = finite && force[1] >= force[0] && bounds_of_energy[0] > 0.0;
-        if !(finite && load[0] > 0.0) {
-            return None;
-        }
-        // In the outline's axes.
-        let plane = self.outer_plane(pressed)?;
-        let outer = map * matrix * map.transpose();
-        let cells = (0..self.mesh().loaded).map(|i| (self.mesh().corners(i).map(|q| self.fitted.to_outline(q)), p[i]));
-        let mut regions = regions(self.mesh(), contact, p);
-        regions.iter_mut().for_each(|region| region.map(|q| self.fitted.to_outline(q)));
-        Some(Tilted {
-            plane,
-            load: (map * load).into(),
-            matrix: [0, 1, 2].map(|i| [0, 1, 2].map(|j| outer[(i, j)])),
-            stiffness_error,
-            force,
-            proved,
-            depth: depth.filter(|ends: &[f64; 2]| ends.iter().all(|end| end.is_finite())),
-            energy: bounds_of_energy.map(|q| 0.5 * q),
-            cells: cells.collect(),
-            regions,
-            everywhere: !pressed.lifts(),
-            unknowns: self.compliance.n,
-        })
-    }
-
-    /// (10): bounds of g* . e under the load of p, m the pressure of the plane c = K^-1 e.
-    fn depth_bounds(
-        &self,
-        (p, g): (&[f64], &Vector3<f64>),
-        (m, c): (&[f64], &Vector3<f64>),
-        [gamma, rest]: [f64; 2],
-        displaced: f64,
-    ) -> [f64; 2] {
-        let (load, asked) = (self.load(p), self.load(m));
-        let size: f64 = (0..3).map(|k| (c[k] * load[k]).abs() + (g[k] * asked[k]).abs()).sum();
-        // One load, and orthogonality, but for rounding and what the products are known to.
-        let gamma = gamma + 1e-11 * g.iter().zip(&load).map(|(g, w)| (g * w).abs()).sum::<f64>();
-        let rest = rest + displaced * c.iter().zip(&asked).map(|(c, e)| (c * e).abs()).sum::<f64>();
-        let room = (1e-11 + displaced) * size + self.compliance.uncertainty(p, m);
-        let largest = |sign: f64| m.iter().zip(p).map(|(m, p)| sign * m / p).fold(0.0, f64::max);
-        let off = |sign: f64| missed(&[[largest(sign), 0.0]], gamma, rest) + room;
-        let middle = g.dot(&asked);
-        [middle - off(1.0), middle + off(-1.0)]
-    }
-
-    /// tau and <q, S q> from above, q = max(m_h - tau p_h, 0): from q = 0 down to where a smaller tau gains nothing; `ratio`: a'' over gamma.
-    fn cuts(&self, unit: &[f64], p: &[f64], ratio: f64) -> Vec<[f64; 2]> {
-        let left = |tau: f64| {
-            let q: Vec<f64> = unit.iter().zip(p).map(|(m, p)| (m - tau * p).max(0.0)).collect();
-            let products = q.iter().zip(self.compliance.product(&q)).zip(&self.weights[0]);
-            let [work, load] = products.fold([0.0; 2], |[work, load], ((q, u), area)| [work + q * u, load + q * area]);
-            // <q, 1 - S m_h> = 0 but for what the solution and the products are rounded by.
-            let rounding = 4e-12 * load + 2.0 * self.compliance.uncertainty(&q, unit);
-            [tau, work + rounding + self.compliance.uncertainty(&q, &q)]
-        };
-        let largest = unit.iter().zip(p).map(|(m, p)| m / p).fold(0.0, f64::max);
-        let halved = std::iter::successors(Some(largest), |tau| (tau * tau > 0.5 * ratio).then_some(0.5 * tau));
-        halved.map(left).collect()
-    }
-
-    /// 2 <f, p> - <p, S p>, from below.
-    fn form_below(&self, p: &[f64], g: &Vector3<f64>) -> f64 {
-        let work: f64 = p.iter().zip(self.integrals(g)).map(|(p, f)| p * f).sum();
-        let size: f64 = p.iter().zip(self.integrals(g)).map(|(p, f)| (p * f).abs()).sum();
-        let product: f64 = p.iter().zip(self.compliance.product(p)).map(|(p, u)| p * u).sum();
-        2.0 * work - product - self.compliance.uncertainty(p, p) - 4e-12 * size
+    /// Whether a cell at an edge of the material, of pressure p and m on the whole contact, may lift off in part.
+    pub(super) fn may_lift(&self, cell: usize, p: &[f64], m: &[f64]) -> bool {
+        let sides = || self.mesh().cell_edges[cell].iter().flatten().map(|(edge, _)| self.mesh().edges[*edge].sides);
+        let ratio = |c: usize| p[c] / m[c];
+        let falls = |c: usize| p[c] > 0.0 && ratio(cell) < FALLING * ratio(c);
+        sides().any(|sides| sides.contains(&None)) && sides().flatten().flatten().any(falls)
     }
 }
 
-/// max over X in [0, gamma] of tau X + sqrt(2 (gamma - X) (a'' + <q, S q>)), with the best of `cuts`; `rest`: a''.
-fn missed(cuts: &[[f64; 2]], gamma: f64, rest: f64) -> f64 {
-    let with = |[tau, left]: &[f64; 2]| {
-        let rest = rest + left;
-        let balance = (rest / (2.0 * gamma)).sqrt();
-        if *tau <= balance { (2.0 * gamma * rest).sqrt() } else { tau * gamma + rest / (2.0 * tau) }
-    };
-    cuts.iter().map(with).fold(f64::INFINITY, f64::min)
+fn sum(p: &[f64], q: &[f64]) -> Vec<f64> {
+    p.iter().zip(q).map(|(p, q)| p + q).collect()
 }

@@ -1,0 +1,245 @@
+//! What the pressure on one mesh of a tilted punch proves, and what it leaves open (`tilted` has the formulas).
+
+use nalgebra::Vector3;
+
+use super::flat::usual_width;
+use super::mesh::Point;
+use super::outline::{COARSEST, Outline};
+use super::region::{Region, regions};
+use super::tilted_mesh::{FINEST, Given, Pressed, Punch};
+
+/// gamma over Q, and a'' over K, times n^3, over the usual width of a level punch, as they choose the first mesh, no more; at a given plane
+/// the lower bound of the force is sharper than under a load.
+const LEFT: [f64; 2] = [0.24, 0.5];
+
+/// That width at least: of many corners, one may all but lift off.
+const LEAST: f64 = 0.18;
+
+/// A tilted punch in contact, E* = 1, in the outline's axes.
+#[derive(Debug, Clone)]
+pub(crate) struct Tilted {
+    /// f = plane . (1, x, y).
+    pub plane: [f64; 3],
+    /// The integrals of p, p x and p y of the computed pressure.
+    pub load: [f64; 3],
+    /// Their derivatives by the plane.
+    pub matrix: [[f64; 3]; 3],
+    /// Relative error of its first entry.
+    pub stiffness_error: f64,
+    /// Bounds of the force at the plane; within its error where it is not proved.
+    pub force: [f64; 2],
+    /// Whether these are proved: contact everywhere in a polygon.
+    pub proved: bool,
+    /// Proved bounds of plane . (1, x, y) at the place where it is asked for, under exactly the load.
+    pub depth: Option<[f64; 2]>,
+    /// Bounds of the stored energy.
+    pub energy: [f64; 2],
+    /// Corners and pressure of all cells.
+    pub cells: Vec<([Point; 4], f64)>,
+    /// The separate regions of contact.
+    pub regions: Vec<Region>,
+    /// Whether it touches everywhere.
+    pub everywhere: bool,
+    /// Unknowns of the last mesh.
+    pub unknowns: usize,
+}
+
+impl Punch {
+    /// The n for which the error of the force may be within the tolerance, where it touches everywhere.
+    pub fn enough(&self, pressed: &Pressed, given: Given, corners: usize, tolerance: f64) -> usize {
+        let usual = usual_width(corners);
+        let of_form = match given {
+            Given::Plane(_) => LEFT[0] * usual,
+            Given::Load { .. } => LEFT[1] * usual.max(LEAST),
+        };
+        let Pressed { pressure: p, planes, plane: g, .. } = pressed;
+        let k = planes.stiffness(&self.weights);
+        let [form, load] = [g.dot(&(k * g)), self.load(p)[0]];
+        let cuts = self.cuts(&planes.0[0], p, None, k[(0, 0)] / form);
+        let width = |n: usize| {
+            let left = of_form * (n as f64).powi(-3);
+            let [gamma, rest] = [left * form, left * k[(0, 0)]];
+            0.5 * (missed(&cuts, gamma, rest) + (2.0 * gamma * rest).sqrt()) / load
+        };
+        (COARSEST..FINEST).find(|n| width(*n) <= tolerance).unwrap_or(FINEST)
+    }
+
+    /// Both.
+    pub fn answer(&self, given: Given, outline: &Outline, proof: bool) -> Option<Tilted> {
+        self.bounded(&self.pressed(given)?, given, outline, proof)
+    }
+
+    /// What the pressure proves, where that is wanted, and what it leaves open.
+    pub fn bounded(&self, pressed: &Pressed, given: Given, outline: &Outline, proof: bool) -> Option<Tilted> {
+        let map = self.fitted.basis();
+        let Pressed { pressure: p, planes, plane: g, contact, .. } = pressed;
+        let added = pressed.added.as_deref();
+        let displaced = outline.displaced();
+        let proved = proof && !pressed.lifts() && outline.is_covered();
+        let matrix = planes.stiffness(&self.weights);
+        let unit = &planes.0[0];
+        // t that makes both parts of one size.
+        let energy = g.dot(&(matrix * g));
+        let t2 = (energy / matrix[(0, 0)]).sqrt();
+        if !(t2 > 0.0 && t2.is_finite()) {
+            return None;
+        }
+        let t = t2.sqrt();
+        let load = self.load(p);
+        // What the place of the edges leaves open, of the sizes of both parts.
+        let off = displaced * (energy / t2 + matrix[(0, 0)] * g.norm_squared());
+        let low = self.form_below(p, g) - off;
+        let (mut force, mut bounds_of_energy, mut stiffness_error, mut depth) = ([load[0]; 2], [low, low], 0.0, None);
+        if proved {
+            let (third, of_third) = match given {
+                // t e - g/t.
+                Given::Plane(_) => {
+                    let pressure = unit.iter().zip(p).map(|(m, p)| t * m - p / t).collect();
+                    (pressure, Vector3::new(t, 0.0, 0.0) - g / t)
+                }
+                // c = K^-1 e.
+                Given::Load { at, .. } => {
+                    let asked = map.try_inverse()? * Vector3::new(1.0, at[0], at[1]);
+                    let c = matrix.try_inverse()? * asked;
+                    (planes.combined(&c), c)
+                }
+            };
+            let asked = [Vector3::x(), *g, of_third];
+            let rests = self.mirrored.residuals(self.mesh(), &self.lines, planes, asked, self.deadline)?;
+            let [rest_of_unit, rest_of_p, rest_of_third] = rests;
+            // The rests are those of Galerkin pressures, orthogonal to what was added to one of them.
+            let (more, of_added) = added.map_or((0.0, 0.0), |added| (self.rest_of(added, p), self.load(added)[0]));
+            let rest_of_p = rest_of_p + more;
+            let rest_of_third = rest_of_third + if let Given::Plane(_) = given { more / t2 } else { 0.0 };
+            let own = load[0] - of_added;
+            // By at most the rests of products gamma and a'' are larger.
+            let gamma = 0.5 * rest_of_p + self.compliance.uncertainty(p, p) + off;
+            let rest = rest_of_unit + 2.0 * self.compliance.uncertainty(unit, unit) + off;
+            let rounding =
+                1e-12 * (load[0] + t2 * matrix[(0, 0)] + energy / t2) + off + self.compliance.uncertainty(p, unit);
+            let room = 2.0 * rounding + self.compliance.uncertainty(p, unit);
+            let below = match given {
+                Given::Plane(_) => {
+                    let plus: Vec<f64> = unit.iter().zip(p).map(|(m, p)| t * m + p / t).collect();
+                    let over = Vector3::new(t, 0.0, 0.0) + g / t;
+                    let (above, below) = (self.form_below(&plus, &over), self.form_below(&third, &of_third));
+                    // Q of the difference from above: its rounding and the uncertainty of its products counted the other way.
+                    let below = below + 2.0 * self.compliance.uncertainty(&third, &third) + rounding + rest_of_third;
+                    0.25 * (above - below) - rounding
+                }
+                Given::Load { .. } => {
+                    let less: Vec<f64> = unit.iter().map(|m| -m).collect();
+                    own - missed(&self.cuts(&less, p, added, rest / gamma), gamma, rest) - room
+                }
+            };
+            force = [below, own + missed(&self.cuts(unit, p, added, rest / gamma), gamma, rest) + room];
+            if let Given::Load { .. } = given {
+                let rest = rest_of_third + 2.0 * self.compliance.uncertainty(&third, &third);
+                let apart = added.map_or(0.0, |added| of_third.dot(&self.load(added)));
+                let bounds = self.depth_bounds((p, g), (&third, &of_third), [gamma, rest], displaced);
+                depth = Some(bounds.map(|end| end + apart));
+            }
+            bounds_of_energy[1] = low + 2.0 * gamma;
+            stiffness_error = 0.5 * rest / matrix[(0, 0)];
+        }
+        let finite = force.iter().chain(&bounds_of_energy).all(|x| x.is_finite());
+        let finite = finite && force[1] >= force[0] && bounds_of_energy[0] > 0.0;
+        if !(finite && load[0] > 0.0) {
+            return None;
+        }
+        // In the outline's axes.
+        let plane = self.outer_plane(pressed)?;
+        let outer = map * matrix * map.transpose();
+        let cells = (0..self.mesh().loaded).map(|i| (self.mesh().corners(i).map(|q| self.fitted.to_outline(q)), p[i]));
+        let touches = |cell: usize| contact[cell] || self.enclosing(cell, p).is_some();
+        let touching: Vec<bool> = (0..contact.len()).map(touches).collect();
+        let mut regions = regions(self.mesh(), &touching, p, &|cell| self.may_lift(cell, p, unit));
+        regions.iter_mut().for_each(|region| region.map(|q| self.fitted.to_outline(q)));
+        Some(Tilted {
+            plane,
+            load: (map * load).into(),
+            matrix: [0, 1, 2].map(|i| [0, 1, 2].map(|j| outer[(i, j)])),
+            stiffness_error,
+            force,
+            proved,
+            depth: depth.filter(|ends: &[f64; 2]| ends.iter().all(|end| end.is_finite())),
+            energy: bounds_of_energy.map(|q| 0.5 * q),
+            cells: cells.collect(),
+            regions,
+            everywhere: !pressed.lifts(),
+            unknowns: self.compliance.n,
+        })
+    }
+
+    /// (10): bounds of g* . e under the load of p, m the pressure of the plane c = K^-1 e.
+    fn depth_bounds(
+        &self,
+        (p, g): (&[f64], &Vector3<f64>),
+        (m, c): (&[f64], &Vector3<f64>),
+        [gamma, rest]: [f64; 2],
+        displaced: f64,
+    ) -> [f64; 2] {
+        let (load, asked) = (self.load(p), self.load(m));
+        let size: f64 = (0..3).map(|k| (c[k] * load[k]).abs() + (g[k] * asked[k]).abs()).sum();
+        // One load, and orthogonality, but for rounding and what the products are known to.
+        let gamma = gamma + 1e-11 * g.iter().zip(&load).map(|(g, w)| (g * w).abs()).sum::<f64>();
+        let rest = rest + displaced * c.iter().zip(&asked).map(|(c, e)| (c * e).abs()).sum::<f64>();
+        let room = (1e-11 + displaced) * size + self.compliance.uncertainty(p, m);
+        let largest = |sign: f64| m.iter().zip(p).map(|(m, p)| sign * m / p).fold(0.0, f64::max);
+        let off = |sign: f64| missed(&[Cut { tau: largest(sign), left: 0.0, of_added: 0.0 }], gamma, rest) + room;
+        let middle = g.dot(&asked);
+        [middle - off(1.0), middle + off(-1.0)]
+    }
+
+    /// From q = 0 down to where a smaller tau gains nothing; `ratio`: a'' over gamma.
+    fn cuts(&self, unit: &[f64], p: &[f64], added: Option<&[f64]>, ratio: f64) -> Vec<Cut> {
+        let left = |tau: f64| {
+            let q: Vec<f64> = unit.iter().zip(p).map(|(m, p)| (m - tau * p).max(0.0)).collect();
+            let product = self.compliance.product(&q);
+            let products = q.iter().zip(&product).zip(&self.weights[0]);
+            let [work, load] = products.fold([0.0; 2], |[work, load], ((q, u), area)| [work + q * u, load + q * area]);
+            // <q, 1 - S m_h> = 0 but for what the solution and the products are rounded by.
+            let rounding = 4e-12 * load + 2.0 * self.compliance.uncertainty(&q, unit);
+            let of_added = added.map_or(0.0, |d| {
+                let own: f64 = product.iter().zip(d).map(|(u, d)| u * d).sum();
+                own * (1.0 + 1e-12) + self.compliance.uncertainty(&q, d)
+            });
+            Cut { tau, left: work + rounding + self.compliance.uncertainty(&q, &q), of_added }
+        };
+        let largest = unit.iter().zip(p).map(|(m, p)| m / p).fold(0.0, f64::max);
+        let halved = std::iter::successors(Some(largest), |tau| (tau * tau > 0.5 * ratio).then_some(0.5 * tau));
+        halved.map(left).collect()
+    }
+
+    /// <d, S d> from above, and what is left of <w, d> = 0, twice: of what was added to a pressure that is p with it.
+    fn rest_of(&self, d: &[f64], p: &[f64]) -> f64 {
+        let own: f64 = self.compliance.product(d).iter().zip(d).map(|(u, d)| u * d).sum();
+        let rounding = 1e-11 * self.load(d)[0] * p.iter().zip(&self.weights[0]).map(|(p, w)| p * w).sum::<f64>();
+        own * (1.0 + 1e-12) + self.compliance.uncertainty(d, d) + 2.0 * self.compliance.uncertainty(d, p) + rounding
+    }
+
+    /// 2 <f, p> - <p, S p>, from below.
+    fn form_below(&self, p: &[f64], g: &Vector3<f64>) -> f64 {
+        let work: f64 = p.iter().zip(self.integrals(g)).map(|(p, f)| p * f).sum();
+        let size: f64 = p.iter().zip(self.integrals(g)).map(|(p, f)| (p * f).abs()).sum();
+        let product: f64 = p.iter().zip(self.compliance.product(p)).map(|(p, u)| p * u).sum();
+        2.0 * work - product - self.compliance.uncertainty(p, p) - 4e-12 * size
+    }
+}
+
+/// What a force is told with: tau, <q, S q> from above for q = max(m_h - tau p_h, 0), and <q, S d> for what was added to p_h.
+struct Cut {
+    tau: f64,
+    left: f64,
+    of_added: f64,
+}
+
+/// max over X in [0, gamma] of tau X + sqrt(2 (gamma - X) (a'' + <q, S q>)) + <q, S d>, with the best of `cuts`; `rest`: a''.
+fn missed(cuts: &[Cut], gamma: f64, rest: f64) -> f64 {
+    let with = |Cut { tau, left, of_added }: &Cut| {
+        let rest = rest + left;
+        let balance = (rest / (2.0 * gamma)).sqrt();
+        of_added + if *tau <= balance { (2.0 * gamma * rest).sqrt() } else { tau * gamma + rest / (2.0 * tau) }
+    };
+    cuts.iter().map(with).fold(f64::INFINITY, f64::min)
+}
