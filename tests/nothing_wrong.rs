@@ -1087,3 +1087,54 @@ fn a_punch_on_two_arms_reaches_its_tolerance() {
     assert_eq!(state.patch.regions, 2);
     assert!(state.stiffness_error < Some(0.05), "{:?}", state.stiffness_error);
 }
+
+/// An irregular star whose cells are thin beside some of its cuts: a few of them were pulled, and left out as if it lifted off there.
+#[test]
+fn thin_cells_inside_of_a_tilted_flat_lift_nothing_off() {
+    let corners = [
+        [1.0, 0.0],
+        [0.5135, 0.3731],
+        [0.3090, 0.9511],
+        [-0.2038, 0.6271],
+        [-0.8090, 0.5878],
+        [-0.5863, 0.0],
+        [-0.8090, -0.5878],
+        [-0.2162, -0.6655],
+        [0.3090, -0.9511],
+        [0.3787, -0.2752],
+    ];
+    let face = |tilt: [f64; 2]| json!({"depth": 1.0, "tilt": tilt});
+    let gap = json!({"kind": "flat", "outline": {"polygon": corners}});
+    let tilt = [-0.1011, -0.0440];
+    let state = solved_in(&gap, &face(tilt), Path::new(".")).remove(0);
+    assert_eq!(state.bracket.as_ref().map(|bracket| bracket.evidence()), Some(Evidence::Proved));
+    let whole: f64 = (0..10)
+        .map(|k| {
+            let ([a, b], [c, d]) = (corners[k], corners[(k + 1) % 10]);
+            0.5 * (a * d - b * c)
+        })
+        .sum();
+    assert!((state.patch.area / whole - 1.0).abs() < 1e-9, "{} of {whole}", state.patch.area);
+    // Reciprocity: the moments of the level punch give the force of any plane.
+    let level = solved_in(&gap, &face([0.0; 2]), Path::new(".")).remove(0);
+    let [mx, my] = level.moment.expect("a level punch has moments");
+    assert_force(&state, level.force - tilt[0] * my + tilt[1] * mx, 2.0 * stated(&level));
+}
+
+/// The peak of the pressure beside a steep end lies between two rows of cells: both were nearly equal, and it was off by four times what
+/// they told.
+#[test]
+fn the_peak_beside_a_steep_end_is_within_its_error() {
+    let region = rectangle(1.1371, 0.9999);
+    let gap = clipped("x^2/2.527 - 3.898e-5*ln(1 - (y/1.0)^2)", &region);
+    let at = |tolerance: f64| {
+        let scene = json!({"effective_modulus": 1.0, "gap": gap, "loading": {"depth": 8.225e-4}, "solve": {"tolerance": tolerance}});
+        answers(&scene, Path::new(".")).remove(0).expect("it is solved")
+    };
+    let (coarse, fine) = (at(1e-3), at(1e-4));
+    let [a, b] = [&coarse, &fine].map(|state| state.pressure.max.expect("it ends before the material does"));
+    let error = coarse.pressure.max_error.expect("it has an error");
+    assert!((a / b - 1.0).abs() <= error, "{a} {b} {error}");
+    // As much as that is open, no more than that.
+    assert!((0.2..1.0).contains(&error), "{error}");
+}

@@ -93,12 +93,12 @@ pub(crate) fn in_users_units(
     // U = P (d - g0)/(2 + 1/k), of the best force.
     let (energy, energy_error) = match scaled.gap.known().law {
         Some(law) => (force * scaled.above_lowest() / (2.0 + law.degree.inverse()), Some(error / force)),
-        // The energies of two grids may agree by chance; their error is of the size of that of the force, from which they grow.
-        None if refined.grids <= 1 => {
+        // The energies of two grids may agree by chance, and those of many lie along a line whose bend is not seen; their error is of the size
+        // of that of the force, from which they grow.
+        None => {
             let times = if refined.proved.is_some() { 1.0 } else { OF_FORCE };
             (energy, energy_error.map(|change| change.max(times * error / force)))
         }
-        None => (energy, energy_error),
     };
     // The gap itself: beside other contacts the scaled one is displaced by them.
     let own_gap = touching(&contact.tilted_gap(tilt), depth).scaled(scaled.units.origin, length, height);
