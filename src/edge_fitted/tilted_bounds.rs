@@ -201,8 +201,9 @@ impl Punch {
             // <q, 1 - S m_h> = 0 but for what the solution and the products are rounded by.
             let rounding = 4e-12 * load + 2.0 * self.compliance.uncertainty(&q, unit);
             let of_added = added.map_or(0.0, |d| {
-                let own: f64 = product.iter().zip(d).map(|(u, d)| u * d).sum();
-                own * (1.0 + 1e-12) + self.compliance.uncertainty(&q, d)
+                let (own, size) =
+                    product.iter().zip(d).fold((0.0, 0.0), |(s, a), (u, d)| (s + u * d, a + (u * d).abs()));
+                own + 1e-12 * size + self.compliance.uncertainty(&q, d)
             });
             Cut { tau, left: work + rounding + self.compliance.uncertainty(&q, &q), of_added }
         };
@@ -214,7 +215,8 @@ impl Punch {
     /// <d, S d> from above, and what is left of <w, d> = 0, twice: of what was added to a pressure that is p with it.
     fn rest_of(&self, d: &[f64], p: &[f64]) -> f64 {
         let own: f64 = self.compliance.product(d).iter().zip(d).map(|(u, d)| u * d).sum();
-        let rounding = 1e-11 * self.load(d)[0] * p.iter().zip(&self.weights[0]).map(|(p, w)| p * w).sum::<f64>();
+        let size = |p: &[f64]| p.iter().zip(&self.weights[0]).map(|(p, w)| p.abs() * w).sum::<f64>();
+        let rounding = 1e-11 * size(d) * size(p);
         own * (1.0 + 1e-12) + self.compliance.uncertainty(d, d) + 2.0 * self.compliance.uncertainty(d, p) + rounding
     }
 

@@ -26,13 +26,13 @@ pub(crate) enum Given {
     Load { load: [f64; 3], at: Point },
 }
 
-/// Pressure that an enclosed cell gets in place of a negative one, over the least of those across two opposite sides.
-const ENCLOSED: f64 = 1.0;
+/// Cells in a row across which that is looked for: two parts of a polygon meet in thin cells on both sides.
+const ENCLOSED_BY: usize = 3;
 
 /// The pressure on a mesh.
 pub(super) struct Pressed {
     pub(super) pressure: Vec<f64>,
-    /// What was added to that of enclosed cells, where there are any.
+    /// What of it is not that of Galerkin's method on all cells: that of enclosed ones, where there are any.
     pub(super) added: Option<Vec<f64>>,
     /// Of the cells in contact.
     pub(super) planes: Planes,
@@ -111,13 +111,13 @@ impl Punch {
                 // S p is positive: where f is not, it does not touch.
                 if positive(&integrals) {
                     let whole = everywhere()?;
-                    let p = whole.combined(&g);
-                    added = self.added(&p);
-                    let p = match &added {
-                        Some(added) => sum(&p, added),
-                        None if positive(&p) => p,
-                        None => solve_from(&self.compliance, &integrals, &p),
-                    };
+                    let mut p = whole.combined(&g);
+                    if !positive(&p) {
+                        let own = self.raised(&p).unwrap_or_else(|| solve_from(&self.compliance, &integrals, &p));
+                        let own = self.raised(&own).unwrap_or(own);
+                        added = positive(&own).then(|| difference(&own, &p));
+                        p = own;
+                    }
                     (p, g, Some(whole))
                 } else {
                     (solve(&self.compliance, &integrals), g, None)
@@ -129,18 +129,28 @@ impl Punch {
                 let per = whole.stiffness(&self.weights).try_inverse()?;
                 let g = per * wanted;
                 let p = whole.combined(&g);
-                let raised = self.added(&p).map(|added| {
-                    // The plane takes what else would be too much of the load.
-                    let g = g - per * self.load(&added);
-                    (sum(&whole.combined(&g), &added), g, added)
-                });
-                let (p, g) = match raised.filter(|(p, ..)| positive(p)) {
-                    Some((p, g, own)) => {
-                        added = Some(own);
-                        (p, g)
+                let parted = || balance(&self.compliance, &self.weights, wanted, &p, self.deadline);
+                // The plane takes what enclosed cells would have too much of the load.
+                let with = |own: &[f64], g: &Vector3<f64>| {
+                    let added = difference(own, &whole.combined(g));
+                    let g = per * (wanted - self.load(&added));
+                    let p: Vec<f64> = whole.combined(&g).iter().zip(&added).map(|(p, d)| p + d).collect();
+                    positive(&p).then_some((p, g, added))
+                };
+                let (p, g) = if positive(&p) {
+                    (p, g)
+                } else if let Some((p, g, own)) = self.raised(&p).and_then(|own| with(&own, &g)) {
+                    added = Some(own);
+                    (p, g)
+                } else {
+                    let (p, g) = parted()?;
+                    match self.raised(&p).and_then(|own| with(&own, &g)) {
+                        Some((p, g, own)) => {
+                            added = Some(own);
+                            (p, g)
+                        }
+                        None => (p, g),
                     }
-                    None if positive(&p) => (p, g),
-                    None => balance(&self.compliance, &self.weights, wanted, &p, self.deadline)?,
                 };
                 (p, g, Some(whole))
             }
@@ -167,24 +177,30 @@ impl Punch {
         (high > 0.0 && size > 0.0).then_some(Pressed { pressure, added, planes, plane, contact, varies, size, compact })
     }
 
-    /// The least pressure across two opposite sides of a cell that has cells beyond all four, where both are pressed: it lifts off for no
-    /// reason but that it is thin, and takes up what its neighbours leave.
+    /// The least of the pressures that enclose a cell on two opposite sides, there being cells beyond all four: it lifts off for no reason
+    /// but that it is thin, and takes up what its neighbours leave.
     pub(super) fn enclosing(&self, cell: usize, p: &[f64]) -> Option<f64> {
-        let beyond = |k: usize| {
-            let (edge, _) = self.mesh().cell_edges[cell][k]?;
-            self.mesh().edges[edge].sides.into_iter().flatten().find(|c| *c != cell).map(|c| p[c])
-        };
+        let beyond = |side: usize| self.beyond(cell, side, p, ENCLOSED_BY);
         let [a, b, c, d] = [beyond(0)?, beyond(1)?, beyond(2)?, beyond(3)?];
         Some(a.min(c).max(b.min(d))).filter(|least| *least > 0.0)
     }
 
-    /// What enclosed cells lack to a small pressure where no others lack any; `None` too where none does.
-    fn added(&self, p: &[f64]) -> Option<Vec<f64>> {
-        let missing = |cell: usize| {
-            if p[cell] > 0.0 { Some(0.0) } else { Some(ENCLOSED * self.enclosing(cell, p)? - p[cell]) }
-        };
-        let added: Vec<f64> = (0..p.len()).map(missing).collect::<Option<_>>()?;
-        added.iter().any(|more| *more > 0.0).then_some(added)
+    /// The first positive pressure of so many cells in a row beyond a side, else that of the last; `None` where the material ends before.
+    fn beyond(&self, cell: usize, side: usize, p: &[f64], cells: usize) -> Option<f64> {
+        let mesh = self.mesh();
+        let (edge, _) = mesh.cell_edges[cell][side]?;
+        let other = mesh.edges[edge].sides.into_iter().flatten().find(|c| *c != cell)?;
+        if p[other] > 0.0 || cells == 1 {
+            return Some(p[other]);
+        }
+        let entered = mesh.cell_edges[other].iter().position(|own| own.is_some_and(|(own, _)| own == edge))?;
+        self.beyond(other, (entered + 2) % 4, p, cells - 1)
+    }
+
+    /// With a pressure as of their neighbours on enclosed cells where no others lack any; `None` too where none does.
+    fn raised(&self, p: &[f64]) -> Option<Vec<f64>> {
+        let own = |cell: usize| if p[cell] > 0.0 { Some(p[cell]) } else { self.enclosing(cell, p) };
+        if p.iter().all(|p| *p > 0.0) { None } else { (0..p.len()).map(own).collect() }
     }
 
     /// The plane in the outline's axes.
@@ -201,6 +217,6 @@ impl Punch {
     }
 }
 
-fn sum(p: &[f64], q: &[f64]) -> Vec<f64> {
-    p.iter().zip(q).map(|(p, q)| p + q).collect()
+fn difference(p: &[f64], q: &[f64]) -> Vec<f64> {
+    p.iter().zip(q).map(|(p, q)| p - q).collect()
 }
