@@ -602,3 +602,29 @@ fn a_table_of_a_crowned_roller_over_depth_and_tilt() {
     assert!(table.at(0.05, 0.3).is_none());
     assert_eq!(table.at(-1.0, 0.0), Some(TiltedForce::default()));
 }
+
+/// A roller with sharp ends, off the origin and turned: cells along the user's axes took 60 s and told its force to 130 %.
+#[test]
+#[cfg(all(feature = "scene", feature = "formula"))]
+fn a_turned_roller_has_the_curve_of_a_straight_one() {
+    let curve = |degrees: f64| {
+        let gap = serde_json::json!({
+            "kind": "formula", "expression": "(x - 0.3)^2/2.8", "rotate": degrees,
+            "region": {"polygon": [[-1.0, -1.0], [1.6, -1.0], [1.6, 0.6], [-1.0, 0.6]]}
+        });
+        let scene = serde_json::json!({"effective_modulus": 1.0, "gap": gap, "loading": {"depth": 1e-3}});
+        let scene = contact_patch::Scene::from_json(scene.to_string().as_bytes()).unwrap();
+        let range = CurveRange { from: 5e-6, to: 1e-3, accuracy: 1e-3 };
+        Curve::new(&scene.contact, &Settings::default(), range).unwrap()
+    };
+    let (straight, turned) = (curve(0.0), curve(240.0));
+    assert_eq!(turned.solves(), straight.solves());
+    for depth in between(5e-6, 1e-3, 7) {
+        let [a, b] = [&turned, &straight].map(|curve| curve.force(depth).unwrap());
+        assert!((a / b - 1.0).abs() < 1e-6, "{depth}: {a} {b}");
+        let [[x, y], [u, v]] = [&turned, &straight].map(|curve| curve.centre(depth).unwrap());
+        let (sin, cos) = 240f64.to_radians().sin_cos();
+        assert!((x - cos * u + sin * v).hypot(y - sin * u - cos * v) < 1e-6, "{depth}: {x} {y}");
+    }
+    assert!(turned.interpolation_error() < 1e-3);
+}

@@ -6,6 +6,7 @@ use super::spline::Spline;
 use super::{Beyond, Curve, CurveRange, Sample};
 use crate::error::{InputError, positive};
 use crate::gap::{Gap, Reach};
+use crate::loading::axes::Axes;
 use crate::overlap::{least, reach_of};
 use crate::problem::{Contact, Load, Loading, Settings};
 use crate::solution::{Unsolved, Verdict};
@@ -63,6 +64,21 @@ impl Curve {
         told: &mut dyn FnMut(usize, Option<f64>),
     ) -> Result<Self, Unsolved> {
         range.checked().map_err(|e| Unsolved::new(Verdict::NotApplicable, e.to_string()))?;
+        let Some(axes) = Axes::of(contact, settings) else { return Self::along(contact, settings, range, told) };
+        let mut curve = Self::along(&axes.inward(contact), settings, range, told)?;
+        for state in &mut curve.samples {
+            state.centre = state.centre.map(|centre| axes.vector_outward(centre));
+        }
+        Ok(curve)
+    }
+
+    /// The curve of a contact that is solved along the user's axes.
+    fn along(
+        contact: &Contact,
+        settings: &Settings,
+        range: CurveRange,
+        told: &mut dyn FnMut(usize, Option<f64>),
+    ) -> Result<Self, Unsolved> {
         let wanted = OF_STATES * range.accuracy;
         let curve = Self::through_states(contact, settings, range, wanted, told)?;
         // The errors of states as good as they were wanted may still leave no convex curve between them that is near enough.

@@ -71,7 +71,8 @@ impl Axes {
         [self.cos * x + self.sin * y, self.cos * y - self.sin * x]
     }
 
-    fn vector_outward(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+    /// A vector of these axes in the user's.
+    pub fn vector_outward(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         [self.cos * x - self.sin * y, self.cos * y + self.sin * x]
     }
 
