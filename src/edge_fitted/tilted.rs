@@ -27,10 +27,9 @@
 //! sqrt(2 gamma a) with a = a'' + <q, S q> where tau is at most sqrt(a/(2 gamma)), else tau gamma + a/(2 tau). Where p_h all but vanishes in
 //! a corner, q takes it out.
 //!
-//! Thin cells between larger ones take up what these leave, and may be pulled although nothing lifts off there: they get a pressure as of
-//! their neighbours. With p_h + d > 0 in place of p_h, by the same orthogonality, gamma grows by <d, S d>/2, and
-//! <p_h + d, 1> + <m', f - S (p_h + d)> = P_h + <q, S d>. In (10) the plane is that of p_h, chosen so that p_h + d has the load w:
-//! c . w = g . e + <d, c . (1, x, y)>.
+//! Thin cells between larger ones take up what these leave, and may be pulled although nothing lifts off there: under a given plane they
+//! get a pressure as of their neighbours. With p_h + d > 0 in place of p_h, by the same orthogonality, gamma grows by <d, S d>/2, and
+//! <p_h + d, 1> + <m', f - S (p_h + d)> = P_h + <q, S d>.
 //!
 //! **The plane under a load w** = (integrals of p, p x, p y): g = K^-1 w of the computed pressure. Let c = K^-1 e, m the pressure of the
 //! plane c, so that its load is e, and rho = c . (1, x, y) - S m. For the exact g* and p*, s = S p* - f* >= 0 on the material,

@@ -129,15 +129,13 @@ impl Punch {
                 }
                 Given::Load { .. } => {
                     let less: Vec<f64> = unit.iter().map(|m| -m).collect();
-                    own - missed(&self.cuts(&less, p, added, rest / gamma), gamma, rest) - room
+                    own - missed(&self.cuts(&less, p, None, rest / gamma), gamma, rest) - room
                 }
             };
             force = [below, own + missed(&self.cuts(unit, p, added, rest / gamma), gamma, rest) + room];
             if let Given::Load { .. } = given {
                 let rest = rest_of_third + 2.0 * self.compliance.uncertainty(&third, &third);
-                let apart = added.map_or(0.0, |added| of_third.dot(&self.load(added)));
-                let bounds = self.depth_bounds((p, g), (&third, &of_third), [gamma, rest], displaced);
-                depth = Some(bounds.map(|end| end + apart));
+                depth = Some(self.depth_bounds((p, g), (&third, &of_third), [gamma, rest], displaced));
             }
             bounds_of_energy[1] = low + 2.0 * gamma;
             stiffness_error = 0.5 * rest / matrix[(0, 0)];

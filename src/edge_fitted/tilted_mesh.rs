@@ -126,31 +126,13 @@ impl Punch {
             Given::Load { load, .. } => {
                 let wanted = map.try_inverse()? * Vector3::from(load);
                 let whole = everywhere()?;
-                let per = whole.stiffness(&self.weights).try_inverse()?;
-                let g = per * wanted;
+                let g = whole.stiffness(&self.weights).try_inverse()? * wanted;
                 let p = whole.combined(&g);
-                let parted = || balance(&self.compliance, &self.weights, wanted, &p, self.deadline);
-                // The plane takes what enclosed cells would have too much of the load.
-                let with = |own: &[f64], g: &Vector3<f64>| {
-                    let added = difference(own, &whole.combined(g));
-                    let g = per * (wanted - self.load(&added));
-                    let p: Vec<f64> = whole.combined(&g).iter().zip(&added).map(|(p, d)| p + d).collect();
-                    positive(&p).then_some((p, g, added))
-                };
+                // Enclosed cells are left free: a pressure as of their neighbours would bound the depth by ten times what an estimate leaves.
                 let (p, g) = if positive(&p) {
                     (p, g)
-                } else if let Some((p, g, own)) = self.raised(&p).and_then(|own| with(&own, &g)) {
-                    added = Some(own);
-                    (p, g)
                 } else {
-                    let (p, g) = parted()?;
-                    match self.raised(&p).and_then(|own| with(&own, &g)) {
-                        Some((p, g, own)) => {
-                            added = Some(own);
-                            (p, g)
-                        }
-                        None => (p, g),
-                    }
+                    balance(&self.compliance, &self.weights, wanted, &p, self.deadline)?
                 };
                 (p, g, Some(whole))
             }
