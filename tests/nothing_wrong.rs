@@ -1108,12 +1108,7 @@ fn thin_cells_inside_of_a_tilted_flat_lift_nothing_off() {
     let tilt = [-0.1011, -0.0440];
     let state = solved_in(&gap, &face(tilt), Path::new(".")).remove(0);
     assert_eq!(state.bracket.as_ref().map(|bracket| bracket.evidence()), Some(Evidence::Proved));
-    let whole: f64 = (0..10)
-        .map(|k| {
-            let ([a, b], [c, d]) = (corners[k], corners[(k + 1) % 10]);
-            0.5 * (a * d - b * c)
-        })
-        .sum();
+    let whole = contact_patch::geometry::area(&corners);
     assert!((state.patch.area / whole - 1.0).abs() < 1e-9, "{} of {whole}", state.patch.area);
     // Reciprocity: the moments of the level punch give the force of any plane.
     let level = solved_in(&gap, &face([0.0; 2]), Path::new(".")).remove(0);

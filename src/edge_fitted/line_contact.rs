@@ -189,9 +189,9 @@ impl Strip<'_> {
             let middle = [0, 1].map(|m| 0.5 * (across[k][m] + across[k + 1][m]));
             ends.push([a as f64 * width - more[0], b as f64 * width + more[1]].map(|share| between(middle, share)));
         }
-        let drop = drop(&pressures) + growth(&pressures, &lines);
-        let largest = |k: usize| pressures[k].iter().copied().fold(0.0, f64::max);
-        let grows = [(0, 1), (2 * rows - 1, 2 * rows - 2)].map(|(end, beside)| largest(end) > largest(beside));
+        let largest: Vec<f64> = pressures.iter().map(|row| row.iter().copied().fold(0.0, f64::max)).collect();
+        let drop = drop(&pressures) + growth(&largest, &lines);
+        let grows = [(0, 1), (2 * rows - 1, 2 * rows - 2)].map(|(end, beside)| largest[end] > largest[beside]);
         let mut state =
             State { solved, ends, lines: lines[first..=last + 1].to_vec(), area: 0.0, drop, grows, touched };
         state.area = area(&state.boundary());
@@ -215,10 +215,10 @@ fn drop(rows: &[&[f64]]) -> f64 {
 /// What the largest pressure grows by in the next row towards the nearer end of the strip, or up to its own outer line where that row is
 /// free, if it goes on as the power of the distance from that end by which it grows from the row further in: beside a steep end of the
 /// contact p ~ s^-a up to a peak that one row or two hold. Without it a peak in two nearly equal rows was off by four times what was said.
-fn growth(rows: &[&[f64]], lines: &[f64]) -> f64 {
-    let largest: Vec<f64> = rows.iter().map(|row| row.iter().copied().fold(0.0, f64::max)).collect();
-    let Some(peak) = (0..rows.len()).max_by(|&a, &b| largest[a].total_cmp(&largest[b])) else { return 0.0 };
-    let last = rows.len() - 1;
+/// `largest`: by row.
+fn growth(largest: &[f64], lines: &[f64]) -> f64 {
+    let Some(peak) = (0..largest.len()).max_by(|&a, &b| largest[a].total_cmp(&largest[b])) else { return 0.0 };
+    let last = largest.len() - 1;
     // Rows and lines counted from the nearer end.
     let first = 2 * peak <= last;
     let line = |k: usize| if first { lines[k] - lines[0] } else { lines[last + 1] - lines[last + 1 - k] };

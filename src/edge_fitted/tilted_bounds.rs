@@ -107,10 +107,9 @@ impl Punch {
             let asked = [Vector3::x(), *g, of_third];
             let rests = self.mirrored.residuals(self.mesh(), &self.lines, planes, asked, self.deadline)?;
             let [rest_of_unit, rest_of_p, rest_of_third] = rests;
-            // The rests are those of Galerkin pressures, orthogonal to what was added to one of them.
+            // The rests are those of Galerkin pressures, orthogonal to what was added to the one of a given plane.
             let (more, of_added) = added.map_or((0.0, 0.0), |added| (self.rest_of(added, p), self.load(added)[0]));
-            let rest_of_p = rest_of_p + more;
-            let rest_of_third = rest_of_third + if let Given::Plane(_) = given { more / t2 } else { 0.0 };
+            let (rest_of_p, rest_of_third) = (rest_of_p + more, rest_of_third + more / t2);
             let own = load[0] - of_added;
             // By at most the rests of products gamma and a'' are larger.
             let gamma = 0.5 * rest_of_p + self.compliance.uncertainty(p, p) + off;
