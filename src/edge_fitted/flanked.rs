@@ -7,7 +7,7 @@
 //! (Barber 1974), so that the end, known to a cell, enters squared. What cells across and along the edges leave is told by fewer of them.
 
 use super::Limits;
-use super::estimated::{Estimated, Solved, Touching};
+use super::estimated::{Estimated, Rest, Solved, Touching};
 use super::mesh::{Mesh, Point};
 use super::polygon::symmetries;
 use super::rectilinear::{graded, graded_both};
@@ -41,14 +41,26 @@ struct Counts {
     strip: usize,
 }
 
-/// The first mesh at a tolerance of 1e-3.
+/// The first mesh at a tolerance that it is mostly enough for.
 const FIRST: Counts = Counts { inside: 7, along: 6, strip: 6 };
+const AT_FIRST: f64 = 4e-4;
+
+/// Of its cells, in one direction after the other, those of the meshes that tell its error.
+const FEWER: f64 = 2.0 / 3.0;
+
+/// Orders that the next round relies on, and what it has more of in each direction: chance is in the last.
+const ORDERS: [f64; 3] = [2.8, 2.8, 2.0];
+const MARGIN: f64 = 1.1;
 
 /// Cells of one of them, which make too many of them together.
 const MOST: usize = 10_000;
 
 /// Rounds of more cells.
 const ROUNDS: usize = 4;
+
+/// Rows of the strip are no thinner than this, over the size of the flat, where there are several: with t for that rounding is 1e-16/t^2 of
+/// a pair integral, and the matrix of many of them is not positive beyond it.
+const THINNEST: f64 = 2e-6;
 
 /// Grading to the edge from inside, along it to its ends, and to it from the strip.
 const EXPONENTS: [f64; 3] = [4.0, 3.0, 1.5];
@@ -63,13 +75,14 @@ const ROOM: f64 = 2.2;
 /// Times that the strip is doubled.
 const MOST_DOUBLINGS: usize = 6;
 
-/// What is left of a force over what it changes by with fewer cells: 0.6 to 0.9 measured on 3 to 12 sides, growths of 1e-3 to 0.3.
+/// What is left of a force over what it changes by with fewer cells across the strip: 0.6 to 0.9 measured on 3 to 12 sides, growths of
+/// 1e-3 to 0.3.
 const SCATTER: f64 = 1.3;
 
 /// What the end of the contact leaves of the force, over the square of what it may be off by.
 const OF_END: f64 = 0.5;
 
-/// Where a smaller tolerance asks for more cells than one of 1e-3: errors fall with this power of their number.
+/// Where a smaller tolerance asks for more cells than that one: errors fall with this power of their number.
 const ORDER: f64 = 2.5;
 
 /// A solved mesh.
@@ -95,7 +108,9 @@ pub(crate) fn flanked(flat: &Flat, limits: &Limits) -> Option<Estimated> {
     let mut best: Option<Estimated> = None;
     for _ in 0..ROUNDS {
         let Some(fine) = wide_enough(flat, counts, &mut width, limits) else { return best };
-        let fewer = scaled(counts, 2.0 / 3.0);
+        // Of the rows that it has.
+        let strip = fine.layout.heights.len();
+        let fewer = Counts { strip: (FEWER * strip as f64) as usize, ..scaled(counts, [FEWER; 3]) };
         // One after the other: what they change the force by may cancel.
         let others = [
             Counts { inside: fewer.inside, ..counts },
@@ -106,39 +121,54 @@ pub(crate) fn flanked(flat: &Flat, limits: &Limits) -> Option<Estimated> {
         let (Some(others), State { solved: own, .. }) = (others, &fine) else { return best };
         let change =
             |of: fn(&Solved) -> f64| others.iter().map(|other| (of(&other.solved) / of(own) - 1.0).abs()).sum::<f64>();
+        // The cells of the flat and those along its edges fall short as they are graded; of the strip it is chance where the contact ends
+        // in a cell.
+        let ratios = [counts.inside as f64 / fewer.inside as f64, counts.along as f64 / fewer.along as f64];
+        let rest = |of: fn(&Solved) -> f64| [0, 1].map(|m| Rest::new(of(own), of(&others[m].solved), ratios[m]));
+        let (force, energy) = (rest(|s| s.force), rest(|s| s.energy));
+        let corrected = |rest: [Rest; 2]| 1.0 + rest[0].correction + rest[1].correction;
         // The end of the contact is known to half a cell of the strip.
         let cell = 0.5 * flat.growth * fine.thickness_at_end();
+        let of_rows =
+            if strip > 1 { SCATTER * (others[2].solved.force / own.force - 1.0).abs() } else { width * flat.growth };
+        let of_strip = of_rows + OF_END * cell * cell;
+        let left = [force[0].error.max(energy[0].error), force[1].error.max(energy[1].error), of_strip];
         let found = Estimated {
-            force: own.force,
-            error: SCATTER * change(|s| s.force) + OF_END * cell * cell,
-            energy: own.energy,
+            force: own.force * corrected(force),
+            error: left.iter().sum(),
+            energy: own.energy * corrected(energy),
             stiffness: own.stiffness,
             stiffness_error: change(|s| s.stiffness) + cell,
             area: own.area,
             area_error: change(|s| s.area) + 2.0 * cell,
             max_error: None,
             ends: vec![fine.end()],
-            cells: own.cells(Touching::Some),
+            cells: own.cells_times(corrected(force), Touching::Some),
             unknowns: own.unknowns,
         };
         let missed = found.error / limits.tolerance;
-        best = Some(found);
+        if best.as_ref().is_none_or(|best| found.error < best.error) {
+            best = Some(found);
+        }
         if missed <= 1.0 {
             break;
         }
-        counts = scaled(counts, (1.2 * missed.powf(1.0 / ORDER)).clamp(1.25, 2.0));
+        // Larger parts of the error may stay larger: what they take goes into as many cells as all of them.
+        let roots: f64 = left.iter().map(|left| left.sqrt()).sum();
+        let more = [0, 1, 2].map(|m| MARGIN * (left[m].sqrt() * roots / limits.tolerance).powf(1.0 / ORDERS[m]));
+        counts = scaled(counts, more.map(|more| more.clamp(1.0, 2.0)));
     }
     best
 }
 
-fn scaled(c: Counts, by: f64) -> Counts {
-    let times = |n: usize| ((n as f64 * by).ceil() as usize).clamp(3, MOST);
-    Counts { inside: times(c.inside), along: times(c.along), strip: times(c.strip) }
+fn scaled(c: Counts, by: [f64; 3]) -> Counts {
+    let times = |n: usize, by: f64| ((n as f64 * by).ceil() as usize).clamp(3, MOST);
+    Counts { inside: times(c.inside, by[0]), along: times(c.along, by[1]), strip: times(c.strip, by[2]) }
 }
 
 /// The cells to begin with.
 fn first(limits: &Limits) -> Counts {
-    scaled(FIRST, (1e-3 / limits.tolerance).powf(1.0 / ORDER).max(0.7))
+    scaled(FIRST, [(AT_FIRST / limits.tolerance).powf(1.0 / ORDER).max(0.7); 3])
 }
 
 impl Flat<'_> {
@@ -187,7 +217,8 @@ fn solved(flat: &Flat, counts: Counts, width: f64, limits: &Limits) -> Option<St
 
 impl Layout {
     fn new(counts: Counts, width: f64, growth: f64) -> Self {
-        let mut heights = graded(width, 0.0, counts.strip, EXPONENTS[2]);
+        let rows = (width * growth / THINNEST).powf(1.0 / EXPONENTS[2]);
+        let mut heights = graded(width, 0.0, counts.strip.min(rows as usize).max(1), EXPONENTS[2]);
         heights.reverse();
         heights.remove(0);
         // At the edge cells are as thin on both of its sides.

@@ -82,7 +82,11 @@ pub(crate) fn flanked_bounds(flat: &Flat, limits: &Limits) -> Option<Bounded> {
     let mut ends = guess.no_nearer(flat, 2.0 * THINNEST);
     let enough = ENOUGH * (sharpest(flat.corners) / FRAC_PI_2).max(1.0);
     let mut n = (enough * (1e-3 / limits.tolerance).powf(1.0 / ORDER)).round().max(3.0) as usize;
-    if Flanked::new(flat, &fine(flat, &ends, n), &ends)?.mesh.loaded > limits.unknowns * group.len().max(1) {
+    let fits = |ends: &Ends, n: usize| {
+        let flanked = Flanked::new(flat, &fine(flat, ends, n), ends);
+        flanked.is_some_and(|flanked| flanked.mesh.loaded <= limits.unknowns * group.len().max(1))
+    };
+    if !fits(&ends, n) {
         return None;
     }
     for _ in 0..MOVES {
@@ -107,6 +111,9 @@ pub(crate) fn flanked_bounds(flat: &Flat, limits: &Limits) -> Option<Bounded> {
             break;
         }
         n = ((n as f64 * (1.1 * width / limits.tolerance).powf(1.0 / ORDER)).ceil() as usize).clamp(n + 1, 2 * n);
+        if !fits(&ends, n) {
+            break;
+        }
     }
     best
 }

@@ -10,7 +10,7 @@ use super::Limits;
 use super::estimated::{Estimated, Solved, Touching};
 use super::mesh::{Mesh, Point};
 use super::roller::Grading;
-use super::rows::{between, further, wanted};
+use super::rows::{LEAST_GROWTH, between, further, wanted};
 use super::symmetry::Isometry;
 use crate::numeric::geometry::area;
 
@@ -44,11 +44,11 @@ const FEWER: f64 = 2.0 / 3.0;
 const SAFE: f64 = 1.5;
 const SAFE_AREA: f64 = 1.25;
 
+/// Order that the next round relies on.
+const ORDER: f64 = 2.0;
+
 /// Rounds of more cells.
 const ROUNDS: usize = 4;
-
-/// Cells of a round over those of the one before, below which it is not worth its time where more of them were wanted.
-const LEAST_GROWTH: f64 = 1.3;
 
 /// The stiffness of a strip grows with the logarithm of its width: of a cell across that counts as a whole, no more than this.
 const OF_CELL: f64 = 0.25;
@@ -120,7 +120,7 @@ pub(crate) fn line_contact(
         if done {
             break;
         }
-        let more = [wanted(rows, left[0], limits), wanted(cells, left[1], limits)];
+        let more = [wanted(rows, left[0], ORDER, limits), wanted(cells, left[1], ORDER, limits)];
         let more = if more == [rows, cells] { [rows + rows / 4, cells + cells / 4] } else { more };
         // No more of both together than may be solved.
         let growth = |more: [usize; 2]| (more[0] * more[1]) as f64 / (rows * cells) as f64;

@@ -9,7 +9,7 @@ use super::rows::{Strip, between, refined};
 use super::symmetry::{Isometry, mirrors};
 
 /// Share of the half width that a straight cell may leave the curved strip by.
-const SAGITTA: f64 = 0.03;
+const SAGITTA: f64 = 0.06;
 
 /// Cells across it to each side, to begin with.
 const ACROSS: usize = 3;

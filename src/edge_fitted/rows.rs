@@ -9,10 +9,10 @@
 //!
 //! and the end of the contact, where K vanishes, lies K > 0: further out, by 2 K/C to first order. The ends of every row of cells are
 //! moved by that until it is small; what is left of it enters P_A squared. What cells across and along the strip leave is told by fewer
-//! of them. An end at which the material ends stays there.
+//! of them ([`super::estimated`]). An end at which the material ends stays there.
 
 use super::Limits;
-use super::estimated::{Estimated, Solved, Touching};
+use super::estimated::{Estimated, Rest, Solved, Touching};
 use super::mesh::{Mesh, Point};
 use super::rectilinear::graded;
 use super::symmetry::Isometry;
@@ -38,13 +38,18 @@ const UNSETTLED: f64 = 0.1;
 /// Rounds of more cells.
 const ROUNDS: usize = 4;
 
-/// Cells across of the finer of two meshes over those of the coarser, less 1: with forces that converge with the second order what is left
-/// of the finer is less than the change.
+/// Cells across of the finer of two meshes over those of the coarser, less 1.
 const FINER: f64 = 0.5;
 
 /// Order that the next round relies on, and share of the tolerance that each direction aims at.
-const ORDER: f64 = 2.0;
+const ORDER: f64 = 2.5;
 const AIM: f64 = 0.35;
+
+/// Unknowns of a round after the first, at most: each of its meshes is laid anew for every move of its ends.
+const WORTH: usize = 1000;
+
+/// Cells of a round over those of the one before, below which it is not worth its time where more of them were wanted.
+pub(super) const LEAST_GROWTH: f64 = 1.2;
 
 /// A strip in which bodies overlap, by stations along it: rows of cells lie between two of them.
 pub(super) trait Strip {
@@ -100,9 +105,11 @@ pub(super) fn refined(
     let mut ends = Ends(vec![first; rows + 1]);
     let mut best: Option<Estimated> = None;
     let problem = Problem { f, strip, limits };
+    let finer_than = |half: usize| half + 2.max((FINER * half as f64).ceil() as usize);
+    let unknowns = |rows: usize, half: usize| strip.all_rows(rows) * 2 * finer_than(half) / strip.group().len();
     for _ in 0..ROUNDS {
-        let finer = half + 2.max((FINER * half as f64).ceil() as usize);
-        if strip.all_rows(rows) * 2 * finer / strip.group().len() > limits.unknowns {
+        let finer = finer_than(half);
+        if unknowns(rows, half) > limits.unknowns {
             return best;
         }
         // Fewer rows first: the ends come to rest on them.
@@ -113,22 +120,28 @@ pub(super) fn refined(
         let Some(coarse) = problem.settled(&mut ends, rows, half) else { return best };
         let Some(fine) = problem.settled(&mut ends, rows, finer) else { return best };
         let own = &fine.solved;
-        let across = |of: fn(&Solved) -> f64| (of(own) / of(&coarse.solved) - 1.0).abs();
-        let along = |of: fn(&Solved) -> f64| (of(&coarse.solved) / of(&shorter.solved) - 1.0).abs();
-        let change = |of: fn(&Solved) -> f64| across(of) + along(of);
-        // What each direction leaves of force and energy.
-        let left = [along(|s| s.force).max(along(|s| s.energy)), across(|s| s.force).max(across(|s| s.energy))];
+        let change = |of: fn(&Solved) -> f64| {
+            (of(own) / of(&coarse.solved) - 1.0).abs() + (of(&coarse.solved) / of(&shorter.solved) - 1.0).abs()
+        };
+        // What cells along and across leave.
+        let rest = |of: fn(&Solved) -> f64| {
+            let along = Rest::new(of(&coarse.solved), of(&shorter.solved), rows as f64 / fewer as f64);
+            [along, Rest::new(of(own), of(&coarse.solved), finer as f64 / half as f64)]
+        };
+        let (force, energy) = (rest(|s| s.force), rest(|s| s.energy));
+        let left = [0, 1].map(|m| force[m].error.max(energy[m].error));
+        let corrected = |rest: [Rest; 2]| 1.0 + rest[0].correction + rest[1].correction;
         let off = fine.off.max(coarse.off);
         let found = Estimated {
-            force: own.force,
-            error: change(|s| s.force).max(change(|s| s.energy)) + 2.0 * off * off,
-            energy: own.energy,
+            force: own.force * corrected(force),
+            error: left[0] + left[1] + 2.0 * off * off,
+            energy: own.energy * corrected(energy),
             stiffness: own.stiffness,
             stiffness_error: change(|s| s.stiffness) + off,
             area: own.area,
             area_error: change(|s| s.area) + 2.0 * off,
             max_error: Some(change(Solved::largest)),
-            cells: own.cells(Touching::All),
+            cells: own.cells_times(corrected(force), Touching::All),
             ends: problem.boundary(&fine.stations),
             unknowns: own.unknowns,
         };
@@ -137,18 +150,28 @@ pub(super) fn refined(
         if done {
             break;
         }
-        let more = [wanted(rows, left[0], limits), wanted(half, left[1], limits)];
+        let more = [wanted(rows, left[0], ORDER, limits), wanted(half, left[1], ORDER, limits)];
         // What is off by the ends alone falls with both.
-        let more = if more == [rows, half] { [rows + rows / 4, half + 1] } else { more };
+        let mut more = if more == [rows, half] { [rows + rows / 4, half + 1] } else { more };
+        // No more than are worth their time.
+        let growth = |more: [usize; 2]| [more[0] as f64 / rows as f64, more[1] as f64 / half as f64];
+        let most = limits.unknowns.min(WORTH);
+        while unknowns(more[0], more[1]) > most && more != [rows, half] {
+            let [along, across] = growth(more);
+            more[usize::from(across > along)] -= 1;
+        }
+        if unknowns(more[0], more[1]) > most || growth(more)[0] * growth(more)[1] < LEAST_GROWTH {
+            break;
+        }
         ends = ends.resampled(more[0]);
         [rows, half] = more;
     }
     best
 }
 
-/// As many as `n` cells that leave this of the force have to become, twice as many at most.
-pub(super) fn wanted(n: usize, left: f64, limits: &Limits) -> usize {
-    let times = (left / (AIM * limits.tolerance)).max(0.0).powf(1.0 / ORDER).min(2.0);
+/// As many as `n` cells that leave this of the force have to become where it falls with the `order` of them, twice as many at most.
+pub(super) fn wanted(n: usize, left: f64, order: f64, limits: &Limits) -> usize {
+    let times = (left / (AIM * limits.tolerance)).max(0.0).powf(1.0 / order).min(2.0);
     ((times * n as f64).ceil() as usize).max(n)
 }
 
