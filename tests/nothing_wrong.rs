@@ -1133,3 +1133,23 @@ fn the_peak_beside_a_steep_end_is_within_its_error() {
     // As much as that is open, no more than that.
     assert!((0.2..1.0).contains(&error), "{error}");
 }
+
+/// The strip by which the contact passes the flat is 1e-5 wide: rows of it were so thin that rounding did not tell their pair integrals
+/// apart, the pressure was zero, and a grid said 1.9e-3.
+#[test]
+fn thin_strips_around_a_flat_keep_their_cells() {
+    let gap = json!({"kind": "berkovich", "flat": 1.0});
+    let flat = solved(&json!({"kind": "berkovich", "flat": 1.0}), 1e-6);
+    let stiffness = flat.force / 1e-6;
+    for k in 0..6 {
+        let depth = 3.0353e-4 * (1.0 - 1e-5 * f64::from(k));
+        let settings = json!({"tolerance": 2e-4, "evidence": "estimate"});
+        let scene = json!({"effective_modulus": 1.0, "gap": gap, "loading": {"depth": depth}, "solve": settings});
+        let state = answers(&scene, Path::new(".")).remove(0).expect("it is solved");
+        // The contact grows: more than the flat by itself, less than the flat as large as what it overlaps (Barber 1974).
+        let growth = state.force / (stiffness * depth) - 1.0;
+        let uncertain = stated(&state) + stated(&flat);
+        assert!(-uncertain <= growth && growth <= 1e-3 + uncertain, "{growth:e} at {depth:e}");
+        assert!(state.cost.unknowns < 1000, "on a grid: {}", state.cost.unknowns);
+    }
+}

@@ -143,3 +143,20 @@ impl Solved {
         all.filter(|(_, p)| loaded(**p)).map(|(k, p)| (self.mesh.corners(k), times * p)).collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_orders_are_within_the_error() {
+        for order in [2.0, 2.3, 3.0, 4.0] {
+            for (n, fewer) in [(5.0, 3.0), (12.0, 8.0), (9.0, 6.0)] {
+                let at = |n: f64| 1.0 - 0.3 * f64::powf(n, -order);
+                let rest = Rest::new(at(n), at(fewer), n / fewer);
+                let off = (1.0 / at(n) - 1.0 - rest.correction).abs();
+                assert!(off <= rest.error * (1.0 + 1e-9), "{order} {n}: {off:e} of {:e}", rest.error);
+            }
+        }
+    }
+}
