@@ -289,6 +289,25 @@ fn proved_depths_of_pyramids_are_accepted() {
     }
 }
 
+/// What needs no proof when it is solved is found again without one, whatever the scene says.
+#[test]
+fn estimates_asked_for_by_the_command_are_accepted() {
+    let directory = tempfile::tempdir().unwrap();
+    let ring = json!({"kind": "formula", "expression": "4.506e-5*(1 - r^2/2.0305e-3)", "region": {"disc": 0.045061}});
+    let worn = json!({"kind": "vickers", "flat": 1.0285e-5});
+    for (gap, loading) in
+        [(ring.clone(), json!({"force": 4600.0})), (ring, json!({"depth": 6.77e-7})), (worn, json!({"depth": 1.23e-6}))]
+    {
+        let scene = scene(gap, loading, json!({}), json!(["patch", "pressure"]));
+        std::fs::write(directory.path().join("scene.json"), scene.to_string()).unwrap();
+        let arguments = ["solve", "scene.json", "--evidence", "estimate", "--json", "result.json"];
+        let (code, text) = run(&arguments, directory.path());
+        assert_eq!(code, 0, "{text}");
+        let (code, text) = run(&["check", "scene.json", "result.json"], directory.path());
+        assert_eq!(code, 0, "{scene}\n{text}");
+    }
+}
+
 #[test]
 fn what_is_no_result_is_an_error_with_its_path() {
     let directory = tempfile::tempdir().unwrap();

@@ -6,7 +6,7 @@ use super::state::ROUNDING;
 use super::{Verification, close, formula};
 use crate::bracket::{self, DepthBracket};
 use crate::gap::AnyGap;
-use crate::problem::{Load, Loading, Method, Outputs, Settings};
+use crate::problem::{ErrorBar, Load, Loading, Method, Outputs, Settings};
 use crate::result;
 use crate::scene::Scene;
 use crate::solution::{Origin, Solution};
@@ -62,21 +62,41 @@ impl State<'_> {
             (_, tilt) => Load::Tilted { depth: self.depth, tilt },
         };
         // The tolerance is that of the scene, and the verdict of no concern.
-        let by = |method: Method, cells: Option<usize>| {
-            let settings = Settings { method, cells, outputs, ..scene.settings };
+        let with = |method: Method, cells: Option<usize>, evidence: ErrorBar| {
+            let settings = Settings { method, cells, outputs, evidence, ..scene.settings };
             let answer = solve(&scene.contact.under(Loading::Single(load)), &settings).pop()?;
             answer.map_or_else(|e| e.best.map(|best| *best), Some)
         };
+        let by = |method: Method, cells: Option<usize>| with(method, cells, scene.settings.evidence);
+        let said = self.said.cost.one().map(|cost| cost.unknowns);
+        let on_other_cells = |own: &Solution| said.is_some_and(|unknowns| unknowns != own.cost.unknowns);
         // Cells are chosen as the scene says, unless another method was asked for.
         let chosen = by_cells.then(|| by(scene.settings.method, scene.settings.cells)).flatten();
         let of_kind = chosen.filter(|own| own.origin.kind() == self.origin);
+        // Without a proof, where that was not asked for when it was solved.
+        let estimated = self.said.evidence.one().is_some_and(|word| word == "estimated");
+        let estimate = || {
+            let own = with(scene.settings.method, scene.settings.cells, ErrorBar::Estimate)?;
+            (own.origin.kind() == self.origin && !on_other_cells(&own)).then_some(own)
+        };
+        let is_bounded = |own: &Solution| own.bracket.is_some() || own.depth_bracket.is_some();
+        let is_same = |own: &Solution| {
+            !on_other_cells(own)
+                && close(self.depth, own.depth, ROUNDING)
+                && close(self.force, own.force, ROUNDING)
+                && !is_bounded(own)
+        };
+        let of_kind = match of_kind {
+            Some(own) if is_same(&own) => Some(own),
+            other if by_cells && estimated => estimate().or(other),
+            other => other,
+        };
         let Some(own) = of_kind.or_else(|| by(method, if by_cells { scene.settings.cells } else { cells })) else {
             found.require(false, format!("{} answers this scene", method.name()));
             return;
         };
         // The same cells for the same tolerance; else both err by what they state.
-        let said = self.said.cost.one().map(|cost| cost.unknowns);
-        let other_cells = by_cells && said.is_some_and(|unknowns| unknowns != own.cost.unknowns);
+        let other_cells = by_cells && on_other_cells(&own);
         let share = match method {
             Method::ClosedForm => ROUNDING,
             _ if other_cells => self.error().unwrap_or(0.0) + error_at_depth(&own).unwrap_or(0.0),
