@@ -313,6 +313,26 @@ fn the_depth_of_a_punch_free_to_tilt_is_proved() {
     }
 }
 
+/// At the end of one arm the pressure all but vanishes: what is asked for is cut off there, as it is for the force. Uncut, the upper bound is
+/// 2.9 times the lower one.
+#[test]
+fn bounds_of_a_depth_hold_where_the_pressure_nearly_vanishes() {
+    let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, -0.88], [-0.88, -0.88], [-0.88, 1.0], [-1.0, 1.0]];
+    let punch = || Flat::new(Outline::polygon(&corners).unwrap());
+    let [x, y] = [-0.2365, -0.3241];
+    let load = Load::ForceMoment { force: 1.0, moment: [y, -x] };
+    let bounds = |settings: &Settings| {
+        let state = fitted(1.0, punch(), load, settings);
+        let depth = state.depth_bracket.map(|depth| [depth.lower(), depth.upper().unwrap()]);
+        (state.depth, state.depth_error.unwrap(), depth)
+    };
+    let (_, _, proved) = bounds(&Settings { tolerance: 1e-2, ..Settings::default() });
+    let [low, high] = proved.expect("proved");
+    let (depth, error, _) = bounds(&Settings { tolerance: 1e-3, evidence: ErrorBar::Estimate, ..Settings::default() });
+    assert!(low <= depth * (1.0 + error) && depth * (1.0 - error) <= high, "{depth} [{low}, {high}]");
+    assert!(high - low < 0.06 * low, "[{low}, {high}]");
+}
+
 /// Its first mesh takes nearly all the unknowns there may be: a coarser one tells its error. The depth by grids of 512 and 1024 cells,
 /// their staircase extrapolated.
 #[test]

@@ -5,6 +5,7 @@ use super::mesh::{Bilinear, Mesh, Point, cross, dot, minus, norm};
 use super::pair_integral::{Integral, polygons, rectangles};
 use super::symmetry::Orbits;
 use crate::clock::Deadline;
+use crate::numeric::simd::{self, wide};
 
 /// <p, S p> of symmetric pressures is sum over a, b of p_a p_b `matrix[a][b]`, E* = 1; each entry is within `error[a][b]`.
 #[derive(Debug, Clone)]
@@ -181,16 +182,21 @@ impl Compliance {
 
     /// S p of the orbits, weighted by area and orbit size.
     pub fn product(&self, p: &[f64]) -> Vec<f64> {
-        self.matrix.chunks_exact(self.n).map(|row| row.iter().zip(p).map(|(a, b)| a * b).sum()).collect()
+        self.rows(&self.matrix, p)
+    }
+
+    /// What each entry of S q may be off, for entries of q that are known to their sizes alone.
+    pub fn off(&self, q: &[f64]) -> Vec<f64> {
+        self.rows(&self.error, &q.iter().map(|q| q.abs()).collect::<Vec<f64>>())
     }
 
     /// sum over a, b of |p_a q_b| error: what <p, S q> may be off.
     pub fn uncertainty(&self, p: &[f64], q: &[f64]) -> f64 {
-        self.error
-            .chunks_exact(self.n)
-            .zip(p)
-            .map(|(row, v)| v.abs() * row.iter().zip(q).map(|(e, w)| e * w.abs()).sum::<f64>())
-            .sum()
+        p.iter().zip(self.off(q)).map(|(p, off)| p.abs() * off).sum()
+    }
+
+    fn rows(&self, of: &[f64], p: &[f64]) -> Vec<f64> {
+        wide(|| of.chunks_exact(self.n).map(|row| simd::dot(row, p)).collect())
     }
 }
 

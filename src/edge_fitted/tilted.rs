@@ -42,7 +42,9 @@
 //!
 //! p* and p_h have one load, so that <S p_h, p_h>/2 - <S p*, p*>/2 = X + |p* - p_h|^2/2 with X = <s, p_h>, and by w . g <= U(g) + U*(w)
 //! both are at most gamma: with -tau' p_h <= m <= tau p_h the depth g* . e, e = (1, x, y) of where it is asked for, is bounded as the force
-//! is, a'' that of rho.
+//! is, a'' that of rho. Where p_h all but vanishes, m is cut there as above, by q = max(m - tau p_h, 0), and c = K^-1 (e + load of q) takes
+//! on its load: m' = m - q has the load e, and with rho' = rho + S q, <p_h, rho'> = <f_h, q> = g . load of q, (10) holds for m' and rho',
+//! whatever q is; a(rho', rho') = a(rho, rho) + <q, S q>.
 //!
 //! Where the punch lifts off, nothing is proved: U_low rises to U as n^-3 and tells its own error from two meshes; the force of A is
 //! stationary in A (Barber 1974), so that it errs by no more, and is held against its own change.

@@ -1,7 +1,8 @@
 //! What the pressure on one mesh of a tilted punch proves, and what it leaves open (`tilted` has the formulas).
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
+use super::active_set::Planes;
 use super::flat::usual_width;
 use super::mesh::Point;
 use super::outline::{COARSEST, Outline};
@@ -133,8 +134,13 @@ impl Punch {
             };
             force = [below, own + missed(&self.cuts(unit, p, added, rest / gamma), gamma, rest) + room];
             if let Given::Load { .. } = given {
-                let rest = rest_of_third + 2.0 * self.compliance.uncertainty(&third, &third);
-                depth = Some(self.depth_bounds((p, g), (&third, &of_third), [gamma, rest], displaced));
+                let norms = [rest, 2.0 * gamma, rest_of_third + 2.0 * self.compliance.uncertainty(&third, &third)];
+                let rests = Rests { planes: asked, norms: norms.map(f64::sqrt) };
+                let inverse = matrix.try_inverse()?;
+                let place = matrix * of_third;
+                let below = |load| self.depth_below((p, g), &Asked { load, planes, inverse, rests, gamma, displaced });
+                let middle = g.dot(&place);
+                depth = Some([middle - below(place), middle + below(-place)]);
             }
             bounds_of_energy[1] = low + 2.0 * gamma;
             stiffness_error = 0.5 * rest / matrix[(0, 0)];
@@ -168,24 +174,41 @@ impl Punch {
         })
     }
 
-    /// (10): bounds of g* . e under the load of p, m the pressure of the plane c = K^-1 e.
-    fn depth_bounds(
-        &self,
-        (p, g): (&[f64], &Vector3<f64>),
-        (m, c): (&[f64], &Vector3<f64>),
-        [gamma, rest]: [f64; 2],
-        displaced: f64,
-    ) -> [f64; 2] {
-        let (load, asked) = (self.load(p), self.load(m));
-        let size: f64 = (0..3).map(|k| (c[k] * load[k]).abs() + (g[k] * asked[k]).abs()).sum();
+    /// (10): by how much g* . e may fall short of g . e, e the load asked for.
+    fn depth_below(&self, (p, g): (&[f64], &Vector3<f64>), asked: &Asked) -> f64 {
+        let Asked { load: e, planes, inverse, rests, gamma, displaced } = asked;
+        let w = self.load(p);
+        let c = inverse * e;
+        let m = planes.combined(&c);
+        let off_p = self.compliance.off(p);
+        let known = |q: &[f64], off: &[f64]| q.iter().zip(off).map(|(q, off)| q.abs() * off).sum::<f64>();
         // One load, and orthogonality, but for rounding and what the products are known to.
-        let gamma = gamma + 1e-11 * g.iter().zip(&load).map(|(g, w)| (g * w).abs()).sum::<f64>();
-        let rest = rest + displaced * c.iter().zip(&asked).map(|(c, e)| (c * e).abs()).sum::<f64>();
-        let room = (1e-11 + displaced) * size + self.compliance.uncertainty(p, m);
-        let largest = |sign: f64| m.iter().zip(p).map(|(m, p)| sign * m / p).fold(0.0, f64::max);
-        let off = |sign: f64| missed(&[Cut { tau: largest(sign), left: 0.0, of_added: 0.0 }], gamma, rest) + room;
-        let middle = g.dot(&asked);
-        [middle - off(1.0), middle + off(-1.0)]
+        let gamma = gamma + 1e-11 * sizes(g, &w);
+        let largest = |m: &[f64]| m.iter().zip(p).map(|(m, p)| m / p).fold(0.0, f64::max);
+        let cut = |m: &[f64], tau: f64| m.iter().zip(p).map(|(m, p)| (m - tau * p).max(0.0)).collect::<Vec<f64>>();
+        let with = |tau: f64| {
+            // The others take on the load of what is cut off, and are cut anew.
+            let mut q = cut(&m, tau);
+            for _ in 0..CUT_ANEW {
+                q = cut(&planes.combined(&(inverse * (e + self.load(&q)))), tau);
+            }
+            let load = self.load(&q);
+            let more = inverse * load;
+            let added = planes.combined(&more);
+            let left: Vec<f64> = m.iter().zip(&added).zip(&q).map(|((m, added), q)| m + added - q).collect();
+            let (product, off_q) = (self.compliance.product(&q), self.compliance.off(&q));
+            let work: f64 = q.iter().zip(&product).map(|(q, u)| q * u).sum();
+            // Twice <q, rho> = 0, and <q, S q>.
+            let of_q = 1e-11 * (work + sizes(&c, &load) + sizes(&more, &load)) + 2.0 * known(&left, &off_q);
+            let left_of_q = work + of_q + 3.0 * known(&q, &off_q);
+            let rest = (rests.of_asked() + rests.of(&more)).powi(2) + displaced * (sizes(&c, e) + sizes(&more, &load));
+            let room = (1e-11 + displaced) * (sizes(&c, &w) + sizes(g, e) + sizes(&more, &w) + sizes(g, &load))
+                + known(&m, &off_p)
+                + known(&added, &off_p)
+                + known(&q, &off_p);
+            missed(&[Cut { tau: largest(&left), left: left_of_q, of_added: 0.0 }], gamma, rest) + room
+        };
+        halved(largest(&m), rests.of_asked().powi(2) / gamma).map(with).fold(f64::INFINITY, f64::min)
     }
 
     /// From q = 0 down to where a smaller tau gains nothing; `ratio`: a'' over gamma.
@@ -195,18 +218,18 @@ impl Punch {
             let product = self.compliance.product(&q);
             let products = q.iter().zip(&product).zip(&self.weights[0]);
             let [work, load] = products.fold([0.0; 2], |[work, load], ((q, u), area)| [work + q * u, load + q * area]);
+            let off = self.compliance.off(&q);
+            let known = |p: &[f64]| p.iter().zip(&off).map(|(p, off)| p.abs() * off).sum::<f64>();
             // <q, 1 - S m_h> = 0 but for what the solution and the products are rounded by.
-            let rounding = 4e-12 * load + 2.0 * self.compliance.uncertainty(&q, unit);
+            let rounding = 4e-12 * load + 2.0 * known(unit);
             let of_added = added.map_or(0.0, |d| {
                 let (own, size) =
                     product.iter().zip(d).fold((0.0, 0.0), |(s, a), (u, d)| (s + u * d, a + (u * d).abs()));
-                own + 1e-12 * size + self.compliance.uncertainty(&q, d)
+                own + 1e-12 * size + known(d)
             });
-            Cut { tau, left: work + rounding + self.compliance.uncertainty(&q, &q), of_added }
+            Cut { tau, left: work + rounding + known(&q), of_added }
         };
-        let largest = unit.iter().zip(p).map(|(m, p)| m / p).fold(0.0, f64::max);
-        let halved = std::iter::successors(Some(largest), |tau| (tau * tau > 0.5 * ratio).then_some(0.5 * tau));
-        halved.map(left).collect()
+        halved(unit.iter().zip(p).map(|(m, p)| m / p).fold(0.0, f64::max), ratio).map(left).collect()
     }
 
     /// <d, S d> from above, and what is left of <w, d> = 0, twice: of what was added to a pressure that is p with it.
@@ -231,6 +254,55 @@ struct Cut {
     tau: f64,
     left: f64,
     of_added: f64,
+}
+
+/// How often what is cut off a pressure is determined anew, after its load was taken on by the rest.
+const CUT_ANEW: usize = 2;
+
+/// tau from the largest down to where a smaller one gains nothing; `ratio`: a'' over gamma.
+fn halved(largest: f64, ratio: f64) -> impl Iterator<Item = f64> {
+    std::iter::successors(Some(largest), move |tau| (tau * tau > 0.5 * ratio).then_some(0.5 * tau))
+}
+
+/// What is known of the planes that a depth is told by.
+struct Asked<'a> {
+    /// e = (1, x, y) of the place.
+    load: Vector3<f64>,
+    planes: &'a Planes,
+    /// K^-1.
+    inverse: Matrix3<f64>,
+    rests: Rests,
+    gamma: f64,
+    /// What the place of the edges leaves open, relative.
+    displaced: f64,
+}
+
+/// Bounds of the norms sqrt(a(rho, rho)) of three planes, of which the last is the one that is asked for.
+#[derive(Clone, Copy)]
+struct Rests {
+    planes: [Vector3<f64>; 3],
+    norms: [f64; 3],
+}
+
+impl Rests {
+    /// Of the plane that is asked for.
+    fn of_asked(&self) -> f64 {
+        self.norms[2]
+    }
+
+    /// Of any plane, by those that it is made of.
+    fn of(&self, plane: &Vector3<f64>) -> f64 {
+        if *plane == Vector3::zeros() {
+            return 0.0;
+        }
+        let parts = Matrix3::from_columns(&self.planes).try_inverse();
+        parts.map_or(f64::INFINITY, |parts| (parts * plane).abs().dot(&Vector3::from(self.norms)))
+    }
+}
+
+/// sum of |a_k b_k|.
+fn sizes(a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
+    a.component_mul(b).abs().sum()
 }
 
 /// max over X in [0, gamma] of tau X + sqrt(2 (gamma - X) (a'' + <q, S q>)) + <q, S d>, with the best of `cuts`; `rest`: a''.

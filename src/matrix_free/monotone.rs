@@ -9,6 +9,7 @@
 use super::Operators;
 use super::level::{Level, State, occupied};
 use super::operator::Scratch;
+use crate::numeric::simd::dot;
 
 /// From p >= 0 with its residual to the tolerance: true. False when the limit of products is met first. Operators of the whole grid.
 pub(super) fn minimise(level: &Level, operators: &Operators, state: &mut State, scratch: &mut Scratch) -> bool {
@@ -105,15 +106,4 @@ pub(super) fn minimise(level: &Level, operators: &Operators, state: &mut State, 
     }
     level.refresh(operators, state, scratch);
     level.error(state, scratch) <= level.tolerance
-}
-
-/// a . b, in eight sums side by side.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let (mut sums, whole) = ([0.0; 8], a.len() / 8 * 8);
-    for (a, b) in a.chunks_exact(8).zip(b.chunks_exact(8)) {
-        for ((sum, a), b) in sums.iter_mut().zip(a).zip(b) {
-            *sum += a * b;
-        }
-    }
-    sums.iter().sum::<f64>() + a[whole..].iter().zip(&b[whole..]).map(|(a, b)| a * b).sum::<f64>()
 }
