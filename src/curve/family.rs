@@ -63,6 +63,9 @@ impl<'a> Family<'a> {
         {
             self.similar = self.contact.gap().known().law.map(|law| (state.clone(), law));
         }
+        // The curve is known no better than the worst of them: the next ones need not be.
+        let worst = states.iter().filter_map(|state| state.force_error).fold(0.0, f64::max);
+        self.settings.tolerance = self.settings.tolerance.max((OF_WORST * worst).min(self.tolerance));
         Ok(states.iter().map(|state| sample(self.contact, state)).collect())
     }
 
@@ -148,6 +151,9 @@ impl<'a> Family<'a> {
         Ok(other.ok().filter(|other| error(other) < error(&state)).unwrap_or(state))
     }
 }
+
+/// Share of the error of the worst state that others may have.
+const OF_WORST: f64 = 0.5;
 
 /// Steps in which a tolerance becomes looser.
 const LOOSER: f64 = 3.0;
