@@ -282,6 +282,8 @@ fn six_decades_of_a_truncated_pyramid() {
     println!("solves {}, estimates {said:?}, missed {worst:e} {slopes:e}", curve.solves());
     assert!(worst <= 1e-3 && worst <= said[0], "{worst:e}");
     assert!(slopes <= 1e-3 && slopes <= said[1], "{slopes:e}");
+    // The values tell the slopes better than the grids do: 54 states where they are not asked.
+    assert!(curve.solves() <= 40, "{}", curve.solves());
 }
 
 /// Depths at which the curve over six decades is checked.

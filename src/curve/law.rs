@@ -41,6 +41,10 @@ pub(super) struct Law {
     knots: Vec<[f64; 3]>,
     /// Relative doubt of each slope.
     doubts: Vec<f64>,
+    /// Whether a slope is at an end, or where its doubt ends: the values alone do not tell it.
+    held: Vec<bool>,
+    /// Relative errors of the values that differ from one state to the next.
+    noise: Vec<f64>,
     /// Estimates of the largest relative errors of force and slope in each interval between two states, those of the states included.
     pub errors: Vec<[f64; 2]>,
 }
@@ -68,8 +72,8 @@ impl Law {
         // One an interval: how far the law missed the state in its middle when it was halved last, relative.
         let mut found = vec![0.0; states.len() - 1];
         loop {
-            let law = Self::through(&states, first_touch);
-            let noise = |k: usize| doubt(&states[k]).max(doubt(&states[k + 1]));
+            let law = Self::through(&states, first_touch, &doubt);
+            let noise = |k: usize| law.noise[k].max(law.noise[k + 1]);
             let open = |k: usize| {
                 let narrow = law.knots[k + 1][0] < (1.0 + 1e-6) * law.knots[k][0];
                 let open = law.left_in(k, found[k]);
@@ -128,12 +132,21 @@ impl Law {
         [own, slope]
     }
 
-    /// Estimate of the error in the middle of an interval, from its neighbours: with h its width and c a state beside it,
-    /// the term of fourth degree, (h/2)^4 q, that y(c) or y'(c) asks for on top of the cubic piece y3,
-    /// q = (y - y3)/[(c - a)^2 (c - b)^2] = (y' - y3')/[2 (c - a)(c - b)(2 c - a - b)].
+    /// Estimate of the error in the middle of an interval: (h/2)^4 q, h its width.
     fn unseen(&self, k: usize) -> f64 {
-        let ([a, b], [pa, _]) = ([self.knots[k][0], self.knots[k + 1][0]], [self.knots[k][1], self.knots[k + 1][1]]);
-        let h = (b / a).ln();
+        HIGHER * (0.5 * self.width(k)).powi(4) * self.fourth_degree(k)
+    }
+
+    /// h, in ln s.
+    fn width(&self, k: usize) -> f64 {
+        (self.knots[k + 1][0] / self.knots[k][0]).ln()
+    }
+
+    /// The factor q of the fourth degree in an interval, from its neighbours: with h its width and c a state beside it,
+    /// the one that y(c) or y'(c) asks for on top of the cubic piece y3,
+    /// q = (y - y3)/[(c - a)^2 (c - b)^2] = (y' - y3')/[2 (c - a)(c - b)(2 c - a - b)].
+    fn fourth_degree(&self, k: usize) -> f64 {
+        let ([a, b], pa) = ([self.knots[k][0], self.knots[k + 1][0]], self.knots[k][1]);
         let beside = [k.checked_sub(1), Some(k + 2)];
         let terms = beside.into_iter().flatten().filter_map(|n| self.knots.get(n)).map(|&[c, p, m]| {
             let [rise, slope] = self.piece(k, c);
@@ -142,16 +155,29 @@ impl Law {
             let by_slope = (m - slope).abs() / (2.0 * u * v * (u + v)).abs();
             by_value.max(by_slope)
         });
-        HIGHER * (0.5 * h).powi(4) * terms.fold(0.0, f64::max)
+        terms.fold(0.0, f64::max)
     }
 
     /// What the slopes leave open in the middle of an interval, h/8 of the difference of their errors.
     fn unsure(&self, k: usize) -> f64 {
-        let ([a, _, m], [b, _, n]) = (self.knots[k], self.knots[k + 1]);
-        (b / a).ln() * (m * self.doubts[k]).max(n * self.doubts[k + 1]) / 8.0
+        self.width(k) * self.doubt_of_slope(k).max(self.doubt_of_slope(k + 1)) / 8.0
     }
 
-    fn through(states: &[Sample], first_touch: f64) -> Self {
+    /// What a slope may be off by: the doubt of that of its state, or what errors of the values and the term of fourth degree make of the
+    /// one that bends the law least.
+    fn doubt_of_slope(&self, k: usize) -> f64 {
+        let of_state = self.knots[k][2] * self.doubts[k];
+        if self.held[k] {
+            return of_state;
+        }
+        let by_values = |i: usize| {
+            let h = self.width(i);
+            SLOPE_OF_NOISE * (self.noise[i] + self.noise[i + 1]) / h + h.powi(3) * self.fourth_degree(i)
+        };
+        of_state.min(by_values(k - 1).max(by_values(k)))
+    }
+
+    fn through(states: &[Sample], first_touch: f64, noise: impl Fn(&Sample) -> f64) -> Self {
         let given: Vec<[f64; 3]> = states
             .iter()
             .map(|state| {
@@ -166,11 +192,18 @@ impl Law {
             state.stiffness_error.map_or(of_grids, |stated| of_grids.min(stated + own))
         };
         let doubts: Vec<f64> = states.iter().map(doubt).collect();
-        let mut law = Self { knots: given.clone(), doubts: doubts.clone(), errors: Vec::new() };
+        let mut law = Self {
+            knots: given.clone(),
+            held: vec![true; given.len()],
+            noise: states.iter().map(noise).collect(),
+            doubts: doubts.clone(),
+            errors: Vec::new(),
+        };
         for _ in 0..SWEEPS {
             for k in 1..given.len() - 1 {
-                let m = given[k][2];
-                law.knots[k][2] = law.smooth(k).max(m * (1.0 - doubts[k])).min(m * (1.0 + doubts[k])).max(1.0);
+                let (m, smooth) = (given[k][2], law.smooth(k));
+                let taken = smooth.max(m * (1.0 - doubts[k])).min(m * (1.0 + doubts[k])).max(1.0);
+                (law.knots[k][2], law.held[k]) = (taken, taken != smooth);
             }
         }
         law
