@@ -308,6 +308,29 @@ fn estimates_asked_for_by_the_command_are_accepted() {
     }
 }
 
+/// What options of `solve` said in place of the scene, options of `check` say as well.
+#[test]
+fn results_of_other_settings_are_checked_with_these() {
+    let directory = tempfile::tempdir().unwrap();
+    let flat = json!({"kind": "flat", "outline": {"polygon": [[-1e-3, -2e-3], [2e-3, 0.0], [0.0, 1e-3]]}});
+    let worn = json!({"kind": "vickers", "flat": 1.0285e-5});
+    for (gap, depth, options) in [
+        (worn, 1.23e-6, &["--tolerance", "1e-2", "--evidence", "estimate"][..]),
+        (flat, 1e-6, &["--tolerance", "5e-3"]),
+        (pyramid(), 1e-6, &["--method", "fft", "--cells", "40", "--tolerance", "0.2"]),
+    ] {
+        let scene = scene(gap, json!({"depth": depth}), json!({}), json!(["patch", "pressure"]));
+        std::fs::write(directory.path().join("scene.json"), scene.to_string()).unwrap();
+        let (code, text) =
+            run(&[&["solve", "scene.json", "--json", "result.json"], options].concat(), directory.path());
+        assert_eq!(code, 0, "{text}");
+        let (code, text) = run(&[&["check", "scene.json", "result.json"], options].concat(), directory.path());
+        assert_eq!(code, 0, "{scene}\n{text}");
+    }
+    let (code, text) = run(&["check", "scene.json", "result.json", "--tolerance", "-1"], directory.path());
+    assert!(code == 2 && text.contains("--tolerance"), "{text}");
+}
+
 #[test]
 fn what_is_no_result_is_an_error_with_its_path() {
     let directory = tempfile::tempdir().unwrap();

@@ -148,7 +148,7 @@ impl State<'_> {
         found.require((0.0..1.0).contains(&error), format!("the stated error {error:e} is from 0 to 1"));
         if error > scene.settings.tolerance {
             found.checked.push(format!(
-                "the stated error {error:.1e} is larger than the tolerance of the scene, {:.1e}: solved with another one",
+                "the stated error {error:.1e} is larger than the tolerance of the scene, {:.1e}: solved with another one (--tolerance)",
                 scene.settings.tolerance
             ));
         }

@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use clap::Args;
 
 use super::outputs::MainOutput;
-use super::{Failure, Threads, inputs, scene};
+use super::{Failure, Overrides, Threads, inputs, scene};
 use crate::check::{State, Verification};
 use crate::error::InputError;
 use crate::problem::Loading;
@@ -25,6 +25,9 @@ pub(super) struct Check {
     /// Take the values of the pressure from a NumPy array, [j, i] = cell (i, j), in place of those in the result
     #[arg(long, value_name = "FILE.npy")]
     field: Option<PathBuf>,
+    /// What it was solved with in place of what the scene says
+    #[command(flatten)]
+    overrides: Overrides,
     #[command(flatten)]
     threads: Threads,
     #[command(flatten)]
@@ -33,7 +36,8 @@ pub(super) struct Check {
 
 impl Check {
     pub(super) fn run(&self) -> Result<ExitCode, Failure> {
-        let scene = scene(&self.scene)?;
+        let mut scene = scene(&self.scene)?;
+        self.overrides.apply(&mut scene.settings).map_err(|e| Failure::wrong("arguments", &e))?;
         let threads = self.threads.checked()?;
         let mut read_files = inputs(&self.scene, &scene);
         read_files.extend(self.field.iter().chain([&self.result]).cloned());
