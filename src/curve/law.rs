@@ -88,8 +88,7 @@ impl Law {
             wide.truncate(most.saturating_sub(states.len()));
             wide.sort_unstable();
             if wide.is_empty() {
-                let own: Vec<[f64; 2]> =
-                    (0..found.len()).map(|k| law.errors_in(k, &states, found[k], &doubt)).collect();
+                let own: Vec<[f64; 2]> = (0..found.len()).map(|k| law.errors_in(k, &states, found[k])).collect();
                 // Of the force no part of the curve is taken to be better known than the rest; a slope is as near as the slopes beside it.
                 let forces = own.iter().map(|e| e[0]).fold(0.0, f64::max)
                     + (0..found.len()).map(|k| law.left_in(k, found[k])).fold(0.0, f64::max);
@@ -117,12 +116,11 @@ impl Law {
 
     /// Estimates of the relative errors between the states k and k + 1: of the force, by those of the states; of the slope, by what lies
     /// between them.
-    fn errors_in(&self, k: usize, states: &[Sample], missed: f64, doubt: &impl Fn(&Sample) -> f64) -> [f64; 2] {
+    fn errors_in(&self, k: usize, states: &[Sample], missed: f64) -> [f64; 2] {
         let own = [k, k + 1].iter().filter_map(|&k| states[k].force_error).fold(0.0, f64::max);
         let left = self.left_in(k, missed);
-        let ([a, _, m], [b, _, n]) = (self.knots[k], self.knots[k + 1]);
-        let h = (b / a).ln();
-        let by_values = SLOPE_OF_NOISE * (doubt(&states[k]) + doubt(&states[k + 1])) / h;
+        let ([_, _, m], [_, _, n], h) = (self.knots[k], self.knots[k + 1], self.width(k));
+        let by_values = SLOPE_OF_NOISE * (self.noise[k] + self.noise[k + 1]) / h;
         // A slope is never farther from the one of its state than that is doubted; at the ends it is that one.
         let doubted = [m * self.doubts[k], n * self.doubts[k + 1]];
         let ends = [k == 0, k + 2 == self.knots.len()];

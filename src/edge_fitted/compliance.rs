@@ -192,12 +192,17 @@ impl Compliance {
 
     /// sum over a, b of |p_a q_b| error: what <p, S q> may be off.
     pub fn uncertainty(&self, p: &[f64], q: &[f64]) -> f64 {
-        p.iter().zip(self.off(q)).map(|(p, off)| p.abs() * off).sum()
+        known_to(p, &self.off(q))
     }
 
     fn rows(&self, of: &[f64], p: &[f64]) -> Vec<f64> {
         wide(|| of.chunks_exact(self.n).map(|row| simd::dot(row, p)).collect())
     }
+}
+
+/// What <p, u> may be off, where each entry of u may be off by `off`.
+pub(super) fn known_to(p: &[f64], off: &[f64]) -> f64 {
+    p.iter().zip(off).map(|(p, off)| p.abs() * off).sum()
 }
 
 /// int int 1/r over the representative of orbit a and cell j, for every pair but for the symmetries and the order; `None` once the time is

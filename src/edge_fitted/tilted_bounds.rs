@@ -3,6 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::active_set::Planes;
+use super::compliance::known_to;
 use super::flat::usual_width;
 use super::mesh::Point;
 use super::outline::{COARSEST, Outline};
@@ -181,16 +182,13 @@ impl Punch {
         let c = inverse * e;
         let m = planes.combined(&c);
         let off_p = self.compliance.off(p);
-        let known = |q: &[f64], off: &[f64]| q.iter().zip(off).map(|(q, off)| q.abs() * off).sum::<f64>();
         // One load, and orthogonality, but for rounding and what the products are known to.
         let gamma = gamma + 1e-11 * sizes(g, &w);
-        let largest = |m: &[f64]| m.iter().zip(p).map(|(m, p)| m / p).fold(0.0, f64::max);
-        let cut = |m: &[f64], tau: f64| m.iter().zip(p).map(|(m, p)| (m - tau * p).max(0.0)).collect::<Vec<f64>>();
         let with = |tau: f64| {
             // The others take on the load of what is cut off, and are cut anew.
-            let mut q = cut(&m, tau);
+            let mut q = cut_off(&m, tau, p);
             for _ in 0..CUT_ANEW {
-                q = cut(&planes.combined(&(inverse * (e + self.load(&q)))), tau);
+                q = cut_off(&planes.combined(&(inverse * (e + self.load(&q)))), tau, p);
             }
             let load = self.load(&q);
             let more = inverse * load;
@@ -199,37 +197,36 @@ impl Punch {
             let (product, off_q) = (self.compliance.product(&q), self.compliance.off(&q));
             let work: f64 = q.iter().zip(&product).map(|(q, u)| q * u).sum();
             // Twice <q, rho> = 0, and <q, S q>.
-            let of_q = 1e-11 * (work + sizes(&c, &load) + sizes(&more, &load)) + 2.0 * known(&left, &off_q);
-            let left_of_q = work + of_q + 3.0 * known(&q, &off_q);
+            let of_q = 1e-11 * (work + sizes(&c, &load) + sizes(&more, &load)) + 2.0 * known_to(&left, &off_q);
+            let left_of_q = work + of_q + 3.0 * known_to(&q, &off_q);
             let rest = (rests.of_asked() + rests.of(&more)).powi(2) + displaced * (sizes(&c, e) + sizes(&more, &load));
             let room = (1e-11 + displaced) * (sizes(&c, &w) + sizes(g, e) + sizes(&more, &w) + sizes(g, &load))
-                + known(&m, &off_p)
-                + known(&added, &off_p)
-                + known(&q, &off_p);
-            missed(&[Cut { tau: largest(&left), left: left_of_q, of_added: 0.0 }], gamma, rest) + room
+                + known_to(&m, &off_p)
+                + known_to(&added, &off_p)
+                + known_to(&q, &off_p);
+            missed(&[Cut { tau: largest(&left, p), left: left_of_q, of_added: 0.0 }], gamma, rest) + room
         };
-        halved(largest(&m), rests.of_asked().powi(2) / gamma).map(with).fold(f64::INFINITY, f64::min)
+        halved(largest(&m, p), rests.of_asked().powi(2) / gamma).map(with).fold(f64::INFINITY, f64::min)
     }
 
     /// From q = 0 down to where a smaller tau gains nothing; `ratio`: a'' over gamma.
     fn cuts(&self, unit: &[f64], p: &[f64], added: Option<&[f64]>, ratio: f64) -> Vec<Cut> {
         let left = |tau: f64| {
-            let q: Vec<f64> = unit.iter().zip(p).map(|(m, p)| (m - tau * p).max(0.0)).collect();
+            let q = cut_off(unit, tau, p);
             let product = self.compliance.product(&q);
             let products = q.iter().zip(&product).zip(&self.weights[0]);
             let [work, load] = products.fold([0.0; 2], |[work, load], ((q, u), area)| [work + q * u, load + q * area]);
             let off = self.compliance.off(&q);
-            let known = |p: &[f64]| p.iter().zip(&off).map(|(p, off)| p.abs() * off).sum::<f64>();
             // <q, 1 - S m_h> = 0 but for what the solution and the products are rounded by.
-            let rounding = 4e-12 * load + 2.0 * known(unit);
+            let rounding = 4e-12 * load + 2.0 * known_to(unit, &off);
             let of_added = added.map_or(0.0, |d| {
                 let (own, size) =
                     product.iter().zip(d).fold((0.0, 0.0), |(s, a), (u, d)| (s + u * d, a + (u * d).abs()));
-                own + 1e-12 * size + known(d)
+                own + 1e-12 * size + known_to(d, &off)
             });
-            Cut { tau, left: work + rounding + known(&q), of_added }
+            Cut { tau, left: work + rounding + known_to(&q, &off), of_added }
         };
-        halved(unit.iter().zip(p).map(|(m, p)| m / p).fold(0.0, f64::max), ratio).map(left).collect()
+        halved(largest(unit, p), ratio).map(left).collect()
     }
 
     /// <d, S d> from above, and what is left of <w, d> = 0, twice: of what was added to a pressure that is p with it.
@@ -258,6 +255,16 @@ struct Cut {
 
 /// How often what is cut off a pressure is determined anew, after its load was taken on by the rest.
 const CUT_ANEW: usize = 2;
+
+/// The largest m/p, 0 at least.
+fn largest(m: &[f64], p: &[f64]) -> f64 {
+    m.iter().zip(p).map(|(m, p)| m / p).fold(0.0, f64::max)
+}
+
+/// q = max(m - tau p, 0).
+fn cut_off(m: &[f64], tau: f64, p: &[f64]) -> Vec<f64> {
+    m.iter().zip(p).map(|(m, p)| (m - tau * p).max(0.0)).collect()
+}
 
 /// tau from the largest down to where a smaller one gains nothing; `ratio`: a'' over gamma.
 fn halved(largest: f64, ratio: f64) -> impl Iterator<Item = f64> {

@@ -1,4 +1,4 @@
-//! Loops compiled for the widest vector unit of the machine, and a logarithm that such loops can inline.
+//! Loops compiled for the widest vector unit of the machine, and a product and a logarithm that such loops can inline.
 
 /// A loop to be compiled for several machines: `run` and all that it calls are `#[inline(always)]`.
 pub(crate) trait Kernel {
