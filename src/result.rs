@@ -9,6 +9,7 @@
 //! | key | value |
 //! |---|---|
 //! | `scene` | the scene as it was read |
+//! | `options` | `{method?, cells?, kernel?, evidence?, tolerance?}`: what was said in place of the scene's own `solve`, by options of the command; left out where nothing was |
 //! | `method` | what ran |
 //! | `origin` | how the force was found: `{kind, grids?, count?, turned?}`, `kind` one of `closed_form`, `approximate`, `one_grid`, `many_grids`, `separate_contacts`, `edge_fitted`, `no_contact`; `turned`, degrees, where it was solved along other axes: the pressure field is then a mean, over upright cells, of that of turned ones |
 //! | `grid` | `{shape, spacing}` of the finest grid |
@@ -45,7 +46,7 @@ use std::borrow::Cow;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use crate::scene::Json;
+use crate::scene::{Json, SolveOptions};
 
 /// A word or a sentence.
 pub(crate) type Word<'a> = Cow<'a, str>;
@@ -56,6 +57,8 @@ pub(crate) type Word<'a> = Cow<'a, str>;
 pub(crate) struct Document<'a> {
     #[serde(skip_deserializing)]
     pub scene: Option<&'a Json>,
+    #[serde(skip_deserializing, skip_serializing_if = "Option::is_none")]
+    pub options: Option<SolveOptions>,
     #[serde(skip_serializing_if = "Column::is_left_out")]
     pub method: Column<Word<'a>>,
     #[serde(skip_serializing_if = "Column::is_left_out")]

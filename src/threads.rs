@@ -18,3 +18,26 @@ pub(crate) fn each<T: Sync, R: Send, E: Send>(
     let _ = threads;
     items.iter().map(work).collect()
 }
+
+/// Does work with this many threads for what it spreads by [`each_here`].
+#[cfg(feature = "cli")]
+pub(crate) fn with<R: Send>(threads: usize, work: impl FnOnce() -> R + Send) -> R {
+    #[cfg(feature = "parallel")]
+    if threads > 1
+        && let Ok(pool) = rayon::ThreadPoolBuilder::new().num_threads(threads).build()
+    {
+        return pool.install(work);
+    }
+    let _ = threads;
+    work()
+}
+
+/// Does the work for each item, on the threads that work was begun with by [`with`] or [`each`]; in their order where it was not.
+pub(crate) fn each_here<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<R> {
+    #[cfg(feature = "parallel")]
+    if rayon::current_thread_index().is_some() {
+        use rayon::prelude::*;
+        return items.par_iter().map(&work).collect();
+    }
+    items.iter().map(work).collect()
+}

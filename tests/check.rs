@@ -308,27 +308,50 @@ fn estimates_asked_for_by_the_command_are_accepted() {
     }
 }
 
-/// What options of `solve` said in place of the scene, options of `check` say as well.
+/// What options of `solve` said in place of the scene the result tells, and `check` goes by it; so it does by options of its own.
 #[test]
 fn results_of_other_settings_are_checked_with_these() {
     let directory = tempfile::tempdir().unwrap();
     let flat = json!({"kind": "flat", "outline": {"polygon": [[-1e-3, -2e-3], [2e-3, 0.0], [0.0, 1e-3]]}});
     let worn = json!({"kind": "vickers", "flat": 1.0285e-5});
-    for (gap, depth, options) in [
-        (worn, 1.23e-6, &["--tolerance", "1e-2", "--evidence", "estimate"][..]),
-        (flat, 1e-6, &["--tolerance", "5e-3"]),
-        (pyramid(), 1e-6, &["--method", "fft", "--cells", "40", "--tolerance", "0.2"]),
+    for (gap, depth, options, told) in [
+        (
+            worn,
+            1.23e-6,
+            &["--tolerance", "1e-2", "--evidence", "estimate"][..],
+            json!({"tolerance": 1e-2, "evidence": "estimate"}),
+        ),
+        (flat, 1e-6, &["--tolerance", "5e-3", "--method", "auto"], json!({"tolerance": 5e-3})),
+        (
+            pyramid(),
+            1e-6,
+            &["--method", "fft", "--cells", "40", "--tolerance", "0.2"],
+            json!({"method": "fft", "cells": 40, "tolerance": 0.2}),
+        ),
     ] {
         let scene = scene(gap, json!({"depth": depth}), json!({}), json!(["patch", "pressure"]));
         std::fs::write(directory.path().join("scene.json"), scene.to_string()).unwrap();
         let (code, text) =
             run(&[&["solve", "scene.json", "--json", "result.json"], options].concat(), directory.path());
         assert_eq!(code, 0, "{text}");
-        let (code, text) = run(&[&["check", "scene.json", "result.json"], options].concat(), directory.path());
-        assert_eq!(code, 0, "{scene}\n{text}");
+        let mut result: Value =
+            serde_json::from_slice(&std::fs::read(directory.path().join("result.json")).unwrap()).unwrap();
+        assert_eq!(result["options"], told);
+        for options in [&[][..], options] {
+            let (code, text) = run(&[&["check", "scene.json", "result.json"], options].concat(), directory.path());
+            assert_eq!(code, 0, "{scene}\n{text}");
+        }
+        let force = result["force"].as_f64().unwrap();
+        result["force"] = json!(force * 1.1);
+        assert_eq!(check(&result, directory.path()).0, 1, "{scene}");
+        result["options"]["tolerance"] = json!(-1.0);
+        let (code, text) = check(&result, directory.path());
+        assert!(code == 2 && text.contains("options.tolerance"), "{text}");
     }
     let (code, text) = run(&["check", "scene.json", "result.json", "--tolerance", "-1"], directory.path());
     assert!(code == 2 && text.contains("--tolerance"), "{text}");
+    let plain = scene(pyramid(), json!({"depth": 1e-6}), json!({"method": "fft", "cells": 40}), json!([]));
+    assert_eq!(solve(&plain, directory.path()).get("options"), None);
 }
 
 #[test]

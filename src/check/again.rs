@@ -51,7 +51,7 @@ impl State<'_> {
             pressure: self.field.is_some(),
             patch: self.get(key!(patch.boundary)).is_some(),
             energy: self.get(key!(energy)).is_some(),
-            bracket: by_cells && scene.settings.outputs.bracket,
+            bracket: (by_cells || self.is_bounded_again()) && scene.settings.outputs.bracket,
             gap: by_cells && self.get(key!(gap.field)).is_some(),
             ..Outputs::default()
         };
@@ -104,12 +104,14 @@ impl State<'_> {
             _ => APPROXIMATE,
         };
         self.agrees_with(&own, share, other_cells, found);
+        if by_cells || self.is_bounded_again() {
+            self.holds_bracket_of(&own, other_cells, found);
+        }
         if by_cells {
             self.origin_is_that_of(&own, other_cells, found);
             if let Some(residuals) = own.residuals {
                 self.residuals(&residuals, "those found again", found);
             }
-            self.holds_bracket_of(&own, other_cells, found);
             if let Load::ForceMoment { .. } = load {
                 self.is_tilted_as(&own, share, found);
             }
@@ -164,7 +166,10 @@ impl State<'_> {
 
     /// The bracket that is claimed holds the one that was found again, or, on other cells, lies about it.
     fn holds_bracket_of(&self, own: &Solution, other_cells: bool, found: &mut Verification) {
-        let (Some(claimed), Some(own)) = (&self.bracket, &own.bracket) else { return };
+        let Some(claimed) = &self.bracket else { return };
+        let Some(own) = &own.bracket else {
+            return found.require(false, format!("there is a bracket of {}", self.method));
+        };
         let (lower, upper) = (own.lower(), own.upper());
         let room = if other_cells { ABOUT * (upper - lower) } else { 0.0 };
         found.require(

@@ -50,9 +50,16 @@ impl State<'_> {
         Ok(found)
     }
 
-    /// Whether it is solved again as a whole, its bounds among the rest.
-    fn is_solved_again(&self) -> bool {
-        self.is_turned() || matches!(self.origin.as_str(), "edge_fitted" | "separate_contacts")
+    /// Whether its bounds are found again, by solving it as a whole or, where a formula comes without their fields, by the same grids.
+    pub(super) fn is_bounded_again(&self) -> bool {
+        let by_fields = |b: &Bounds| !b.needs_no_field() && !b.is_of_energy();
+        let has_field = |p: &Option<Proof>| p.as_ref().is_some_and(|p| p.pressure.is_some());
+        let lacking = |b: &Bounds| by_fields(b) && !(has_field(&b.above) && has_field(&b.below));
+        match self.origin.as_str() {
+            "edge_fitted" | "separate_contacts" => true,
+            "closed_form" | "approximate" => self.bracket.as_ref().is_some_and(lacking),
+            _ => self.is_turned(),
+        }
     }
 
     /// Whether it was solved along axes other than the user's: the field is a mean of that of turned cells, and shows nothing by itself.
@@ -226,8 +233,8 @@ impl State<'_> {
             self.origin == "approximate" || (claimed.lower - room <= self.force && self.force <= claimed.upper + room),
             format!("the force {:e} lies in the bracket, but for its own error", self.force),
         );
-        let checked = if self.is_solved_again() {
-            // With the other numbers, by the same cells.
+        let checked = if self.is_bounded_again() {
+            // With the other numbers, by the same cells or grids.
             Verification::default()
         } else if claimed.is_of_energy() {
             let own = claimed.above.as_ref().and_then(|above| above.pressure.as_ref());

@@ -13,6 +13,7 @@ use rustfft::num_complex::Complex64;
 
 use super::one_cell::{mean_over_cell, of_cell};
 use crate::grid::Grid;
+use crate::threads::each_here;
 
 /// Largest k + j.
 const ORDER: usize = 6;
@@ -96,10 +97,12 @@ impl<'a> Summation<'a> {
             Receiver::Point(at) => at,
             Receiver::Mean => [0.5; 2],
         };
-        let mut u = vec![0.0; nx * ny];
-        for bj in (0..ny).step_by(BLOCK) {
+        // The rows of one row of blocks.
+        let strip = |&bj: &usize| {
+            let rows = bj..(bj + BLOCK).min(ny);
+            let mut u = vec![0.0; nx * rows.len()];
             for bi in (0..nx).step_by(BLOCK) {
-                let (rows, columns) = (bj..(bj + BLOCK).min(ny), bi..(bi + BLOCK).min(nx));
+                let columns = bi..(bi + BLOCK).min(nx);
                 if !rows.clone().any(|j| columns.clone().any(|i| wanted[j * nx + i])) {
                     continue;
                 }
@@ -107,7 +110,7 @@ impl<'a> Summation<'a> {
                 let high = [columns.end as f64 * self.h[0], rows.end as f64 * self.h[1]];
                 let (mut far, mut close) = (Vec::new(), Vec::new());
                 sort(&levels, low, high, &mut far, &mut close);
-                for j in rows {
+                for j in rows.clone() {
                     for i in columns.clone().filter(|i| wanted[j * nx + i]) {
                         let at = [(i as f64 + shift[0]) * self.h[0], (j as f64 + shift[1]) * self.h[1]];
                         let mut sum: f64 = far.iter().map(|block| block.at(at)).sum();
@@ -121,12 +124,14 @@ impl<'a> Summation<'a> {
                                 sum += row.iter().zip(weights).map(|(p, w)| p * w).sum::<f64>();
                             }
                         }
-                        u[j * nx + i] = sum * self.unit;
+                        u[(j - bj) * nx + i] = sum * self.unit;
                     }
                 }
             }
-        }
-        u
+            u
+        };
+        let starts: Vec<usize> = (0..ny).step_by(BLOCK).collect();
+        each_here(&starts, strip).concat()
     }
 
     /// Displacement at some points, anywhere.

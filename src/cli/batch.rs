@@ -17,13 +17,13 @@ use super::outputs::outputs;
 use super::progress::Progress;
 use super::table::TableOptions;
 use super::voice::Voice;
-use super::{Failure, Overrides, checked_threads};
+use super::{Failure, checked_threads};
 use crate::clock::Deadline;
 use crate::error::InputError;
 use crate::problem::Settings;
 use crate::report;
-use crate::scene::Scene;
 use crate::scene::settings::checked_seconds;
+use crate::scene::{Scene, SolveOptions};
 
 /// Lines in flight for each worker: enough that none waits for a slow neighbour.
 const WINDOW: usize = 32;
@@ -40,7 +40,7 @@ const LONGEST: usize = crate::scene::LONGEST as usize;
 #[derive(Args)]
 pub(super) struct Batch {
     #[command(flatten)]
-    overrides: Overrides,
+    options: SolveOptions,
     /// Scenes solved at the same time; by default as many as there are cores
     #[arg(long, visible_alias = "threads", value_name = "N")]
     jobs: Option<usize>,
@@ -72,7 +72,7 @@ type Answer = (Vec<u8>, bool);
 impl Batch {
     pub(super) fn run(&self, voice: Voice) -> Result<ExitCode, Failure> {
         // Wrong options are wrong for every line: say so once.
-        self.overrides.apply(&mut Default::default()).map_err(|e| Failure::wrong("arguments", &e))?;
+        self.options.apply("--", &mut Default::default()).map_err(|e| Failure::wrong("arguments", &e))?;
         let jobs = checked_threads("--jobs", self.jobs)?;
         let wrong = |e: &InputError| Failure::wrong("arguments", e);
         if let Some(seconds) = self.seconds {
@@ -113,9 +113,9 @@ impl Batch {
 
     /// The rows of a table.
     fn rows(&self, files: [&Path; 2], jobs: usize, mut to: Box<dyn Write + Send>) -> Result<ExitCode, Failure> {
-        let (overrides, seconds) = (self.overrides.clone(), self.seconds);
+        let (options, seconds) = (self.options.clone(), self.seconds);
         let adjust = move |settings: &mut Settings| {
-            overrides.apply(settings)?;
+            options.apply("--", settings)?;
             settings.seconds = seconds.unwrap_or(settings.seconds);
             few_cells(settings)
         };
@@ -149,7 +149,7 @@ impl Batch {
                 Some(root) => Scene::from_json_within(&line, root)?,
                 None => Scene::from_json(&line)?,
             };
-            self.overrides.apply(&mut scene.settings)?;
+            self.options.apply("--", &mut scene.settings)?;
             let settings = &mut scene.settings;
             settings.deadline = deadline;
             if self.seconds == Some(0.0) {

@@ -6,12 +6,12 @@ use std::process::ExitCode;
 use clap::Args;
 
 use super::outputs::MainOutput;
-use super::{Failure, Overrides, Threads, inputs, scene};
+use super::{Failure, Threads, inputs, scene};
 use crate::check::{State, Verification};
 use crate::error::InputError;
 use crate::problem::Loading;
-use crate::scene::{Json, Scene};
-use crate::threads::each;
+use crate::scene::{Json, Scene, SolveOptions};
+use crate::threads::{each, with};
 
 /// Check a result by direct summation: exit 0 accepted, 1 refused
 #[derive(Args)]
@@ -25,9 +25,9 @@ pub(super) struct Check {
     /// Take the values of the pressure from a NumPy array, [j, i] = cell (i, j), in place of those in the result
     #[arg(long, value_name = "FILE.npy")]
     field: Option<PathBuf>,
-    /// What it was solved with in place of what the scene says
+    /// What it was solved with, where neither the scene nor the result says so
     #[command(flatten)]
-    overrides: Overrides,
+    options: SolveOptions,
     #[command(flatten)]
     threads: Threads,
     #[command(flatten)]
@@ -37,7 +37,6 @@ pub(super) struct Check {
 impl Check {
     pub(super) fn run(&self) -> Result<ExitCode, Failure> {
         let mut scene = scene(&self.scene)?;
-        self.overrides.apply(&mut scene.settings).map_err(|e| Failure::wrong("arguments", &e))?;
         let threads = self.threads.checked()?;
         let mut read_files = inputs(&self.scene, &scene);
         read_files.extend(self.field.iter().chain([&self.result]).cloned());
@@ -45,6 +44,9 @@ impl Check {
         let wrong = |e: &InputError| Failure::wrong(self.result.display(), e);
         let text = read(&self.result, LONGEST)?;
         let result = Json::parse(&text).map_err(|e| wrong(&e))?;
+        let told = SolveOptions::told_in(&result).map_err(|e| wrong(&e))?;
+        told.apply("options.", &mut scene.settings).map_err(|e| wrong(&e))?;
+        self.options.apply("--", &mut scene.settings).map_err(|e| Failure::wrong("arguments", &e))?;
         let loads = scene.contact.loading().loads();
         let many = matches!(scene.contact.loading(), Loading::Steps(_));
         if self.field.is_some() && many {
@@ -66,7 +68,8 @@ impl Check {
                 states.push((k, *load, state));
             }
         }
-        let all = each(&states, threads, |(_, load, state)| state.check(&scene, *load)).map_err(|e| wrong(&e))?;
+        let all = with(threads, || each(&states, threads, |(_, load, state)| state.check(&scene, *load)));
+        let all = all.map_err(|e| wrong(&e))?;
         for ((k, ..), checked) in states.iter().zip(all) {
             if many {
                 lines.push(format!("state {}:", k + 1));

@@ -7,12 +7,12 @@ use clap::{Args, ValueEnum};
 
 use super::outputs::outputs;
 use super::voice::Voice;
-use super::{Failure, Overrides, Threads, fmu, inputs, scene};
+use super::{Failure, Threads, fmu, inputs, scene};
 use crate::curve::{About, Beyond, Curve};
 use crate::error::InputError;
 use crate::plot;
 use crate::problem::Settings;
-use crate::scene::Scene;
+use crate::scene::{Scene, SolveOptions};
 use crate::solution::Unsolved;
 use crate::units::UnitLabels;
 
@@ -32,7 +32,7 @@ pub(super) struct CurveCommand {
     #[arg(value_name = "SCENE")]
     scene: PathBuf,
     #[command(flatten)]
-    overrides: Overrides,
+    options: SolveOptions,
     /// Relative error of the force that is good enough between the states; that of the stiffness is about ten times as large
     #[arg(long, value_name = "E", default_value_t = 1e-4, allow_negative_numbers = true)]
     accuracy: f64,
@@ -105,7 +105,7 @@ impl CurveCommand {
     pub(super) fn run(&self, voice: Voice) -> Result<ExitCode, Failure> {
         let mut scene = scene(&self.scene)?;
         let wrong = |e: &InputError| Failure::wrong("arguments", e);
-        self.overrides.apply(&mut scene.settings).map_err(|e| wrong(&e))?;
+        self.options.apply("--", &mut scene.settings).map_err(|e| wrong(&e))?;
         if !(2..=MOST_STEPS).contains(&self.steps) {
             let allowed = format!("a whole number from 2 to {MOST_STEPS}");
             return Err(wrong(&InputError::new("--steps", self.steps, allowed)));

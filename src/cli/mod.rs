@@ -30,9 +30,7 @@ use std::process::ExitCode;
 use clap::{Args, Parser, Subcommand};
 
 use crate::error::InputError;
-use crate::problem::Settings;
 use crate::scene::Scene;
-use crate::scene::settings::{EvidenceName, KernelName, MethodName, checked_cells, checked_tolerance};
 
 /// Contact patch, force, stiffness and pressure of two bodies pressed together.
 #[derive(Parser)]
@@ -57,48 +55,6 @@ enum Command {
     Schema(schema::SchemaCommand),
     Completions(completions::Completions),
     Man(manual::Manual),
-}
-
-/// Options that replace what the scene says under `solve`.
-#[derive(Args, Clone, Default)]
-struct Overrides {
-    /// Which method
-    #[arg(long, value_enum, value_name = "METHOD")]
-    method: Option<MethodName>,
-    /// Cells along the longer side
-    #[arg(long, value_name = "N")]
-    cells: Option<usize>,
-    /// Means over cells, or values at their centres
-    #[arg(long, value_enum, value_name = "KERNEL")]
-    kernel: Option<KernelName>,
-    /// Whether the error of the force is to be proved
-    #[arg(long, value_enum, value_name = "EVIDENCE")]
-    evidence: Option<EvidenceName>,
-    /// Relative error of the force that is good enough
-    #[arg(long, value_name = "T", allow_negative_numbers = true)]
-    tolerance: Option<f64>,
-}
-
-impl Overrides {
-    fn apply(&self, settings: &mut Settings) -> Result<(), InputError> {
-        if let Some(method) = self.method {
-            settings.method = method.into();
-        }
-        if let Some(cells) = self.cells {
-            settings.cells = Some(checked_cells("--cells", cells)?);
-            settings.nodes = false;
-        }
-        if let Some(kernel) = self.kernel {
-            settings.kernel = kernel.into();
-        }
-        if let Some(evidence) = self.evidence {
-            settings.evidence = evidence.into();
-        }
-        if let Some(tolerance) = self.tolerance {
-            settings.tolerance = checked_tolerance("--tolerance", tolerance)?;
-        }
-        Ok(())
-    }
 }
 
 /// What ends a command without an answer.

@@ -6,7 +6,8 @@ use std::process::ExitCode;
 use clap::Args;
 
 use super::outputs::MainOutput;
-use super::{Failure, Overrides, Threads, inputs, scene};
+use super::{Failure, Threads, inputs, scene};
+use crate::scene::SolveOptions;
 
 /// Say what would run, why, and what is left out, without running it
 #[derive(Args)]
@@ -15,7 +16,7 @@ pub(super) struct Plan {
     #[arg(value_name = "SCENE")]
     scene: PathBuf,
     #[command(flatten)]
-    overrides: Overrides,
+    options: SolveOptions,
     #[command(flatten)]
     threads: Threads,
     #[command(flatten)]
@@ -25,7 +26,7 @@ pub(super) struct Plan {
 impl Plan {
     pub(super) fn run(&self) -> Result<ExitCode, Failure> {
         let mut scene = scene(&self.scene)?;
-        self.overrides.apply(&mut scene.settings).map_err(|e| Failure::wrong("arguments", &e))?;
+        self.options.apply("--", &mut scene.settings).map_err(|e| Failure::wrong("arguments", &e))?;
         scene.settings.threads = self.threads.checked()?;
         let output = self.output.target(&inputs(&self.scene, &scene))?;
         match crate::plan(&scene.contact, &scene.settings) {

@@ -7,10 +7,11 @@ use clap::{Args, ValueEnum};
 
 use super::outputs::outputs;
 use super::voice::Voice;
-use super::{Failure, Overrides, TimedThreads, inputs, scene};
+use super::{Failure, TimedThreads, inputs, scene};
 use crate::clock::date;
 use crate::compare::Plan;
 use crate::report::{self, Parts, Provenance};
+use crate::scene::SolveOptions;
 
 /// Write all there is to say about a scene as one page for a browser or a printer
 ///
@@ -26,7 +27,7 @@ pub(super) struct Report {
     #[arg(short, long, value_name = "FILE.html")]
     output: PathBuf,
     #[command(flatten)]
-    overrides: Overrides,
+    options: SolveOptions,
     /// Parts to add, whatever they cost: separated by commas
     #[arg(long, value_enum, value_name = "PARTS", value_delimiter = ',')]
     with: Vec<PartName>,
@@ -86,7 +87,7 @@ impl Report {
 
     pub(super) fn run(&self, voice: Voice) -> Result<ExitCode, Failure> {
         let mut scene = scene(&self.scene)?;
-        self.overrides.apply(&mut scene.settings).map_err(|e| Failure::wrong("arguments", &e))?;
+        self.options.apply("--", &mut scene.settings).map_err(|e| Failure::wrong("arguments", &e))?;
         scene.settings.threads = self.threads.checked()?;
         let unwritable = |e: &std::io::Error| Failure::unwritable(&self.output, e);
         let [output] = outputs([("--output", Some(self.output.as_path()))], &inputs(&self.scene, &scene))?;

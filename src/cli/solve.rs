@@ -9,11 +9,12 @@ use clap::Args;
 use super::outputs::outputs;
 use super::picture::Picture;
 use super::voice::Voice;
-use super::{Failure, Overrides, Threads, inputs, scene};
+use super::{Failure, Threads, inputs, scene};
 use crate::error::InputError;
 use crate::problem::Loading;
 use crate::report::write::Target;
 use crate::report::{self, npy};
+use crate::scene::SolveOptions;
 
 /// Solve scenes and print a short table of each
 #[derive(Args)]
@@ -22,7 +23,7 @@ pub(super) struct Solve {
     #[arg(value_name = "SCENE", required = true)]
     scenes: Vec<PathBuf>,
     #[command(flatten)]
-    overrides: Overrides,
+    options: SolveOptions,
     /// Write the result as JSON; - prints it alone
     #[arg(short = 'o', long, visible_alias = "output", value_name = "FILE")]
     json: Option<PathBuf>,
@@ -76,7 +77,7 @@ impl Solve {
         let mut read = Vec::new();
         for path in paths {
             let mut scene = scene(path)?;
-            self.overrides.apply(&mut scene.settings).map_err(|e| wrong(&e))?;
+            self.options.apply("--", &mut scene.settings).map_err(|e| wrong(&e))?;
             scene.settings.threads = self.threads.checked()?;
             scene.settings.outputs.bracket |= self.bracket;
             read.extend(inputs(path, &scene));
@@ -109,7 +110,7 @@ impl Solve {
     fn one(&self, path: &Path, voice: Voice) -> Result<ExitCode, Failure> {
         let mut scene = scene(path)?;
         let wrong = |e: &InputError| Failure::wrong("arguments", e);
-        self.overrides.apply(&mut scene.settings).map_err(|e| wrong(&e))?;
+        self.options.apply("--", &mut scene.settings).map_err(|e| wrong(&e))?;
         scene.settings.threads = self.threads.checked()?;
         scene.settings.outputs.bracket |= self.bracket;
         // A field that is only asked for as an array is not written out as text too.

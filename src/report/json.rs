@@ -13,7 +13,7 @@ use crate::result::{
     Bracket, Column, Cost, DepthBracket, Document, Field, FinestGrid, Gap, Origin, Patch, Piece, Pressure, Residuals,
     Side, TouchesEdge, Validity,
 };
-use crate::scene::Scene;
+use crate::scene::{Scene, SolveOptions};
 use crate::solution::{self, Solution};
 
 /// A scene with its answers, ready to be written.
@@ -95,6 +95,7 @@ impl<'a> Outcome<'a> {
         let verdict = |step: &Step| step.as_ref().err().map_or("solved", |e| e.verdict.word());
         Document {
             scene: Some(&self.scene.document),
+            options: SolveOptions::of(self.scene),
             method: self.given(|s| Some(s.method.name().into())),
             origin: self.given(|s| Some(origin(s))),
             grid: self.given(|s| s.grid.map(|Grid { shape, spacing, .. }| FinestGrid { shape, spacing })),

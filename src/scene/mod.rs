@@ -23,6 +23,7 @@ mod gap;
 mod given;
 mod loading;
 mod measured;
+mod options;
 mod schema;
 pub(crate) mod settings;
 mod shapes;
@@ -35,6 +36,7 @@ use serde::Deserialize;
 pub use document::Json;
 pub(crate) use document::{key_in_path, quoted};
 pub use given::Given;
+pub(crate) use options::SolveOptions;
 pub use schema::schema;
 
 use crate::error::InputError;

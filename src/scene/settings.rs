@@ -1,6 +1,6 @@
 //! What a scene says of how to solve, what to write, and its units.
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use crate::error::InputError;
 use crate::gap::{AnyGap, Gap};
@@ -43,7 +43,7 @@ pub(super) enum CellsName {
 }
 
 /// Names of the methods.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum), value(rename_all = "snake_case"))]
@@ -78,8 +78,22 @@ impl From<MethodName> for Method {
     }
 }
 
+impl From<Method> for MethodName {
+    fn from(method: Method) -> Self {
+        match method {
+            Method::Auto => Self::Auto,
+            Method::ClosedForm => Self::ClosedForm,
+            Method::Ritz => Self::Ritz,
+            Method::Fabrikant => Self::Fabrikant,
+            Method::Qp => Self::Qp,
+            Method::Fft => Self::Fft,
+            Method::EdgeFitted => Self::EdgeFitted,
+        }
+    }
+}
+
 /// Names of the kernels.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum), value(rename_all = "snake_case"))]
@@ -99,8 +113,17 @@ impl From<KernelName> for Kernel {
     }
 }
 
+impl From<Kernel> for KernelName {
+    fn from(kernel: Kernel) -> Self {
+        match kernel {
+            Kernel::Galerkin => Self::Galerkin,
+            Kernel::Collocation => Self::Collocation,
+        }
+    }
+}
+
 /// Names of what the stated error is to be.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum), value(rename_all = "snake_case"))]
@@ -116,6 +139,15 @@ impl From<EvidenceName> for ErrorBar {
         match name {
             EvidenceName::Proof => Self::Proof,
             EvidenceName::Estimate => Self::Estimate,
+        }
+    }
+}
+
+impl From<ErrorBar> for EvidenceName {
+    fn from(bar: ErrorBar) -> Self {
+        match bar {
+            ErrorBar::Proof => Self::Proof,
+            ErrorBar::Estimate => Self::Estimate,
         }
     }
 }
