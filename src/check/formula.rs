@@ -4,7 +4,7 @@ use super::bounds::{loaded, violations};
 use super::one_cell::of_cell;
 use super::summation::{Receiver, Summation};
 use crate::gap::{AnyGap, Gap};
-use crate::grid::Pressure;
+use crate::grid::{Grid, Pressure};
 use crate::numeric::geometry::Rect;
 use crate::problem::EffectiveModulus;
 
@@ -21,16 +21,31 @@ pub(super) fn window(gap: &AnyGap, modulus: EffectiveModulus, depth: f64, pressu
     [carried - disc * under - rounding, carried + disc * over + rounding]
 }
 
+/// Cells around one in which those at the edge of the contact count.
+const AROUND: usize = 12;
+
 /// Largest share by which a pressure differs from what its residual and those of its four neighbours say, three cells and
-/// more from the edge of the contact and from kinks of the gap, where the pressure is no smoother than a logarithm; and where.
+/// more from the edge of the contact and from kinks of the gap, where the pressure is no smoother than a logarithm; and where. The
+/// value at the centre of a cell at the edge, where the pressure may be infinite, is no mean: such cells leave open what they do.
 pub(super) fn unexplained(gap: &AnyGap, modulus: EffectiveModulus, depth: f64, pressure: &Pressure) -> (f64, [f64; 2]) {
     let (grid, [nx, ny]) = (&pressure.grid, pressure.grid.shape);
     let q: Vec<f64> = pressure.values.iter().map(|p| p / modulus.e_star()).collect();
     let wanted: Vec<bool> = q.iter().map(|&q| q > 0.0).collect();
     let u = Summation::new(grid, &q).in_cells(Receiver::Point([0.5; 2]), &wanted);
     let left = |k: usize| depth - gap.gap(grid.centre_of(k)[0], grid.centre_of(k)[1]) - u[k];
-    let unit = |i: f64, j: f64| of_cell(grid.spacing, [i * grid.spacing[0], j * grid.spacing[1]]);
-    let response = unit(0.0, 0.0) - 0.5 * (unit(1.0, 0.0) + unit(0.0, 1.0));
+    let response = bend(grid, 0, 0);
+    let table: Vec<f64> =
+        (0..=AROUND).flat_map(|j| (0..=AROUND).map(move |i| [i, j])).map(|[i, j]| bend(grid, i, j).abs()).collect();
+    let at_edge = edge(&q, [nx, ny]);
+    let open = |i: usize, j: usize| -> f64 {
+        let rows = j.saturating_sub(AROUND)..(j + AROUND + 1).min(ny);
+        let columns = i.saturating_sub(AROUND)..(i + AROUND + 1).min(nx);
+        let of_row = |b: usize| -> f64 {
+            let each = columns.clone().filter(|a| at_edge[b * nx + a]);
+            each.map(|a| q[b * nx + a] * table[b.abs_diff(j) * (AROUND + 1) + a.abs_diff(i)]).sum()
+        };
+        rows.map(of_row).sum()
+    };
     let (mut worst, mut at) = (0.0, [0.0; 2]);
     for j in 3..ny.saturating_sub(3) {
         for i in 3..nx.saturating_sub(3) {
@@ -39,13 +54,32 @@ pub(super) fn unexplained(gap: &AnyGap, modulus: EffectiveModulus, depth: f64, p
             }
             let k = j * nx + i;
             let around = 0.25 * (left(k - 1) + left(k + 1) + left(k - nx) + left(k + nx));
-            let off = ((left(k) - around) / response / q[k]).abs();
+            let off = (left(k) - around).abs();
+            let off = if off.is_finite() { (off - open(i, j)).max(0.0) / response / q[k] } else { off };
             if !(off <= worst) && !kinked(gap, grid.centre(i, j), grid.spacing) {
                 (worst, at) = (off, grid.centre(i, j));
             }
         }
     }
     (worst, at)
+}
+
+/// What unit pressure on a cell does at so many cells from it, less the mean of what it does around there.
+fn bend(grid: &Grid, i: usize, j: usize) -> f64 {
+    let at = |di: f64, dj: f64| {
+        of_cell(grid.spacing, [(i as f64 + di) * grid.spacing[0], (j as f64 + dj) * grid.spacing[1]])
+    };
+    at(0.0, 0.0) - 0.25 * (at(1.0, 0.0) + at(-1.0, 0.0) + at(0.0, 1.0) + at(0.0, -1.0))
+}
+
+/// The cells under pressure beside one without, or at the end of the grid.
+fn edge(q: &[f64], [nx, ny]: [usize; 2]) -> Vec<bool> {
+    let inside = |k: usize| {
+        let (i, j) = (k % nx, k / nx);
+        let within = i > 0 && j > 0 && i + 1 < nx && j + 1 < ny;
+        within && (j - 1..=j + 1).all(|j| (i - 1..=i + 1).all(|i| q[j * nx + i] > 0.0))
+    };
+    (0..q.len()).map(|k| q[k] > 0.0 && !inside(k)).collect()
 }
 
 /// Whether the gap has a kink within three cells of a point, along the axes: its second differences over quarters of a cell are then a quarter or
