@@ -117,6 +117,49 @@ fn a_cone_is_met_from_its_samples_although_none_shows_its_tip() {
     }
 }
 
+/// Where depths are counted from first touch, the samples say where that is: a tip between them is lower, that of a smooth body is not.
+#[test]
+fn first_touch_between_the_samples_is_within_what_is_said_of_it() {
+    let tip = |height: &dyn Fn(f64, f64) -> f64, [a, b]: [f64; 2]| {
+        let n = 41;
+        let z = |k: usize| height((k % n) as f64 - 20.0 + a, (k / n) as f64 - 20.0 + b);
+        let heights = Heights::new((0..n * n).map(z).collect(), [n, n], [1.0, 1.0]).unwrap();
+        let map = SplineMap::new(&heights, Surface::Upper, Zero::FirstTouch).unwrap();
+        let state = match solved(&map, 10.0, 1e-3, false) {
+            Ok(state) => state,
+            Err(e) => *e.best.unwrap(),
+        };
+        (state.force, state.force_error.unwrap(), state.map_error.unwrap())
+    };
+    for at in [[0.0, 0.0], [0.5, 0.5], [0.31, -0.2], [0.5, 0.0]] {
+        // tan(alpha) = 1; P = 2/pi E* d^2 cot(alpha).
+        let (force, stated, _) = tip(&|x, y| x.hypot(y), at);
+        let sneddon = 2.0 / std::f64::consts::PI * 1e11 * 100.0;
+        assert!((force / sneddon - 1.0).abs() <= stated, "{at:?}: {force:e} {sneddon:e} {stated:e}");
+        let (force, stated, open) = tip(&|x, y| (x * x + y * y) / 15.0, at);
+        let hertz = 4.0 / 3.0 * 1e11 * 7.5_f64.sqrt() * 10.0_f64.powf(1.5);
+        assert!(
+            (force / hertz - 1.0).abs() <= stated && open < 1e-6,
+            "{at:?}: {force:e} {hertz:e} {stated:e} {open:e}"
+        );
+    }
+    // The edge of a profile, rolled: of two planes with a slope of 1 in 10.
+    let edge = |at: f64| {
+        let points: Vec<[f64; 2]> = (0..61).map(|k| k as f64 - 30.0 + at).map(|y| [y, 0.1 * y.abs()]).collect();
+        let line = Line::new(points).unwrap();
+        let profile = Profile::new(&line, Along::X, Surface::Upper, Zero::FirstTouch, Interpolation::Cubic);
+        match solved(AnyGap::new(profile.unwrap().rolling(50.0).unwrap()), 1.0, 1e-3, false) {
+            Ok(state) => (state.force, state.force_error.unwrap()),
+            Err(e) => e.best.map(|best| (best.force, best.force_error.unwrap())).unwrap(),
+        }
+    };
+    let (true_one, own) = edge(0.0);
+    for at in [0.5, 0.3] {
+        let (force, stated) = edge(at);
+        assert!((force / true_one - 1.0).abs() <= stated + own, "{at}: {force:e} {true_one:e} {stated:e} {own:e}");
+    }
+}
+
 #[test]
 fn every_second_sample_of_a_rough_surface_is_off_by_what_is_said() {
     let (n, h) = (97, 1e-6);

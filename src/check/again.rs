@@ -1,6 +1,7 @@
 //! States that no field shows by itself - by a formula, an approximate method, fitted or turned cells, a limit of grids: what they rest on is
 //! applied again, and the field of a formula is checked by the displacement of its cells.
 
+use super::bounds::sound;
 use super::result::{Key, State, key};
 use super::state::ROUNDING;
 use super::{Verification, close, formula};
@@ -44,6 +45,9 @@ impl State<'_> {
                 return;
             }
         };
+        if let Some(field) = &self.field {
+            found.require(sound(field), "the pressure is finite and nowhere tensile");
+        }
         // The same cells, solved again.
         let by_cells = matches!(method, Method::EdgeFitted | Method::Fft | Method::Qp);
         let cells = self.field.as_ref().map(|field| field.grid.shape[0].max(field.grid.shape[1])).filter(|_| !by_cells);

@@ -3,12 +3,12 @@
 use std::ops::{Add, Mul};
 
 use super::{AnyGap, Gap};
-use crate::numeric::geometry::Rect;
+use crate::numeric::geometry::{Rect, distance};
 
 /// What the samples of a measured gap leave open at some place, in parts that add up over places and parts of a gap.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct LeftOpen {
-    /// What is left of their noise.
+    /// What is left of their noise, and of where depths are counted from.
     pub noise: f64,
     /// By how much splines through every second and every fourth sample miss those between.
     pub missed: [f64; 2],
@@ -29,9 +29,22 @@ impl LeftOpen {
     /// second, and is taken twice; a cubic spline gains a factor of 16 at most.
     #[must_use]
     pub fn size(&self) -> f64 {
+        self.noise + 2.0 * self.gain() * self.missed[0]
+    }
+
+    /// What is missed over what is missed by samples twice as far apart.
+    fn gain(&self) -> f64 {
         let [second, fourth] = self.missed;
-        let gain = if fourth > 0.0 { (second / fourth).clamp(1.0 / 16.0, 1.0) } else { 1.0 };
-        self.noise + 2.0 * gain * second
+        if fourth > 0.0 { (second / fourth).clamp(1.0 / 16.0, 1.0) } else { 1.0 }
+    }
+
+    /// Of the least gap, from which depths are counted, where so many samples may be it: the noise of the least of n is about
+    /// (2 ln n)^(1/2) times that of each. A tip between the samples may be `lower` by this, which is taken twice as well: noise may have
+    /// blunted it.
+    pub(super) fn of_least(self, n: usize, lower: f64) -> Self {
+        let spread = (2.0 * (n as f64).max(1.0).ln()).sqrt().max(1.0);
+        let noise = spread * self.noise;
+        Self { noise: (Self { noise, ..self }.size()).max(noise + 2.0 * lower), missed: [0.0; 2] }
     }
 
     /// The one that leaves more open.
@@ -62,6 +75,40 @@ pub(super) const COARSER: [[usize; 2]; 2] = [[2, 1], [4, 2]];
 
 /// Samples beyond an interval that a coarser spline over it is laid on: what its ends do has died away there.
 pub(super) const MARGIN: usize = 24;
+
+/// By how much a tip may be lower than 0 within a rectangle, where values at points around it and the slopes there allow for it: looked for
+/// at places of it. A tip has slopes beside it as large as further away; those of a smooth body fall to nothing.
+pub(super) fn tip(within: &Rect, points: &[([f64; 2], f64)], beside: &[f64], further: &[f64]) -> f64 {
+    let known = |slopes: &[f64]| -> Vec<f64> { slopes.iter().copied().filter(|slope| slope.is_finite()).collect() };
+    let (beside, further) = (known(beside), known(further));
+    let steepest = beside.iter().chain(&further).copied().fold(0.0, f64::max);
+    if further.is_empty() || !(beside.iter().sum::<f64>() > TIP * steepest * beside.len() as f64) {
+        return 0.0;
+    }
+    let points = || points.iter().filter(|(_, z)| z.is_finite());
+    let least = |at: [f64; 2]| points().map(|(p, z)| z - steepest * distance(*p, at)).fold(f64::NEG_INFINITY, f64::max);
+    let lowest = |within: &Rect| {
+        let side = |m: usize, k: usize| within.min[m] + k as f64 / PLACES as f64 * (within.max[m] - within.min[m]);
+        let places = (0..=PLACES).flat_map(|j| (0..=PLACES).map(move |i| [side(0, i), side(1, j)]));
+        places.map(|at| (at, least(at))).fold((within.centre(), 0.0), |a, b| if b.1 < a.1 { b } else { a })
+    };
+    let (at, _) = lowest(within);
+    let steps = within.size().map(|side| side / PLACES as f64);
+    -lowest(&Rect::around(at, steps)).1
+}
+
+/// Mean slope beside a tip over the steepest one, at least: 0.27 of a paraboloid, 0.5 of r^1.5, 0.85 of three faces.
+const TIP: f64 = 0.6;
+
+/// Places along each side for that.
+const PLACES: usize = 16;
+
+/// Samples beside a tip, and further away from it.
+pub(super) const BESIDE: usize = 2;
+pub(super) const FURTHER: usize = 4;
+
+/// Of what the least gap leaves open: samples above it by more are not it.
+pub(super) const MAY_BE_LEAST: f64 = 3.0;
 
 /// What those of several parts of a gap that are measured leave open at the same places.
 pub(super) fn joined(

@@ -1,10 +1,29 @@
 //! What measured heights are as a gap: bilinear between their nodes.
 
-use super::{HeightMap, MANY, ROUNDING, bilinear, mean_over};
+use super::{HeightMap, MANY, ROUNDING, Zero, bilinear, mean_over};
+use crate::gap::left_open::MAY_BE_LEAST;
 use crate::gap::{DataEdge, Gap, Growth, Known, LeftOpen, Material, Reach, Taylor};
 use crate::grid::Grid;
 use crate::numeric::Interval;
 use crate::numeric::geometry::Rect;
+
+impl HeightMap {
+    /// What the samples leave open of the heights: their noise.
+    fn open_between(&self, place: &Rect) -> LeftOpen {
+        let everywhere = [0, 1].map(|m| [0, self.nodes.shape[m] - 1]);
+        let noise = || Some(mean_over(self.uncertainty.as_deref()?, everywhere, self.nodes.around(place, 0)?));
+        LeftOpen { noise: noise().unwrap_or(0.0), ..LeftOpen::default() }
+    }
+
+    /// What they leave open of where the bodies first touch, where depths are counted from there.
+    fn open_at_zero(&self) -> LeftOpen {
+        if self.zero == Zero::AsIs || self.uncertainty.is_none() {
+            return LeftOpen::default();
+        }
+        let open = self.open_between(&Rect { min: self.centre, max: self.centre });
+        open.of_least(self.gaps.iter().filter(|gap| **gap <= MAY_BE_LEAST * open.size()).count(), 0.0)
+    }
+}
 
 impl Gap for HeightMap {
     fn gap(&self, x: f64, y: f64) -> f64 {
@@ -203,14 +222,12 @@ impl Gap for HeightMap {
     }
 
     fn sampling_error(&self, rect: &Rect) -> f64 {
-        self.nodes.largest(self.uncertainty.as_deref(), rect)
+        self.nodes.largest(self.uncertainty.as_deref(), rect) + self.open_at_zero().size()
     }
 
     fn left_open(&self, places: &[Rect]) -> Vec<LeftOpen> {
-        let everywhere = [0, 1].map(|m| [0, self.nodes.shape[m] - 1]);
-        let noise =
-            |place: &Rect| Some(mean_over(self.uncertainty.as_deref()?, everywhere, self.nodes.around(place, 0)?));
-        places.iter().map(|place| LeftOpen { noise: noise(place).unwrap_or(0.0), ..LeftOpen::default() }).collect()
+        let of_zero = self.open_at_zero();
+        places.iter().map(|place| self.open_between(place) + of_zero).collect()
     }
 
     fn ray_kinks(&self, from: [f64; 2], direction: [f64; 2], kinks: &mut Vec<f64>) {

@@ -74,6 +74,8 @@ pub struct HeightMap {
     extremes: Extremes,
     /// How far each gap may be from the true one, where noise was taken out.
     uncertainty: Option<Vec<f64>>,
+    /// Where depths are counted from.
+    zero: Zero,
 }
 
 impl HeightMap {
@@ -137,7 +139,8 @@ impl HeightMap {
         }
         let shape = frame.shape();
         let nodes = Nodes { shape, spacing: frame.spacing(), origin: frame.origin() };
-        let mut map = Self { nodes, gaps, centre: [0.0; 2], floor: 0.0, extremes: Extremes::default(), uncertainty };
+        let mut map =
+            Self { nodes, gaps, centre: [0.0; 2], floor: 0.0, extremes: Extremes::default(), uncertainty, zero };
         let least = (0..shape[1] - 1)
             .flat_map(|j| (0..shape[0] - 1).map(move |i| [i, j]))
             .filter_map(|[i, j]| map.corners(i, j))

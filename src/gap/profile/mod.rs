@@ -7,7 +7,7 @@ pub use line::Line;
 pub use table::LineFormat;
 
 use super::height_map::{Surface, Zero};
-use super::left_open::{COARSER, MARGIN};
+use super::left_open::{BESIDE, COARSER, FURTHER, MARGIN, MAY_BE_LEAST, tip};
 use super::spline::{Ends, PiecewiseCubic};
 use super::{DataEdge, Gap, Growth, Known, LeftOpen, Reach, Taylor};
 use crate::error::{InputError, positive};
@@ -57,6 +57,8 @@ pub struct Profile {
     floor: f64,
     /// How far each measured height may be from the true one.
     uncertainty: Vec<f64>,
+    /// Where depths are counted from.
+    zero: Zero,
 }
 
 /// Coordinates beyond this have squares beyond the range of numbers.
@@ -100,7 +102,7 @@ impl Profile {
         };
         let floor = floor - 4.0 * f64::EPSILON * size;
         let across = if along == Along::X { 1 } else { 0 };
-        Ok(Self { heights, across, radius: None, lowest, floor, uncertainty })
+        Ok(Self { heights, across, radius: None, lowest, floor, uncertainty, zero })
     }
 
     /// The same body rolled: along the axis it is curved with this radius.
@@ -189,6 +191,55 @@ impl Profile {
     fn missed_by_coarser(&self, [first, end]: [usize; 2]) -> [Option<Vec<f64>>; 2] {
         let around = [first.saturating_sub(MARGIN), (end + MARGIN).min(self.heights.knots().len())];
         COARSER.map(|every| self.missed(around, [first, end], every))
+    }
+
+    /// What the samples leave open of the heights.
+    fn open_between(&self, places: &[Rect]) -> Vec<LeftOpen> {
+        let Some(all) = places.iter().copied().reduce(|a, b| a.union(&b)) else { return Vec::new() };
+        let all = self.holding(Self::side(&all, self.across));
+        let coarser = self.heights.is_smooth().then(|| self.missed_by_coarser(all));
+        let one = |place: &Rect| {
+            let side = Self::side(place, self.across);
+            let [first, end] = self.holding(side);
+            if first == end {
+                return LeftOpen::default();
+            }
+            let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+            let noise = mean(&self.uncertainty[first..end]);
+            let Some(coarser) = &coarser else { return LeftOpen { noise, ..LeftOpen::default() } };
+            let within = |off: &Vec<f64>| mean(&off[first - all[0]..end - all[0]]);
+            let [second, fourth] = [&coarser[0], &coarser[1]].map(|off| off.as_ref().map(within));
+            LeftOpen::of(noise, second, fourth, || self.variation(side))
+        };
+        places.iter().map(one).collect()
+    }
+
+    /// What they leave open of where the profile first touches, where depths are counted from there.
+    fn open_at_zero(&self) -> LeftOpen {
+        if self.zero == Zero::AsIs {
+            return LeftOpen::default();
+        }
+        let mut at = [0.0; 2];
+        at[self.across] = self.lowest;
+        let open = self.open_between(&[Rect { min: at, max: at }])[0];
+        let may_be_least = |q: &&f64| self.heights.value(**q) <= MAY_BE_LEAST * open.size();
+        open.of_least(self.heights.knots().iter().filter(may_be_least).count(), self.tip())
+    }
+
+    /// How much lower than the spline a tip may be between the samples around the lowest place.
+    fn tip(&self) -> f64 {
+        let [first, end] = self.holding([self.lowest; 2]);
+        let knots = self.heights.knots();
+        let slope = |k: usize| {
+            let [a, b] = [knots[k], knots[k + 1]];
+            ((self.heights.value(b) - self.heights.value(a)) / (b - a)).abs()
+        };
+        let steps = |far: usize| first.saturating_sub(far)..(end - 1 + far).min(knots.len() - 1);
+        let (own, near) = (steps(0), steps(BESIDE));
+        let beside: Vec<f64> = near.clone().filter(|k| !own.contains(k)).map(slope).collect();
+        let further: Vec<f64> = steps(FURTHER).filter(|k| !near.contains(k)).map(slope).collect();
+        let points: Vec<_> = knots[near.start..=near.end].iter().map(|&q| ([q, 0.0], self.heights.value(q))).collect();
+        tip(&Rect { min: [knots[first], 0.0], max: [knots[end - 1], 0.0] }, &points, &beside, &further)
     }
 
     /// By how much the heights vary over an interval.
@@ -318,30 +369,15 @@ impl Gap for Profile {
         let largest = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
         let noise = largest(&self.uncertainty[held[0]..held[1]]);
         if !self.heights.is_smooth() {
-            return noise;
+            return noise + self.open_at_zero().size();
         }
         let [second, fourth] = self.missed_by_coarser(held).map(|off| off.map(|off| largest(&off)));
-        LeftOpen::of(noise, second, fourth, || self.variation(side)).size()
+        LeftOpen::of(noise, second, fourth, || self.variation(side)).size() + self.open_at_zero().size()
     }
 
     fn left_open(&self, places: &[Rect]) -> Vec<LeftOpen> {
-        let Some(all) = places.iter().copied().reduce(|a, b| a.union(&b)) else { return Vec::new() };
-        let all = self.holding(Self::side(&all, self.across));
-        let coarser = self.heights.is_smooth().then(|| self.missed_by_coarser(all));
-        let one = |place: &Rect| {
-            let side = Self::side(place, self.across);
-            let [first, end] = self.holding(side);
-            if first == end {
-                return LeftOpen::default();
-            }
-            let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
-            let noise = mean(&self.uncertainty[first..end]);
-            let Some(coarser) = &coarser else { return LeftOpen { noise, ..LeftOpen::default() } };
-            let within = |off: &Vec<f64>| mean(&off[first - all[0]..end - all[0]]);
-            let [second, fourth] = [&coarser[0], &coarser[1]].map(|off| off.as_ref().map(within));
-            LeftOpen::of(noise, second, fourth, || self.variation(side))
-        };
-        places.iter().map(one).collect()
+        let of_zero = self.open_at_zero();
+        self.open_between(places).into_iter().map(|open| open + of_zero).collect()
     }
 
     fn ray_kinks(&self, from: [f64; 2], direction: [f64; 2], kinks: &mut Vec<f64>) {

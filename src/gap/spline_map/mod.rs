@@ -4,7 +4,7 @@ mod surface;
 
 use super::extremes::Extremes;
 use super::height_map::{HeightMap, Heights, Nodes, ROUNDING, Surface, Zero, mean_over};
-use super::left_open::{COARSER, MARGIN};
+use super::left_open::{BESIDE, COARSER, FURTHER, MARGIN, MAY_BE_LEAST, tip};
 use super::spline::{Ends, bernstein};
 use super::{DataEdge, Gap, Growth, Known, LeftOpen, Material, Reach, Taylor};
 use crate::error::InputError;
@@ -38,6 +38,8 @@ pub struct SplineMap {
     floor: f64,
     extremes: Extremes,
     uncertainty: Option<Vec<f64>>,
+    /// Where depths are counted from.
+    zero: Zero,
 }
 
 impl SplineMap {
@@ -71,7 +73,7 @@ impl SplineMap {
         };
         let cells = splines.nodes.shape.map(|n| n - 1);
         let extremes = Extremes::new(cells, |i, j| splines.net(i, j).map(|net| bernstein::range(net.as_flattened())));
-        Self { splines, centre, floor, extremes, uncertainty: uncertainty.map(<[f64]>::to_vec) }
+        Self { splines, centre, floor, extremes, uncertainty: uncertainty.map(<[f64]>::to_vec), zero }
     }
 
     /// Number of nodes along x and y.
@@ -90,6 +92,62 @@ impl SplineMap {
     #[must_use]
     pub fn extent(&self) -> Rect {
         self.splines.nodes.extent()
+    }
+
+    /// What the samples leave open of the heights.
+    fn open_between(&self, places: &[Rect]) -> Vec<LeftOpen> {
+        let frame = self.frame();
+        let nowhere = || vec![LeftOpen::default(); places.len()];
+        let Some(all) = places.iter().copied().reduce(|a, b| a.union(&b)) else { return nowhere() };
+        let (Some(around), Some(inner)) = (frame.around(&all, MARGIN), frame.around(&all, 0)) else {
+            return nowhere();
+        };
+        let [second, fourth] = COARSER.map(|every| self.missed(around, inner, every));
+        let everywhere = [0, 1].map(|m| [0, frame.shape[m] - 1]);
+        let one = |place: &Rect| {
+            let Some(at) = frame.around(place, 0) else { return LeftOpen::default() };
+            let noise = self.uncertainty.as_deref().map_or(0.0, |noise| mean_over(noise, everywhere, at));
+            let [second, fourth] = [&second, &fourth].map(|off| off.as_ref().map(|off| mean_over(off, inner, at)));
+            LeftOpen::of(noise, second, fourth, || self.variation(place))
+        };
+        places.iter().map(one).collect()
+    }
+
+    /// What they leave open of where the bodies first touch, where depths are counted from there.
+    fn open_at_zero(&self) -> LeftOpen {
+        if self.zero == Zero::AsIs {
+            return LeftOpen::default();
+        }
+        let open = self.open_between(&[Rect { min: self.centre, max: self.centre }])[0];
+        let [nx, ny] = self.shape();
+        let may_be_least = (0..nx * ny).filter(|&k| self.splines.value(k) <= MAY_BE_LEAST * open.size());
+        open.of_least(may_be_least.count(), self.tip())
+    }
+
+    /// How much lower than the spline a tip may be between the samples around the lowest place.
+    fn tip(&self) -> f64 {
+        let frame = self.frame();
+        let at = Rect { min: self.centre, max: self.centre };
+        let (Some(own), Some([columns, rows])) = (frame.around(&at, 0), frame.around(&at, FURTHER)) else { return 0.0 };
+        let value = |[i, j]: [usize; 2]| self.splines.value(j * frame.shape[0] + i);
+        let slope = |[i, j]: [usize; 2]| {
+            let [a, b, c, d] = [[i, j], [i + 1, j], [i, j + 1], [i + 1, j + 1]].map(value);
+            ((b - a + d - c) / (2.0 * frame.spacing[0])).hypot((c - a + d - b) / (2.0 * frame.spacing[1]))
+        };
+        // Cells from the one, or the few, that the lowest place is in.
+        let away = |cell: [usize; 2]| {
+            (0..2)
+                .map(|m| own[m][0].saturating_sub(cell[m]).max((cell[m] + 1).saturating_sub(own[m][1])))
+                .fold(0, usize::max)
+        };
+        let cells = (rows[0]..rows[1]).flat_map(|j| (columns[0]..columns[1]).map(move |i| [i, j]));
+        let (beside, further): (Vec<_>, Vec<_>) =
+            cells.filter(|cell| away(*cell) > 0).partition(|cell| away(*cell) <= BESIDE);
+        let [beside, further] = [beside, further].map(|cells| cells.into_iter().map(slope).collect::<Vec<f64>>());
+        let near = [0, 1].map(|m| own[m][0].saturating_sub(1)..=(own[m][1] + 1).min(frame.shape[m] - 1));
+        let nodes = near[1].clone().flat_map(|j| near[0].clone().map(move |i| [i, j]));
+        let points: Vec<_> = nodes.map(|[i, j]| (frame.node(i, j), value([i, j]))).collect();
+        tip(&Rect::around(self.centre, frame.spacing), &points, &beside, &further)
     }
 
     fn frame(&self) -> &Nodes {
@@ -277,31 +335,19 @@ impl Gap for SplineMap {
     }
 
     fn sampling_error(&self, rect: &Rect) -> f64 {
+        let of_zero = self.open_at_zero().size();
         let noise = self.frame().largest(self.uncertainty.as_deref(), rect);
         let (Some(around), Some(inner)) = (self.frame().around(rect, MARGIN), self.frame().around(rect, 0)) else {
-            return noise;
+            return noise + of_zero;
         };
         let most = |every| self.missed(around, inner, every).map(|off| off.into_iter().fold(0.0, f64::max));
         let [second, fourth] = COARSER.map(most);
-        LeftOpen::of(noise, second, fourth, || self.variation(rect)).size()
+        LeftOpen::of(noise, second, fourth, || self.variation(rect)).size() + of_zero
     }
 
     fn left_open(&self, places: &[Rect]) -> Vec<LeftOpen> {
-        let frame = self.frame();
-        let nowhere = || vec![LeftOpen::default(); places.len()];
-        let Some(all) = places.iter().copied().reduce(|a, b| a.union(&b)) else { return nowhere() };
-        let (Some(around), Some(inner)) = (frame.around(&all, MARGIN), frame.around(&all, 0)) else {
-            return nowhere();
-        };
-        let [second, fourth] = COARSER.map(|every| self.missed(around, inner, every));
-        let everywhere = [0, 1].map(|m| [0, frame.shape[m] - 1]);
-        let one = |place: &Rect| {
-            let Some(at) = frame.around(place, 0) else { return LeftOpen::default() };
-            let noise = self.uncertainty.as_deref().map_or(0.0, |noise| mean_over(noise, everywhere, at));
-            let [second, fourth] = [&second, &fourth].map(|off| off.as_ref().map(|off| mean_over(off, inner, at)));
-            LeftOpen::of(noise, second, fourth, || self.variation(place))
-        };
-        places.iter().map(one).collect()
+        let of_zero = self.open_at_zero();
+        self.open_between(places).into_iter().map(|open| open + of_zero).collect()
     }
 
     fn ray_kinks(&self, from: [f64; 2], direction: [f64; 2], kinks: &mut Vec<f64>) {
