@@ -4,9 +4,13 @@ use serde::{Deserialize, Serialize};
 
 #[cfg(feature = "cli")]
 use super::Json;
-use super::settings::{self, EvidenceName, KernelName, MethodName, SolveForm, checked_cells, checked_tolerance};
+use super::settings::{self, EvidenceName, KernelName, MethodName, SolveForm};
+#[cfg(feature = "cli")]
+use super::settings::{checked_cells, checked_tolerance};
 use super::{Scene, decode};
+#[cfg(feature = "cli")]
 use crate::error::InputError;
+#[cfg(feature = "cli")]
 use crate::problem::Settings;
 
 /// Options that replace what the scene says under `solve`.
@@ -36,6 +40,7 @@ pub(crate) struct SolveOptions {
     pub tolerance: Option<f64>,
 }
 
+#[cfg(feature = "cli")]
 impl SolveOptions {
     /// Puts them in place of what the settings say; an error has its path from `prefix`, as `--` or `options.`.
     pub fn apply(&self, prefix: &str, settings: &mut Settings) -> Result<(), InputError> {
@@ -59,11 +64,12 @@ impl SolveOptions {
     }
 
     /// Those that a result tells of; none where it tells of none.
-    #[cfg(feature = "cli")]
     pub fn told_in(result: &Json) -> Result<Self, InputError> {
         result.get("options").map_or_else(|| Ok(Self::default()), |options| decode::decode(options, "options"))
     }
+}
 
+impl SolveOptions {
     /// What the settings of a scene say in place of its document; `None` where they say the same.
     pub fn of(scene: &Scene) -> Option<Self> {
         let form: SolveForm = match scene.document.get("solve") {
