@@ -78,11 +78,12 @@ pub(super) const MARGIN: usize = 24;
 
 /// By how much a tip may be lower than 0 within a rectangle, where values at points around it and the slopes there allow for it: looked for
 /// at places of it. A tip has slopes beside it as large as further away; those of a smooth body fall to nothing.
-pub(super) fn tip(within: &Rect, points: &[([f64; 2], f64)], beside: &[f64], further: &[f64]) -> f64 {
+pub(super) fn tip(within: &Rect, points: &[([f64; 2], f64)], beside: &[f64], further: &[f64], smoothed: bool) -> f64 {
     let known = |slopes: &[f64]| -> Vec<f64> { slopes.iter().copied().filter(|slope| slope.is_finite()).collect() };
     let (beside, further) = (known(beside), known(further));
     let steepest = beside.iter().chain(&further).copied().fold(0.0, f64::max);
-    if further.is_empty() || !(beside.iter().sum::<f64>() > TIP * steepest * beside.len() as f64) {
+    if further.is_empty() || !(beside.iter().sum::<f64>() > TIP[usize::from(smoothed)] * steepest * beside.len() as f64)
+    {
         return 0.0;
     }
     let points = || points.iter().filter(|(_, z)| z.is_finite());
@@ -97,14 +98,15 @@ pub(super) fn tip(within: &Rect, points: &[([f64; 2], f64)], beside: &[f64], fur
     -lowest(&Rect::around(at, steps)).1
 }
 
-/// Mean slope beside a tip over the steepest one, at least: 0.27 of a paraboloid, 0.5 of r^1.5, 0.85 of three faces.
-const TIP: f64 = 0.6;
+/// Mean slope beside a tip over the steepest one, at least: 0.2 of a paraboloid, 0.4 of r^1.5, 0.8 of three faces;
+/// and where noise was taken out, and some of the tip with it.
+const TIP: [f64; 2] = [0.6, 0.4];
 
 /// Places along each side for that.
 const PLACES: usize = 16;
 
 /// Samples beside a tip, and further away from it.
-pub(super) const BESIDE: usize = 2;
+pub(super) const BESIDE: usize = 1;
 pub(super) const FURTHER: usize = 4;
 
 /// Of what the least gap leaves open: samples above it by more are not it.

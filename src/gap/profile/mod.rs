@@ -228,6 +228,7 @@ impl Profile {
 
     /// How much lower than the spline a tip may be between the samples around the lowest place.
     fn tip(&self) -> f64 {
+        let smoothed = self.uncertainty.iter().any(|off| *off > 0.0);
         let [first, end] = self.holding([self.lowest; 2]);
         let knots = self.heights.knots();
         let slope = |k: usize| {
@@ -239,7 +240,7 @@ impl Profile {
         let beside: Vec<f64> = near.clone().filter(|k| !own.contains(k)).map(slope).collect();
         let further: Vec<f64> = steps(FURTHER).filter(|k| !near.contains(k)).map(slope).collect();
         let points: Vec<_> = knots[near.start..=near.end].iter().map(|&q| ([q, 0.0], self.heights.value(q))).collect();
-        tip(&Rect { min: [knots[first], 0.0], max: [knots[end - 1], 0.0] }, &points, &beside, &further)
+        tip(&Rect { min: [knots[first], 0.0], max: [knots[end - 1], 0.0] }, &points, &beside, &further, smoothed)
     }
 
     /// By how much the heights vary over an interval.

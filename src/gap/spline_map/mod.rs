@@ -126,6 +126,7 @@ impl SplineMap {
 
     /// How much lower than the spline a tip may be between the samples around the lowest place.
     fn tip(&self) -> f64 {
+        let smoothed = self.uncertainty.is_some();
         let frame = self.frame();
         let at = Rect { min: self.centre, max: self.centre };
         let (Some(own), Some([columns, rows])) = (frame.around(&at, 0), frame.around(&at, FURTHER)) else { return 0.0 };
@@ -147,7 +148,7 @@ impl SplineMap {
         let near = [0, 1].map(|m| own[m][0].saturating_sub(1)..=(own[m][1] + 1).min(frame.shape[m] - 1));
         let nodes = near[1].clone().flat_map(|j| near[0].clone().map(move |i| [i, j]));
         let points: Vec<_> = nodes.map(|[i, j]| (frame.node(i, j), value([i, j]))).collect();
-        tip(&Rect::around(self.centre, frame.spacing), &points, &beside, &further)
+        tip(&Rect::around(self.centre, frame.spacing), &points, &beside, &further, smoothed)
     }
 
     fn frame(&self) -> &Nodes {
