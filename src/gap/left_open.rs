@@ -76,14 +76,30 @@ pub(super) const COARSER: [[usize; 2]; 2] = [[2, 1], [4, 2]];
 /// Samples beyond an interval that a coarser spline over it is laid on: what its ends do has died away there.
 pub(super) const MARGIN: usize = 24;
 
+/// A slope near the lowest place, and what of it leads away from there.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Rising {
+    pub slope: f64,
+    pub away: f64,
+}
+
 /// By how much a tip may be lower than 0 within a rectangle, where values at points around it and the slopes there allow for it: looked for
-/// at places of it. A tip has slopes beside it as large as further away; those of a smooth body fall to nothing.
-pub(super) fn tip(within: &Rect, points: &[([f64; 2], f64)], beside: &[f64], further: &[f64], smoothed: bool) -> f64 {
-    let known = |slopes: &[f64]| -> Vec<f64> { slopes.iter().copied().filter(|slope| slope.is_finite()).collect() };
+/// at places of it. A tip has slopes beside it as large as further away, which rise on from it; those of a smooth body fall to nothing, and
+/// those of a wave turn back.
+pub(super) fn tip(
+    within: &Rect,
+    points: &[([f64; 2], f64)],
+    beside: &[Rising],
+    further: &[Rising],
+    smoothed: bool,
+) -> f64 {
+    let known = |slopes: &[Rising]| -> Vec<Rising> { slopes.iter().copied().filter(|s| s.slope.is_finite()).collect() };
     let (beside, further) = (known(beside), known(further));
-    let steepest = beside.iter().chain(&further).copied().fold(0.0, f64::max);
-    if further.is_empty() || !(beside.iter().sum::<f64>() > TIP[usize::from(smoothed)] * steepest * beside.len() as f64)
-    {
+    let steepest = beside.iter().chain(&further).map(|s| s.slope).fold(0.0, f64::max);
+    let least = |share: f64, n: usize| share * steepest * n as f64;
+    let is_steep = beside.iter().map(|s| s.slope).sum::<f64>() > least(TIP[usize::from(smoothed)], beside.len());
+    let rises_on = further.iter().map(|s| s.away).sum::<f64>() > least(RISES_ON, further.len());
+    if !(is_steep && rises_on) {
         return 0.0;
     }
     let points = || points.iter().filter(|(_, z)| z.is_finite());
@@ -98,9 +114,12 @@ pub(super) fn tip(within: &Rect, points: &[([f64; 2], f64)], beside: &[f64], fur
     -lowest(&Rect::around(at, steps)).1
 }
 
-/// Mean slope beside a tip over the steepest one, at least: 0.2 of a paraboloid, 0.4 of r^1.5, 0.8 of three faces;
+/// Mean slope beside a tip over the steepest one, at least: 0.2 of a paraboloid, 0.4 of r^1.5, 0.7 of a wave of ten samples, 0.9 of a cone;
 /// and where noise was taken out, and some of the tip with it.
-const TIP: [f64; 2] = [0.6, 0.4];
+const TIP: [f64; 2] = [0.75, 0.4];
+
+/// The mean of what of those further away leads away from it, at least: 0.4 of a wave of nine samples, 0.75 of three faces.
+const RISES_ON: f64 = 0.6;
 
 /// Places along each side for that.
 const PLACES: usize = 16;

@@ -7,7 +7,7 @@ pub use line::Line;
 pub use table::LineFormat;
 
 use super::height_map::{Surface, Zero};
-use super::left_open::{BESIDE, COARSER, FURTHER, MARGIN, MAY_BE_LEAST, tip};
+use super::left_open::{BESIDE, COARSER, FURTHER, MARGIN, MAY_BE_LEAST, Rising, tip};
 use super::spline::{Ends, PiecewiseCubic};
 use super::{DataEdge, Gap, Growth, Known, LeftOpen, Reach, Taylor};
 use crate::error::{InputError, positive};
@@ -231,14 +231,15 @@ impl Profile {
         let smoothed = self.uncertainty.iter().any(|off| *off > 0.0);
         let [first, end] = self.holding([self.lowest; 2]);
         let knots = self.heights.knots();
-        let slope = |k: usize| {
+        let rising = |k: usize| {
             let [a, b] = [knots[k], knots[k + 1]];
-            ((self.heights.value(b) - self.heights.value(a)) / (b - a)).abs()
+            let slope = (self.heights.value(b) - self.heights.value(a)) / (b - a);
+            Rising { slope: slope.abs(), away: if 0.5 * (a + b) < self.lowest { -slope } else { slope } }
         };
         let steps = |far: usize| first.saturating_sub(far)..(end - 1 + far).min(knots.len() - 1);
         let (own, near) = (steps(0), steps(BESIDE));
-        let beside: Vec<f64> = near.clone().filter(|k| !own.contains(k)).map(slope).collect();
-        let further: Vec<f64> = steps(FURTHER).filter(|k| !near.contains(k)).map(slope).collect();
+        let beside: Vec<Rising> = near.clone().filter(|k| !own.contains(k)).map(rising).collect();
+        let further: Vec<Rising> = steps(FURTHER).filter(|k| !near.contains(k)).map(rising).collect();
         let points: Vec<_> = knots[near.start..=near.end].iter().map(|&q| ([q, 0.0], self.heights.value(q))).collect();
         tip(&Rect { min: [knots[first], 0.0], max: [knots[end - 1], 0.0] }, &points, &beside, &further, smoothed)
     }

@@ -4,7 +4,7 @@ mod surface;
 
 use super::extremes::Extremes;
 use super::height_map::{HeightMap, Heights, Nodes, ROUNDING, Surface, Zero, mean_over};
-use super::left_open::{BESIDE, COARSER, FURTHER, MARGIN, MAY_BE_LEAST, tip};
+use super::left_open::{BESIDE, COARSER, FURTHER, MARGIN, MAY_BE_LEAST, Rising, tip};
 use super::spline::{Ends, bernstein};
 use super::{DataEdge, Gap, Growth, Known, LeftOpen, Material, Reach, Taylor};
 use crate::error::InputError;
@@ -131,9 +131,12 @@ impl SplineMap {
         let at = Rect { min: self.centre, max: self.centre };
         let (Some(own), Some([columns, rows])) = (frame.around(&at, 0), frame.around(&at, FURTHER)) else { return 0.0 };
         let value = |[i, j]: [usize; 2]| self.splines.value(j * frame.shape[0] + i);
-        let slope = |[i, j]: [usize; 2]| {
+        let rising = |[i, j]: [usize; 2]| {
             let [a, b, c, d] = [[i, j], [i + 1, j], [i, j + 1], [i + 1, j + 1]].map(value);
-            ((b - a + d - c) / (2.0 * frame.spacing[0])).hypot((c - a + d - b) / (2.0 * frame.spacing[1]))
+            let slope = [(b - a + d - c) / (2.0 * frame.spacing[0]), (c - a + d - b) / (2.0 * frame.spacing[1])];
+            let from = Rect { min: frame.node(i, j), max: frame.node(i + 1, j + 1) }.centre();
+            let v = [0, 1].map(|m| from[m] - self.centre[m]);
+            Rising { slope: slope[0].hypot(slope[1]), away: (slope[0] * v[0] + slope[1] * v[1]) / v[0].hypot(v[1]) }
         };
         // Cells from the one, or the few, that the lowest place is in.
         let away = |cell: [usize; 2]| {
@@ -144,7 +147,7 @@ impl SplineMap {
         let cells = (rows[0]..rows[1]).flat_map(|j| (columns[0]..columns[1]).map(move |i| [i, j]));
         let (beside, further): (Vec<_>, Vec<_>) =
             cells.filter(|cell| away(*cell) > 0).partition(|cell| away(*cell) <= BESIDE);
-        let [beside, further] = [beside, further].map(|cells| cells.into_iter().map(slope).collect::<Vec<f64>>());
+        let [beside, further] = [beside, further].map(|cells| cells.into_iter().map(rising).collect::<Vec<Rising>>());
         let near = [0, 1].map(|m| own[m][0].saturating_sub(1)..=(own[m][1] + 1).min(frame.shape[m] - 1));
         let nodes = near[1].clone().flat_map(|j| near[0].clone().map(move |i| [i, j]));
         let points: Vec<_> = nodes.map(|[i, j]| (frame.node(i, j), value([i, j]))).collect();
