@@ -6,21 +6,14 @@ pub(crate) fn each<T: Sync, R: Send, E: Send>(
     threads: usize,
     work: impl Fn(&T) -> Result<R, E> + Sync,
 ) -> Result<Vec<R>, E> {
-    #[cfg(feature = "parallel")]
-    if threads > 1
-        && items.len() > 1
-        && let Ok(pool) = rayon::ThreadPoolBuilder::new().num_threads(threads.min(items.len())).build()
-    {
-        use rayon::prelude::*;
-        let found: Vec<_> = pool.install(|| items.par_iter().map(&work).collect());
-        return found.into_iter().collect();
+    let threads = threads.min(items.len());
+    if cfg!(feature = "parallel") && threads > 1 {
+        return with(threads, || each_here(items, &work)).into_iter().collect();
     }
-    let _ = threads;
     items.iter().map(work).collect()
 }
 
 /// Does work with this many threads for what it spreads by [`each_here`].
-#[cfg(feature = "cli")]
 pub(crate) fn with<R: Send>(threads: usize, work: impl FnOnce() -> R + Send) -> R {
     #[cfg(feature = "parallel")]
     if threads > 1

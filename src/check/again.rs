@@ -1,7 +1,6 @@
 //! States that no field shows by itself - by a formula, an approximate method, fitted or turned cells, a limit of grids: what they rest on is
 //! applied again, and the field of a formula is checked by the displacement of its cells.
 
-use super::bounds::sound;
 use super::result::{Key, State, key};
 use super::state::ROUNDING;
 use super::{Verification, close, formula};
@@ -45,17 +44,15 @@ impl State<'_> {
                 return;
             }
         };
-        if let Some(field) = &self.field {
-            found.require(sound(field), "the pressure is finite and nowhere tensile");
-        }
         // The same cells, solved again.
         let by_cells = matches!(method, Method::EdgeFitted | Method::Fft | Method::Qp);
+        let bounded_again = by_cells || self.is_bounded_again();
         let cells = self.field.as_ref().map(|field| field.grid.shape[0].max(field.grid.shape[1])).filter(|_| !by_cells);
         let outputs = Outputs {
             pressure: self.field.is_some(),
             patch: self.get(key!(patch.boundary)).is_some(),
             energy: self.get(key!(energy)).is_some(),
-            bracket: (by_cells || self.is_bounded_again()) && scene.settings.outputs.bracket,
+            bracket: bounded_again && scene.settings.outputs.bracket,
             gap: by_cells && self.get(key!(gap.field)).is_some(),
             ..Outputs::default()
         };
@@ -108,7 +105,7 @@ impl State<'_> {
             _ => APPROXIMATE,
         };
         self.agrees_with(&own, share, other_cells, found);
-        if by_cells || self.is_bounded_again() {
+        if bounded_again {
             self.holds_bracket_of(&own, other_cells, found);
         }
         if by_cells {

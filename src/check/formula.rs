@@ -33,9 +33,9 @@ pub(super) fn unexplained(gap: &AnyGap, modulus: EffectiveModulus, depth: f64, p
     let wanted: Vec<bool> = q.iter().map(|&q| q > 0.0).collect();
     let u = Summation::new(grid, &q).in_cells(Receiver::Point([0.5; 2]), &wanted);
     let left = |k: usize| depth - gap.gap(grid.centre_of(k)[0], grid.centre_of(k)[1]) - u[k];
-    let response = bend(grid, 0, 0);
     let table: Vec<f64> =
         (0..=AROUND).flat_map(|j| (0..=AROUND).map(move |i| [i, j])).map(|[i, j]| bend(grid, i, j).abs()).collect();
+    let response = table[0];
     let at_edge = edge(&q, [nx, ny]);
     let open = |i: usize, j: usize| -> f64 {
         let rows = j.saturating_sub(AROUND)..(j + AROUND + 1).min(ny);

@@ -1,5 +1,6 @@
 //! The check of one state of a result.
 
+use super::bounds::sound;
 use super::result::{Bounds, Proof, State, key};
 use super::scaled::ScaledField;
 use super::{Claim, Verification, bounds, close, energy};
@@ -25,6 +26,9 @@ impl State<'_> {
         let gap = scene.contact.tilted_gap(self.tilt);
         self.as_loaded(load, &mut found);
         self.error_is_allowed(scene, load, &mut found);
+        if let Some(field) = &self.field {
+            found.require(sound(field), "the pressure is finite and nowhere tensile");
+        }
         match self.origin.as_str() {
             "no_contact" => self.apart(&gap, &mut found),
             "one_grid" | "many_grids" if !self.is_turned() => self.on_grid(scene, &gap, load, &mut found)?,

@@ -38,10 +38,12 @@ impl LeftOpen {
         if fourth > 0.0 { (second / fourth).clamp(1.0 / 16.0, 1.0) } else { 1.0 }
     }
 
-    /// Of the least gap, from which depths are counted, where so many samples may be it: the noise of the least of n is about
-    /// (2 ln n)^(1/2) times that of each. A tip between the samples may be `lower` by this, which is taken twice as well: noise may have
+    /// Of the least of these heights, which is 0 and which depths are counted from: of n that may be it the noise is about (2 ln n)^(1/2)
+    /// times that of each. A tip between the samples may be `lower` by this, which is taken twice as well: noise may have
     /// blunted it.
-    pub(super) fn of_least(self, n: usize, lower: f64) -> Self {
+    pub(super) fn of_least(self, heights: impl Iterator<Item = f64>, lower: f64) -> Self {
+        let most = MAY_BE_LEAST * self.size();
+        let n = heights.filter(|height| *height <= most).count();
         let spread = (2.0 * (n as f64).max(1.0).ln()).sqrt().max(1.0);
         let noise = spread * self.noise;
         Self { noise: (Self { noise, ..self }.size()).max(noise + 2.0 * lower), missed: [0.0; 2] }
@@ -129,7 +131,7 @@ pub(super) const BESIDE: usize = 1;
 pub(super) const FURTHER: usize = 4;
 
 /// Of what the least gap leaves open: samples above it by more are not it.
-pub(super) const MAY_BE_LEAST: f64 = 3.0;
+const MAY_BE_LEAST: f64 = 3.0;
 
 /// What those of several parts of a gap that are measured leave open at the same places.
 pub(super) fn joined(

@@ -7,7 +7,7 @@ pub use line::Line;
 pub use table::LineFormat;
 
 use super::height_map::{Surface, Zero};
-use super::left_open::{BESIDE, COARSER, FURTHER, MARGIN, MAY_BE_LEAST, Rising, tip};
+use super::left_open::{BESIDE, COARSER, FURTHER, MARGIN, Rising, tip};
 use super::spline::{Ends, PiecewiseCubic};
 use super::{DataEdge, Gap, Growth, Known, LeftOpen, Reach, Taylor};
 use crate::error::{InputError, positive};
@@ -222,8 +222,7 @@ impl Profile {
         let mut at = [0.0; 2];
         at[self.across] = self.lowest;
         let open = self.open_between(&[Rect { min: at, max: at }])[0];
-        let may_be_least = |q: &&f64| self.heights.value(**q) <= MAY_BE_LEAST * open.size();
-        open.of_least(self.heights.knots().iter().filter(may_be_least).count(), self.tip())
+        open.of_least(self.heights.knots().iter().map(|q| self.heights.value(*q)), self.tip())
     }
 
     /// How much lower than the spline a tip may be between the samples around the lowest place.

@@ -4,7 +4,7 @@ mod surface;
 
 use super::extremes::Extremes;
 use super::height_map::{HeightMap, Heights, Nodes, ROUNDING, Surface, Zero, mean_over};
-use super::left_open::{BESIDE, COARSER, FURTHER, MARGIN, MAY_BE_LEAST, Rising, tip};
+use super::left_open::{BESIDE, COARSER, FURTHER, MARGIN, Rising, tip};
 use super::spline::{Ends, bernstein};
 use super::{DataEdge, Gap, Growth, Known, LeftOpen, Material, Reach, Taylor};
 use crate::error::InputError;
@@ -120,8 +120,7 @@ impl SplineMap {
         }
         let open = self.open_between(&[Rect { min: self.centre, max: self.centre }])[0];
         let [nx, ny] = self.shape();
-        let may_be_least = (0..nx * ny).filter(|&k| self.splines.value(k) <= MAY_BE_LEAST * open.size());
-        open.of_least(may_be_least.count(), self.tip())
+        open.of_least((0..nx * ny).map(|k| self.splines.value(k)), self.tip())
     }
 
     /// How much lower than the spline a tip may be between the samples around the lowest place.
