@@ -18,7 +18,7 @@
 //! | `force_error`, `depth_error`, `stiffness_error`, `energy_error`, `area_error` | relative error of each; 0 for what was prescribed, `null` where nothing is known |
 //! | `evidence` | what the error of the force is, of the depth under a force: `exact` (rounding), `proved` (of a bracket), `sampled`, `estimated` |
 //! | `energy`, `moment`, `tilt`, `stiffness_matrix`, `centre_of_pressure` | where the method gives them |
-//! | `bracket` | `{lower, upper, evidence, points_per_cell_side?, depth?, below, above}`: see below |
+//! | `bracket` | `{lower, upper, evidence, points_per_cell_side?, depth?, moment?, tilt?, below, above}`: see below |
 //! | `patch` | `{area, centroid, regions, max_radius, semi_axes?, angle?, pieces, boundary?}`, boundaries counter-clockwise, holes clockwise; semi-axes and the angle from x (degrees) of ellipses |
 //! | `patch.pieces` | `[{area, force, centroid, extent: [[x0, y0], [x1, y1]], max_pressure}]`, largest force first |
 //! | `touches_edge` | `null`, or `{edge, share}`: the edge of the data (`map`, `hole`, `region`) that the patch meets, the share of the force on the cells beside it |
@@ -31,7 +31,8 @@
 //! | `left_out`, `remarks` | sentences |
 //!
 //! `bracket.evidence` is `proved` or `sampled` (at so many points along the side of a cell). `bracket.depth`, `{lower, upper,
-//! evidence}`, bounds the depth under a prescribed force (`upper` is `null` when nothing bounds it). `below` and `above`, `{theorem,
+//! evidence}`, bounds the depth under a prescribed force (`upper` is `null` when nothing bounds it); `bracket.moment` and `bracket.tilt`,
+//! `{lower: [.., ..], upper: [.., ..], evidence}`, those of a tilted face that touches everywhere. `below` and `above`, `{theorem,
 //! evidence, violation, at, discs, level?, degree?, field?}`, are what proves each side: with Q the force of the field and k the
 //! degree (`null` for a flat), the bound is (Q + discs)/(1 - level/depth)^(1 + 1/k) above and (Q - discs)/(1 + level/depth)^(1 + 1/k)
 //! below. The fields come with that of the pressure; `contact-patch check` takes them.
@@ -212,6 +213,10 @@ pub(crate) struct Bracket<'a> {
     pub points_per_cell_side: Option<usize>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub depth: Option<DepthBracket<'a>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub moment: Option<PairBracket<'a>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tilt: Option<PairBracket<'a>>,
     pub below: Option<Side<'a>>,
     pub above: Option<Side<'a>>,
 }
@@ -220,6 +225,14 @@ pub(crate) struct Bracket<'a> {
 pub(crate) struct DepthBracket<'a> {
     pub lower: Option<f64>,
     pub upper: Option<f64>,
+    #[serde(default)]
+    pub evidence: Word<'a>,
+}
+
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(crate) struct PairBracket<'a> {
+    pub lower: [f64; 2],
+    pub upper: [f64; 2],
     #[serde(default)]
     pub evidence: Word<'a>,
 }

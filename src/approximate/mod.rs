@@ -172,6 +172,8 @@ fn dimensional(contact: &Contact, depth: f64, tilt: [f64; 2], settings: &Setting
         area_error: None,
         bracket: None,
         depth_bracket: None,
+        moment_bracket: None,
+        tilt_bracket: None,
         stiffness: found.stiffness,
         stiffness_matrix: None,
         moment: None,

@@ -46,7 +46,7 @@ use gap_bounds::GapBounds;
 use mirrors::Mirrors;
 use suprema::{BoundState, suprema};
 
-pub use crate::solution::{BracketCost, DepthBracket, Evidence, ForceBracket, Repair, Side, Theorem};
+pub use crate::solution::{BracketCost, DepthBracket, Evidence, ForceBracket, PairBracket, Repair, Side, Theorem};
 pub use approximate::approximate;
 pub use sharp::sharp;
 

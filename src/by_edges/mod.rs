@@ -31,7 +31,7 @@ use crate::numeric::geometry::Rect;
 use crate::overlap::Overlap;
 use crate::problem::{Contact, ErrorBar, Load, Method, Settings};
 use crate::solution::{
-    Cost, DepthBracket, ForceBracket, Origin, Patch, Piece, PressureSummary, Singular, Solution, TouchesEdge, Unsolved,
+    Cost, DepthBracket, ForceBracket, Origin, PairBracket, Patch, Piece, PressureSummary, Singular, Solution, TouchesEdge, Unsolved,
     Validity, Verdict,
 };
 
@@ -82,6 +82,8 @@ struct Found {
 /// What a tilted punch has beside the others.
 struct Moments {
     moment: [f64; 2],
+    /// Proved.
+    bounds: Option<PairBracket>,
     matrix: [[f64; 3]; 3],
 }
 
@@ -275,6 +277,7 @@ pub(crate) fn balanced(
     let mut state = in_users_units(contact, &gap, free.found, (free.depth, free.tilt), settings);
     (state.force, state.moment) = (force, Some(moment));
     state.depth_bracket = free.bounds.map(DepthBracket::proved);
+    state.tilt_bracket = free.bounds_of_tilt;
     Some(judged(state, settings))
 }
 
@@ -347,6 +350,8 @@ fn in_users_units(
         area_error: found.area_error,
         bracket: found.proved.then(|| ForceBracket::of_energy(found.force)),
         depth_bracket: None,
+        moment_bracket: found.tilting.as_ref().and_then(|tilting| tilting.bounds),
+        tilt_bracket: None,
         stiffness: found.stiffness,
         stiffness_matrix: found.tilting.as_ref().map(|tilting| tilting.matrix),
         moment: Some(found.tilting.map_or([force * y, -force * x], |tilting| tilting.moment)),

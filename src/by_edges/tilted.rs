@@ -4,11 +4,11 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::flat::Flat;
 use super::{Found, Moments, field_grid};
-use crate::edge_fitted::{Given, Limits, Tilted, resample, tilted};
+use crate::edge_fitted::{Frame, Given, Limits, Tilted, resample, tilted};
 use crate::gap::Face;
 use crate::numeric::geometry::{Rect, convex_hull, left_of};
 use crate::problem::{Contact, Settings};
-use crate::solution::{Unsolved, Verdict};
+use crate::solution::{PairBracket, Unsolved, Verdict};
 
 /// A polygon with the plane of its face: the gap at x is value + slope . (x - at).
 pub(crate) struct Tilting {
@@ -24,6 +24,7 @@ pub(super) struct Free {
     pub tilt: [f64; 2],
     /// Of the depth, proved.
     pub bounds: Option<[f64; 2]>,
+    pub bounds_of_tilt: Option<PairBracket>,
 }
 
 impl Tilting {
@@ -50,6 +51,12 @@ impl Tilting {
         self.flat.outline.touches_everywhere(self.through(force, moment))
     }
 
+    /// The user's axes in the outline's: the depth is that at the user's origin.
+    fn frame(&self) -> Frame {
+        let [cos, sin] = self.flat.turn;
+        Frame { origin: self.flat.inward([0.0; 2]), along: [[cos, -sin], [sin, cos]] }
+    }
+
     /// (1, x, y) of the user's frame as combinations of those of the outline's.
     fn basis(&self) -> Matrix3<f64> {
         let Flat { origin: [x, y], turn: [cos, sin], length: l, .. } = self.flat;
@@ -63,7 +70,8 @@ impl Tilting {
         let centre = depth - value + a * (self.at[0] - origin[0]) + b * (self.at[1] - origin[1]);
         let plane = [centre, -length * (cos * a + sin * b), -length * (cos * b - sin * a)];
         let unit = plane.iter().fold(0.0, |m: f64, c| m.max(c.abs()));
-        let state = tilted(&self.flat.outline, Given::Plane(plane.map(|c| c / unit)), limits)?;
+        let given = Given::Plane(plane.map(|c| c / unit));
+        let state = tilted(&self.flat.outline, given, &self.frame(), limits)?;
         Some(self.state(contact, state, unit, settings))
     }
 
@@ -81,9 +89,7 @@ impl Tilting {
         }
         let Flat { origin, turn: [cos, sin], length, value, .. } = self.flat;
         let [x, y] = self.through(force, moment);
-        // The depth is that at the user's origin.
-        let at = self.flat.inward([0.0; 2]);
-        let state = tilted(&self.flat.outline, Given::Load { load: [1.0, x, y], at }, limits)?;
+        let state = tilted(&self.flat.outline, Given::Load([1.0, x, y]), &self.frame(), limits)?;
         // Forces are E* length depth, and all is linear.
         let per = force / (contact.modulus().e_star() * length);
         // The middle of the bounds is taken for the force of the plane.
@@ -95,9 +101,13 @@ impl Tilting {
         let level = |own: f64| own + value - self.slope[0] * self.at[0] - self.slope[1] * self.at[1];
         let depth = centre + value - back(0) - back(1);
         // Of the load itself.
-        let bounds = state.depth.map(|ends| ends.map(|end| level(end * per / state.load[0])));
+        let own = per / state.load[0];
+        let bounds = state.depth.map(|ends| ends.map(|end| level(end * own)));
+        let slopes = |m: usize, ends: [f64; 2]| ends.map(|end| end * own / length + self.slope[m]);
+        let bounds_of_tilt = state.tilts.map(|[x, y]| PairBracket::proved([slopes(0, x), slopes(1, y)]));
+        let tilt = bounds_of_tilt.map_or(tilt, |bounds| bounds.nearest(tilt));
         let depth = bounds.map_or(depth, |[low, high]| depth.clamp(low, high));
-        Some(Free { found: self.state(contact, state, unit, settings), depth, tilt, bounds })
+        Some(Free { found: self.state(contact, state, unit, settings), depth, tilt, bounds, bounds_of_tilt })
     }
 
     /// In the user's units; `unit`: that of the overlap.
@@ -108,6 +118,12 @@ impl Tilting {
         // Of the middle of the bounds, through where the computed pressure acts.
         let middle = 0.5 * (state.force[0] + state.force[1]) / state.load[0];
         let load = basis * Vector3::from(state.load) * (middle * of_force);
+        let moment = [load[2], -load[1]];
+        let of_moment = of_force * length;
+        let bounds = state.moments.map(|[[x0, x1], [y0, y1]]| {
+            PairBracket::proved([[of_moment * y0, of_moment * y1], [-of_moment * x1, -of_moment * x0]])
+        });
+        let moment = bounds.map_or(moment, |bounds| bounds.nearest(moment));
         let matrix = basis * Matrix3::from_fn(|i, j| state.matrix[i][j]) * basis.transpose() * (e_star * length);
         let reference = contact.gap().known().reference;
         let patch = flat.patch(&state.regions, of_force, reference);
@@ -136,7 +152,8 @@ impl Tilting {
             left_out: "the surface grid: cells follow the edges of the material",
             proved: state.proved,
             tilting: Some(Moments {
-                moment: [load[2], -load[1]],
+                moment,
+                bounds,
                 matrix: [0, 1, 2].map(|i| [0, 1, 2].map(|j| matrix[(i, j)])),
             }),
         }

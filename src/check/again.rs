@@ -108,6 +108,7 @@ impl State<'_> {
         if bounded_again {
             self.holds_bracket_of(&own, other_cells, found);
         }
+        self.holds_pairs_of(&own, other_cells, found);
         if by_cells {
             self.origin_is_that_of(&own, other_cells, found);
             if let Some(residuals) = own.residuals {
@@ -180,6 +181,24 @@ impl State<'_> {
                 claimed.lower, claimed.upper
             ),
         );
+    }
+
+    /// So do those of moments and tilts.
+    fn holds_pairs_of(&self, own: &Solution, other_cells: bool, found: &mut Verification) {
+        for (key, own) in [(key!(bracket.moment), own.moment_bracket), (key!(bracket.tilt), own.tilt_bracket)] {
+            let Key { path, remove, .. } = key;
+            let Some(result::PairBracket { lower, upper, .. }) = self.get(key) else { continue };
+            let holds = own.is_some_and(|own| {
+                (0..2).all(|m| {
+                    let (low, high) = (own.lower()[m], own.upper()[m]);
+                    let room = if other_cells { ABOUT * (high - low) } else { ROUNDING * low.abs().max(high.abs()) };
+                    lower[m] <= low + room && high - room <= upper[m]
+                })
+            });
+            let what = format!("{path}, {lower:?} to {upper:?}, holds the one that was found again, {own:?}");
+            found.require(holds, what);
+            self.use_all(remove);
+        }
     }
 
     /// The tilts of a punch that is free to, over the size of its patch, and the bounds of its depth.

@@ -258,6 +258,8 @@ pub(crate) fn solution(
         area_error: Some(2.0 * form.error),
         bracket: None,
         depth_bracket: None,
+        moment_bracket: None,
+        tilt_bracket: None,
         stiffness: form.stiffness,
         stiffness_matrix: Some([0, 1, 2].map(|i| [0, 1, 2].map(|j| stiffness[(i, j)]))),
         moment: Some([form.force * y, -form.force * x]),

@@ -210,7 +210,7 @@ fn touches(outline: &Outline, cell: &[Point; 4]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::edge_fitted::{Given, tilted};
+    use crate::edge_fitted::{Frame, Given, tilted};
 
     fn square() -> Outline {
         Outline::polygon(&[[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]).unwrap()
@@ -223,7 +223,7 @@ mod tests {
             let f = Quadratic { about: [0.0; 2], value: 1.0, gradient: [slope, 0.3], hessian: [0.0; 3] };
             let found = crowned(&outline, &f, &Limits::default()).unwrap();
             let plane =
-                tilted(&outline, Given::Plane([1.0, slope, 0.3]), &Limits { proof: false, ..Limits::default() });
+                tilted(&outline, Given::Plane([1.0, slope, 0.3]), &Frame::OWN, &Limits { proof: false, ..Limits::default() });
             let plane = plane.unwrap();
             let [low, high] = plane.force;
             let force = 0.5 * (low + high);

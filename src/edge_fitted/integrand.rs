@@ -36,19 +36,38 @@ impl Sums {
     }
 }
 
-/// The interpolants on one subcell, ready to be squared.
-pub(crate) struct Integrand<'a> {
-    pub map: &'a Bilinear,
+/// f and the interpolant of u on one subcell.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Interpolant {
     /// f at the corners, and its slope.
     pub overlap: [f64; 4],
     pub slope: Point,
+    /// u and both slopes at the nodes, less their singular parts.
+    pub nodal: [[f64; 25]; 3],
+    /// The factors of ln s and ln t that were taken off the slope, with the opposite sign.
+    pub jumps: [[f64; 2]; 2],
+}
+
+impl Interpolant {
+    /// Of the sum of two residuals.
+    pub fn plus(&self, other: &Self) -> Self {
+        let sum = |a: &[f64; 2], b: &[f64; 2]| [a[0] + b[0], a[1] + b[1]];
+        Self {
+            overlap: std::array::from_fn(|i| self.overlap[i] + other.overlap[i]),
+            slope: sum(&self.slope, &other.slope),
+            nodal: std::array::from_fn(|q| std::array::from_fn(|i| self.nodal[q][i] + other.nodal[q][i])),
+            jumps: std::array::from_fn(|k| sum(&self.jumps[k], &other.jumps[k])),
+        }
+    }
+}
+
+/// The interpolants on one subcell, ready to be squared.
+pub(crate) struct Integrand<'a> {
+    pub map: &'a Bilinear,
+    pub interpolant: &'a Interpolant,
     pub decay: [f64; 4],
     pub rules: [&'static Rule; 2],
     pub count: [usize; 2],
-    /// u and both slopes at the nodes, less their singular parts.
-    pub nodal: &'a [[f64; 25]; 3],
-    /// The factors of ln s and ln t that were taken off the slope, with the opposite sign.
-    pub jumps: [[f64; 2]; 2],
     /// What slope and value leave out, mean squares.
     pub left_out: [f64; 2],
 }
@@ -107,8 +126,8 @@ impl Kernel for Sum<'_> {
     #[inline(always)]
     fn run(self) -> Squares {
         let Self { chi, fade, steep, .. } = self;
-        let Integrand { map, ref overlap, slope, ref decay, rules: [rs, rt], count: [m, n], nodal, jumps, .. } =
-            *self.integrand;
+        let Integrand { map, interpolant, ref decay, rules: [rs, rt], count: [m, n], .. } = *self.integrand;
+        let Interpolant { overlap, slope, nodal, jumps } = interpolant;
         let inverse = decay.map(|l| 1.0 / l);
         let (mut alpha, mut beta, mut square) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
         for row in &rt.lanes {

@@ -15,10 +15,10 @@ use nalgebra::{Matrix3, Vector3};
 use super::active_set::Planes;
 use super::cholesky::Cholesky;
 use super::compliance::Compliance;
-use super::integrand::Sums;
 use super::line_potential::Lines;
-use super::mesh::{Mesh, Point, dot};
-use super::residual_norm::{Overlap, Target, decay_lengths, norms};
+use super::mesh::{Bilinear, Mesh, Point, dot};
+use super::residual_form::ResidualForm;
+use super::residual_norm::{Overlap, Target, decay_lengths, norms_of_pairs};
 use super::symmetry::{Isometry, Orbits};
 use crate::clock::Deadline;
 
@@ -94,49 +94,48 @@ impl Mirrored {
         Some(Planes([0, 1, 2].map(combined)))
     }
 
-    /// Bounds of a(w, w) for the residuals of planes g . (1, x, y) in contact on all cells.
+    /// Bounds of a(w, w) for the residuals of planes in contact on all cells; `most`: the one that has to be known best, where no mirror tells
+    /// which are apart.
     pub fn residuals(
         &self,
         mesh: &Mesh,
         lines: &Lines,
         planes: &Planes,
-        asked: [Vector3<f64>; 3],
+        most: &Vector3<f64>,
         deadline: Deadline,
-    ) -> Option<[f64; 3]> {
-        let (decay, everywhere) = (decay_lengths(mesh), vec![true; mesh.loaded]);
-        // g . (1, x, y) = own . (1, u, v).
-        let back = self.basis.try_inverse()?.transpose();
-        let own = asked.map(|g| back * g);
-        let part = |g: Vector3<f64>| {
-            let g = self.basis.transpose() * g;
-            (planes.combined(&g), [g[0], g[1], g[2]])
+    ) -> Option<ResidualForm> {
+        let decay = decay_lengths(mesh);
+        // (1, u, v).
+        let own = |k: usize| self.basis.row(k).transpose();
+        let (asked, pairs, parts): (_, &[[usize; 2]], &'static [&'static [usize]]) = match self.count {
+            0 => (spread(mesh, most), &[[0, 1], [0, 2], [1, 2]], &[&[0, 1, 2]]),
+            1 => ([own(0), own(1), own(2)], &[[0, 1]], &[&[0, 1], &[2]]),
+            _ => ([own(0), own(1), own(2)], &[], &[&[0], &[1], &[2]]),
         };
-        fn target((pressure, g): &(Vec<f64>, [f64; 3])) -> Target<'_> {
-            Target { pressure, overlap: Overlap::Plane(*g) }
-        }
-        let bounds = |sums: &[Sums]| -> Vec<f64> { sums.iter().map(Sums::bound).collect() };
-        let of_three = |parts: [Vector3<f64>; 3]| {
-            let parts = parts.map(part);
-            let targets = parts.each_ref().map(target);
-            norms(mesh, lines, &self.orbits, &decay, &everywhere, targets, deadline).map(|sums| bounds(&sums))
-        };
-        match self.count {
-            0 => Some(of_three(own)?.try_into().ok()?),
-            1 => {
-                let [a, b, c] = own.map(|g| part(Vector3::new(g[0], g[1], 0.0)));
-                let parts = [a, b, c, part(Vector3::z())];
-                let targets = parts.each_ref().map(target);
-                let sums = norms(mesh, lines, &self.orbits, &decay, &everywhere, targets, deadline)?;
-                let rests = bounds(&sums);
-                Some([0, 1, 2].map(|m| rests[m] + own[m][2].powi(2) * rests[3]))
-            }
-            _ => {
-                let rests = of_three([Vector3::x(), Vector3::y(), Vector3::z()])?;
-                Some(own.map(|g| (0..3).map(|k| g[k].powi(2) * rests[k]).sum()))
-            }
-        }
+        let pressures = asked.map(|g| planes.combined(&g));
+        let targets: [Target; 3] =
+            std::array::from_fn(|k| Target { pressure: &pressures[k], overlap: Overlap::Plane(asked[k].into()) });
+        let (sums, joint) = norms_of_pairs(mesh, lines, &self.orbits, &decay, targets, pairs, deadline)?;
+        ResidualForm::new(asked, parts, &sums, pairs, &joint)
     }
 }
+
+/// Three planes that are not alike on a mesh: 1, a given one unless that is nearly even, and what lies across both.
+fn spread(mesh: &Mesh, most: &Vector3<f64>) -> [Vector3<f64>; 3] {
+    let middles = || (0..mesh.loaded).map(|cell| Bilinear::new(mesh.corners(cell)).centre);
+    let [x, y] = [0, 1].map(|m| middles().map(|c| c[m]).sum::<f64>() / mesh.loaded as f64);
+    let size = middles().map(|c| (c[0] - x).hypot(c[1] - y)).fold(0.0, f64::max);
+    // Values in the middle, and what they change by over that size.
+    let about = |g: &Vector3<f64>| Vector3::new(g[0] + g[1] * x + g[2] * y, size * g[1], size * g[2]);
+    let back = |v: Vector3<f64>| Vector3::new(v[0] - (v[1] * x + v[2] * y) / size, v[1] / size, v[2] / size);
+    let one = Vector3::x();
+    let given = about(most).normalize();
+    let other = if one.cross(&given).norm() > ALIKE { given } else { Vector3::y() };
+    [one, back(other), back(one.cross(&other).normalize())]
+}
+
+/// The sine of the angle between planes that are alike.
+const ALIKE: f64 = 0.1;
 
 /// S of the pressures with one set of signs.
 struct Block {
@@ -199,7 +198,6 @@ fn axis(mirror: &Isometry) -> Point {
 
 #[cfg(test)]
 mod tests {
-    use super::super::mesh::Bilinear;
     use super::super::outline::Outline;
     use super::*;
 
@@ -225,8 +223,8 @@ mod tests {
             let [own, other] = [&mirrored, &plain].map(|some| {
                 let s = Compliance::of_cells(mesh, &lines, &some.orbits, Deadline::NEVER).unwrap();
                 let planes = some.planes(&s, &weights).unwrap();
-                let rests = some.residuals(mesh, &lines, &planes, asked, Deadline::NEVER).unwrap();
-                (planes, rests)
+                let form = some.residuals(mesh, &lines, &planes, &asked[1], Deadline::NEVER).unwrap();
+                (planes, asked.map(|plane| form.of(&plane)))
             });
             for (p, q) in own.0.0.iter().zip(&other.0.0) {
                 let size = q.iter().fold(0.0, |m: f64, q| m.max(q.abs()));

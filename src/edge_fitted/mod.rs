@@ -58,6 +58,7 @@ mod pair_integral;
 mod polygon;
 mod rectilinear;
 mod region;
+mod residual_form;
 mod residual_norm;
 mod roller;
 mod rows;
@@ -85,7 +86,7 @@ pub(crate) use roller::{Roller, roller};
 pub(crate) use symmetry::mirrors;
 pub(crate) use tilted::tilted;
 pub(crate) use tilted_bounds::Tilted;
-pub(crate) use tilted_mesh::Given;
+pub(crate) use tilted_mesh::{Frame, Given};
 
 use crate::clock::Deadline;
 

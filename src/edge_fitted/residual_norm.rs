@@ -15,7 +15,7 @@ use super::group::{Group, Sources, groups};
 use super::integrand::Sums;
 use super::line_potential::Lines;
 use super::mesh::{Bilinear, Mesh, cross, norm};
-use super::subdivision::{Context, Work};
+use super::subdivision::{Context, Shares, Work};
 use super::surroundings::Surroundings;
 use super::symmetry::Orbits;
 use crate::clock::Deadline;
@@ -87,9 +87,25 @@ pub(crate) fn norms<const K: usize>(
     targets: [Target; K],
     deadline: Deadline,
 ) -> Option<[Sums; K]> {
-    let scan = Scan { mesh, lines, orbits, decay, targets, beyond: None, deadline };
+    let scan = Scan { mesh, lines, orbits, decay, targets, pairs: &[], beyond: None, deadline };
     let norms = scan.sums(&Fades::of(mesh, contact))?;
-    Some(norms.map(|[own, _]| own))
+    Some(norms.own.map(|[own, _]| own))
+}
+
+/// The same with those of the sums w_i + w_j of some pairs, at most [`super::subdivision::PAIRS`], over cells that are all in contact; what
+/// interpolation leaves out of these is not told.
+pub(crate) fn norms_of_pairs<const K: usize>(
+    mesh: &Mesh,
+    lines: &Lines,
+    orbits: &Orbits,
+    decay: &[f64],
+    targets: [Target; K],
+    pairs: &[[usize; 2]],
+    deadline: Deadline,
+) -> Option<([Sums; K], Vec<Sums>)> {
+    let scan = Scan { mesh, lines, orbits, decay, targets, pairs, beyond: None, deadline };
+    let Shares { own, joint } = scan.sums(&Fades::of(mesh, &vec![true; mesh.loaded]))?;
+    Some((own.map(|[own, _]| own), joint[..pairs.len()].to_vec()))
 }
 
 /// The same for p, and m of the flat punch, where there is material without contact; `None` too where its signs cannot be shown.
@@ -103,8 +119,8 @@ pub(crate) fn parted(
     deadline: Deadline,
 ) -> Option<Parted> {
     let fades = Fades::new(mesh, beyond.contact, beyond.wider, beyond.material);
-    let scan = Scan { mesh, lines, orbits, decay, targets, beyond: Some(beyond), deadline };
-    let [[residual, _], [punch, wider]] = scan.sums(&fades)?;
+    let scan = Scan { mesh, lines, orbits, decay, targets, pairs: &[], beyond: Some(beyond), deadline };
+    let [[residual, _], [punch, wider]] = scan.sums(&fades)?.own;
     Some(Parted { residual, punch, wider })
 }
 
@@ -115,15 +131,16 @@ struct Scan<'a, const K: usize> {
     orbits: &'a Orbits,
     decay: &'a [f64],
     targets: [Target<'a>; K],
+    pairs: &'a [[usize; 2]],
     beyond: Option<Beyond<'a>>,
     deadline: Deadline,
 }
 
 impl<const K: usize> Scan<'_, K> {
     /// Of every target, faded from the cells in contact and from the wider set.
-    fn sums(&self, fades: &Fades) -> Option<[[Sums; 2]; K]> {
+    fn sums(&self, fades: &Fades) -> Option<Shares<K>> {
         let Self { mesh, lines, orbits, targets, .. } = self;
-        let mut all = [[Sums::default(); 2]; K];
+        let mut all = Shares::zero();
         let pressures = targets.map(|target| target.pressure);
         let strengths: Vec<Vec<f64>> = pressures.iter().map(|p| Lines::strengths(mesh, p)).collect();
         let strengths: [&[f64]; K] = std::array::from_fn(|k| strengths[k].as_slice());
@@ -150,9 +167,7 @@ impl<const K: usize> Scan<'_, K> {
                     }
                     let size = orbits.size[orbits.orbit[cell]] as f64;
                     let own = self.of_cell(cell, &sources, &group, allowances[cell], &panels[cell], &mut work)?;
-                    for (all, own) in all.iter_mut().flatten().zip(own.iter().flatten()) {
-                        all.add(size, own);
-                    }
+                    all.add(size, &own);
                 }
             }
         }
@@ -168,8 +183,8 @@ impl<const K: usize> Scan<'_, K> {
         allowance: f64,
         panels: &[Panel],
         work: &mut Work<K>,
-    ) -> Option<[[Sums; 2]; K]> {
-        let Self { mesh, lines, targets, beyond, .. } = self;
+    ) -> Option<Shares<K>> {
+        let Self { mesh, lines, targets, pairs, beyond, .. } = self;
         let context = Context {
             lines,
             decay: mesh.cells[cell].map(|n| self.decay[n]),
@@ -177,11 +192,12 @@ impl<const K: usize> Scan<'_, K> {
             extent: mesh.extent(),
             allowance,
             strengths: sources.strengths,
+            pairs,
             overlap: targets.map(|target| target.overlap.of(cell)),
             tau: beyond.map(|beyond| beyond.tau),
             surroundings: Surroundings::new(sources, group, cell, &mut work.scratch),
         };
-        let mut own = [[Sums::default(); 2]; K];
+        let mut own = Shares::zero();
         for panel in panels {
             context.subdivide(panel, &mut own, work)?;
         }

@@ -4,7 +4,7 @@ use super::beyond::{largest, range};
 use super::bilinear::{bilinear, restrict};
 use super::fade::Panel;
 use super::gauss::{NODES, Touch, legendre, rule};
-use super::integrand::{Integrand, Sums};
+use super::integrand::{Integrand, Interpolant, Sums};
 use super::interpolation::{CHOICES, Errors, NodeLogarithms, errors};
 use super::line_potential::{BATCH, Field, Lines, Points, Scratch};
 use super::mesh::{dot, minus};
@@ -25,6 +25,30 @@ const UNDECIDED: u32 = 6;
 /// Halvings until a sign that has to be shown is given up.
 const GIVEN_UP: u32 = 24;
 
+/// Pairs of residuals at most.
+pub(crate) const PAIRS: usize = 3;
+
+/// What subcells add to.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Shares<const K: usize> {
+    /// Of every residual, faded from the cells in contact and from the wider set.
+    pub own: [[Sums; 2]; K],
+    /// Of pairs of residuals, added up, faded from the cells in contact; what interpolation leaves out of them is not told.
+    pub joint: [Sums; PAIRS],
+}
+
+impl<const K: usize> Shares<K> {
+    pub fn zero() -> Self {
+        Self { own: [[Sums::default(); 2]; K], joint: [Sums::default(); PAIRS] }
+    }
+
+    /// Adds `size` times others.
+    pub fn add(&mut self, size: f64, other: &Self) {
+        let all = self.own.iter_mut().flatten().chain(&mut self.joint);
+        all.zip(other.own.iter().flatten().chain(&other.joint)).for_each(|(sums, other)| sums.add(size, other));
+    }
+}
+
 /// One cell and what is asked for it.
 pub(crate) struct Context<'a, const K: usize> {
     pub lines: &'a Lines,
@@ -36,6 +60,8 @@ pub(crate) struct Context<'a, const K: usize> {
     /// What may be left out, over [`SHARE`].
     pub allowance: f64,
     pub strengths: [&'a [f64]; K],
+    /// Residuals of which the sums are asked for, too.
+    pub pairs: &'a [[usize; 2]],
     /// f as value + slope . x, and what is left out of its slope and its value.
     pub overlap: [([f64; 3], [f64; 2]); K],
     /// Of `beyond`.
@@ -81,7 +107,7 @@ type Stack = Vec<(Subcell, u32)>;
 
 impl<const K: usize> Context<'_, K> {
     /// Cuts a panel until interpolation leaves out little enough, and signs are shown; `None` where that takes too many subcells.
-    pub fn subdivide(&self, panel: &Panel, own: &mut [[Sums; 2]; K], work: &mut Work<K>) -> Option<()> {
+    pub fn subdivide(&self, panel: &Panel, own: &mut Shares<K>, work: &mut Work<K>) -> Option<()> {
         let whole = panel.subcell;
         let area = whole.map.area();
         let surroundings = &self.surroundings;
@@ -184,7 +210,7 @@ impl<const K: usize> Context<'_, K> {
 
     /// Evaluates the fields of all pending subcells and adds their shares; those that are too large for what has to be shown go back on the
     /// stack. `None` where a sign is given up.
-    pub fn flush(&self, own: &mut [[Sums; 2]; K], work: &mut Work<K>, stack: &mut Stack) -> Option<()> {
+    pub fn flush(&self, own: &mut Shares<K>, work: &mut Work<K>, stack: &mut Stack) -> Option<()> {
         if work.points.len == 0 {
             return Some(());
         }
@@ -209,9 +235,15 @@ impl<const K: usize> Context<'_, K> {
                     }
                 },
             };
-            for k in 0..K {
+            let shapes: [Interpolant; K] =
+                std::array::from_fn(|k| self.interpolant(k, pending, &fields[k], &work.points));
+            for (k, shape) in shapes.iter().enumerate() {
                 let chi = [0, 1].map(|q| if weights[k][q] { pending.chi[q] } else { [0.0; 4] });
-                self.add(k, pending, &fields[k], &work.points, chi, &mut own[k]);
+                self.add(k, pending, shape, chi, &mut own.own[k]);
+            }
+            for (joint, [i, j]) in own.joint.iter_mut().zip(self.pairs) {
+                let both = shapes[*i].plus(&shapes[*j]);
+                joint.add(1.0, &self.integrand(pending, &both, &self.decay, [0.0; 2]).sums(&of_contact));
             }
         }
         work.points.len = 0;
@@ -267,34 +299,19 @@ impl<const K: usize> Context<'_, K> {
         }
     }
 
-    /// Adds the share of one subcell to the sums of pressure `k`, for both factors.
-    fn add(
-        &self,
-        k: usize,
-        pending: &Pending<K>,
-        field: &Field,
-        points: &Points,
-        chi: [[f64; 4]; 2],
-        own: &mut [Sums; 2],
-    ) {
-        if chi == [[0.0; 4]; 2] {
-            return;
-        }
-        let surroundings = &self.surroundings;
-        let subcell = &pending.subcell;
-        let map = &subcell.map;
-        let [m, n] = pending.count;
+    /// Displacement and slope of pressure `k` at the nodes of a subcell, less their singular parts: grad u contains -2 c n ln t of a touched
+    /// edge.
+    fn interpolant(&self, k: usize, pending: &Pending<K>, field: &Field, points: &Points) -> Interpolant {
+        let Pending { subcell, count: [m, n], logarithms, first, .. } = pending;
         let touches = [subcell.touch(0), subcell.touch(1)];
-        let rules = [rule(m, touches[0].0), rule(n, touches[1].0)];
         let jumps =
             touches.map(|(_, e)| e.map_or([0.0; 2], |e| self.lines.normal(e).map(|c| 2.0 * c * self.strengths[k][e])));
-        // Displacement and slope at the nodes, less the singular parts: grad u contains -2 c n ln t of a touched edge.
         let mut nodal = [[0.0; 25]; 3];
-        let (x, y) = (&legendre(m).0, &legendre(n).0);
-        let fan = if pending.logarithms.is_empty() { None } else { Fan::new(subcell) };
+        let (x, y) = (&legendre(*m).0, &legendre(*n).0);
+        let fan = if logarithms.is_empty() { None } else { Fan::new(subcell) };
         for (j, t) in y.iter().enumerate() {
             for (i, s) in x.iter().enumerate() {
-                let p = pending.first + j * m + i;
+                let p = first + j * m + i;
                 let mut value = [field.u[p], field.slope[0][p], field.slope[1][p]];
                 for (d, (coordinate, jump)) in [(*s, jumps[0]), (*t, jumps[1])].into_iter().enumerate() {
                     let log = match touches[d].0 {
@@ -307,8 +324,8 @@ impl<const K: usize> Context<'_, K> {
                 }
                 if let Some(fan) = &fan {
                     let v = minus([points.x[p], points.y[p]], fan.node());
-                    for (index, logarithm) in &pending.logarithms {
-                        let e = &surroundings.near[*index];
+                    for (index, logarithm) in logarithms {
+                        let e = &self.surroundings.near[*index];
                         let psi = logarithm.value(v) * e.strength[k];
                         let normal = e.normal();
                         value[0] -= psi * dot(v, normal);
@@ -323,25 +340,40 @@ impl<const K: usize> Context<'_, K> {
         }
         let ([value, a, b], _) = self.overlap[k];
         let slope = [a, b];
-        let shape = |decay: &[f64; 4]| Integrand {
-            overlap: map.corners().map(|p| value + dot(slope, p)),
-            slope,
-            map,
+        Interpolant { overlap: subcell.map.corners().map(|p| value + dot(slope, p)), slope, nodal, jumps }
+    }
+
+    fn integrand<'a>(
+        &self,
+        Pending { subcell, count, .. }: &'a Pending<K>,
+        interpolant: &'a Interpolant,
+        decay: &[f64; 4],
+        left_out: [f64; 2],
+    ) -> Integrand<'a> {
+        let rules = [0, 1].map(|k| rule(count[k], subcell.touch(k).0));
+        Integrand {
+            map: &subcell.map,
+            interpolant,
             decay: restrict(decay, &subcell.range),
             rules,
-            count: pending.count,
-            nodal: &nodal,
-            jumps,
-            left_out: pending.errors[k],
-        };
-        let own_decay = shape(&self.decay);
-        let first = own_decay.sums(&chi[0]);
+            count: *count,
+            left_out,
+        }
+    }
+
+    /// Adds the share of one subcell to the sums of pressure `k`, for both factors.
+    fn add(&self, k: usize, pending: &Pending<K>, shape: &Interpolant, chi: [[f64; 4]; 2], own: &mut [Sums; 2]) {
+        if chi == [[0.0; 4]; 2] {
+            return;
+        }
+        let with = |decay: &[f64; 4]| self.integrand(pending, shape, decay, pending.errors[k]);
+        let first = with(&self.decay).sums(&chi[0]);
         own[0].add(1.0, &first);
         let wider = if k == 0 { &self.decay } else { &self.wider };
         if chi[1] == chi[0] && *wider == self.decay {
             own[1].add(1.0, &first);
         } else if chi[1] != [0.0; 4] {
-            own[1].add(1.0, &shape(wider).sums(&chi[1]));
+            own[1].add(1.0, &with(wider).sums(&chi[1]));
         }
     }
 }

@@ -55,7 +55,7 @@ use super::Limits;
 use super::flat::AIM;
 use super::outline::{COARSEST, Outline};
 use super::tilted_bounds::Tilted;
-use super::tilted_mesh::{FINEST, Given, Punch};
+use super::tilted_mesh::{FINEST, Frame, Given, Punch};
 
 /// Constant pressures on cells of size h leave of a pressure that varies by the share v of itself over a length l an energy of the order
 /// of v^2 (h/l)^3: cells are at most this times l v^(-2/3)/n, which leaves as much as the edges do.
@@ -82,7 +82,7 @@ pub(super) const LOOK: f64 = 0.4;
 /// Meshes of rising n until the error of the force is within the tolerance. `None` where the outline has no mesh that can be solved on, the
 /// load has no balance, and where the time ends before the first one is solved.
 #[must_use]
-pub(crate) fn tilted(outline: &Outline, given: Given, limits: &Limits) -> Option<Tilted> {
+pub(crate) fn tilted(outline: &Outline, given: Given, frame: &Frame, limits: &Limits) -> Option<Tilted> {
     // Without symmetry, and mostly without a proof, which is what takes the time.
     let unknowns = limits.unknowns + limits.unknowns / 2;
     // Where fewer leave too much.
@@ -95,7 +95,7 @@ pub(crate) fn tilted(outline: &Outline, given: Given, limits: &Limits) -> Option
     let look = punch(COARSEST, 0.5 * LOOK * outline.extent()).or_else(|| punch(COARSEST, f64::INFINITY))?;
     let first = look.pressed(given)?;
     if let Some(part) = in_reach(outline, look.outer_plane(&first)?, given)
-        && let Some(mut found) = tilted(&part, given, &Limits { proof: false, ..*limits })
+        && let Some(mut found) = tilted(&part, given, frame, &Limits { proof: false, ..*limits })
         && !outline.beyond(&part, found.plane)
     {
         (found.everywhere, found.proved) = (false, false);
@@ -140,16 +140,16 @@ pub(crate) fn tilted(outline: &Outline, given: Given, limits: &Limits) -> Option
                 }
             }
         }
-        let found = found.and_then(|(pressed, punch)| punch.bounded(&pressed, given, outline, provable));
+        let found = found.and_then(|(pressed, punch)| punch.bounded(&pressed, given, frame, outline, provable));
         // Too many cells: one that is not as fine as it should be is better than none.
         let found = found.or_else(|| {
-            if meshes.is_empty() { punch(n, f64::INFINITY)?.answer(given, outline, provable) } else { None }
+            if meshes.is_empty() { punch(n, f64::INFINITY)?.answer(given, frame, outline, provable) } else { None }
         });
         let Some(mut found) = found else { return meshes.pop().map(|(_, best)| best) };
         // A coarser mesh, which only tells what this one leaves.
         let on_coarser = |coarser: usize| {
             let punch = punch(coarser, FINE * size / coarser as f64)?;
-            Some((coarser, punch.answer(given, outline, false)?))
+            Some((coarser, punch.answer(given, frame, outline, false)?))
         };
         if !found.proved {
             found.estimate(n, compared(&meshes, n));
@@ -185,7 +185,7 @@ pub(crate) fn tilted(outline: &Outline, given: Given, limits: &Limits) -> Option
             if let Some((coarser, other)) = meshes.pop().or_else(again).filter(|(coarser, _)| *coarser < n) {
                 let mut told = found.clone();
                 told.estimate(n, Some((coarser, &other)));
-                (told.proved, told.depth) = (false, None);
+                (told.proved, told.depth, told.tilts, told.moments) = (false, None, None, None);
                 if told.force[1] - told.force[0] <= limits.tolerance * (told.force[0] + told.force[1]) {
                     return Some(told);
                 }
@@ -211,7 +211,7 @@ fn compared(meshes: &[(usize, Tilted)], n: usize) -> Option<(usize, &Tilted)> {
 fn in_reach(outline: &Outline, plane: [f64; 3], given: Given) -> Option<Outline> {
     let room = match given {
         Given::Plane(_) => 0.0,
-        Given::Load { .. } => ROOM,
+        Given::Load(_) => ROOM,
     };
     let [c, a, b] = plane;
     let most = outline.corners().iter().map(|[x, y]| c + a * x + b * y).fold(0.0, f64::max);

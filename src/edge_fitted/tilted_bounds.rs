@@ -8,7 +8,8 @@ use super::flat::usual_width;
 use super::mesh::Point;
 use super::outline::{COARSEST, Outline};
 use super::region::{Region, regions};
-use super::tilted_mesh::{FINEST, Given, Pressed, Punch};
+use super::residual_form::ResidualForm;
+use super::tilted_mesh::{FINEST, Frame, Given, Pressed, Punch};
 
 /// gamma over Q, and a'' over K, times n^3, over the usual width of a level punch, as they choose the first mesh, no more; at a given plane
 /// the lower bound of the force is sharper than under a load.
@@ -32,8 +33,12 @@ pub(crate) struct Tilted {
     pub force: [f64; 2],
     /// Whether these are proved: contact everywhere in a polygon.
     pub proved: bool,
-    /// Proved bounds of plane . (1, x, y) at the place where it is asked for, under exactly the load.
+    /// Proved bounds of the plane at the origin of the axes that are asked for, under exactly the load.
     pub depth: Option<[f64; 2]>,
+    /// Those of its slopes along these axes.
+    pub tilts: Option<[[f64; 2]; 2]>,
+    /// Proved bounds of the integrals of p x and p y in these axes, at the plane.
+    pub moments: Option<[[f64; 2]; 2]>,
     /// Bounds of the stored energy.
     pub energy: [f64; 2],
     /// Corners and pressure of all cells.
@@ -52,12 +57,12 @@ impl Punch {
         let usual = usual_width(corners);
         let of_form = match given {
             Given::Plane(_) => LEFT[0] * usual,
-            Given::Load { .. } => LEFT[1] * usual.max(LEAST),
+            Given::Load(_) => LEFT[1] * usual.max(LEAST),
         };
         let Pressed { pressure: p, planes, plane: g, .. } = pressed;
         let k = planes.stiffness(&self.weights);
         let [form, load] = [g.dot(&(k * g)), self.load(p)[0]];
-        let cuts = self.cuts(&planes.0[0], p, None, k[(0, 0)] / form);
+        let cuts = self.cuts(&planes.0[0], p, None, k[(0, 0)] / form, 1.0);
         let width = |n: usize| {
             let left = of_form * (n as f64).powi(-3);
             let [gamma, rest] = [left * form, left * k[(0, 0)]];
@@ -67,12 +72,19 @@ impl Punch {
     }
 
     /// Both.
-    pub fn answer(&self, given: Given, outline: &Outline, proof: bool) -> Option<Tilted> {
-        self.bounded(&self.pressed(given)?, given, outline, proof)
+    pub fn answer(&self, given: Given, frame: &Frame, outline: &Outline, proof: bool) -> Option<Tilted> {
+        self.bounded(&self.pressed(given)?, given, frame, outline, proof)
     }
 
     /// What the pressure proves, where that is wanted, and what it leaves open.
-    pub fn bounded(&self, pressed: &Pressed, given: Given, outline: &Outline, proof: bool) -> Option<Tilted> {
+    pub fn bounded(
+        &self,
+        pressed: &Pressed,
+        given: Given,
+        frame: &Frame,
+        outline: &Outline,
+        proof: bool,
+    ) -> Option<Tilted> {
         let map = self.fitted.basis();
         let Pressed { pressure: p, planes, plane: g, contact, .. } = pressed;
         let added = pressed.added.as_deref();
@@ -91,27 +103,14 @@ impl Punch {
         // What the place of the edges leaves open, of the sizes of both parts.
         let off = displaced * (energy / t2 + matrix[(0, 0)] * g.norm_squared());
         let low = self.form_below(p, g) - off;
-        let (mut force, mut bounds_of_energy, mut stiffness_error, mut depth) = ([load[0]; 2], [low, low], 0.0, None);
+        let (mut force, mut bounds_of_energy, mut stiffness_error) = ([load[0]; 2], [low, low], 0.0);
+        let (mut asked, mut moments) = (None, None);
         if proved {
-            let (third, of_third) = match given {
-                // t e - g/t.
-                Given::Plane(_) => {
-                    let pressure = unit.iter().zip(p).map(|(m, p)| t * m - p / t).collect();
-                    (pressure, Vector3::new(t, 0.0, 0.0) - g / t)
-                }
-                // c = K^-1 e.
-                Given::Load { at, .. } => {
-                    let asked = map.try_inverse()? * Vector3::new(1.0, at[0], at[1]);
-                    let c = matrix.try_inverse()? * asked;
-                    (planes.combined(&c), c)
-                }
-            };
-            let asked = [Vector3::x(), *g, of_third];
-            let rests = self.mirrored.residuals(self.mesh(), &self.lines, planes, asked, self.deadline)?;
-            let [rest_of_unit, rest_of_p, rest_of_third] = rests;
+            let form = self.mirrored.residuals(self.mesh(), &self.lines, planes, g, self.deadline)?;
+            let [rest_of_unit, rest_of_p] = [form.of(&Vector3::x()), form.of(g)];
             // The rests are those of Galerkin pressures, orthogonal to what was added to the one of a given plane.
             let (more, of_added) = added.map_or((0.0, 0.0), |added| (self.rest_of(added, p), self.load(added)[0]));
-            let (rest_of_p, rest_of_third) = (rest_of_p + more, rest_of_third + more / t2);
+            let rest_of_p = rest_of_p + more;
             let own = load[0] - of_added;
             // By at most the rests of products gamma and a'' are larger.
             let gamma = 0.5 * rest_of_p + self.compliance.uncertainty(p, p) + off;
@@ -122,33 +121,48 @@ impl Punch {
             let below = match given {
                 Given::Plane(_) => {
                     let plus: Vec<f64> = unit.iter().zip(p).map(|(m, p)| t * m + p / t).collect();
-                    let over = Vector3::new(t, 0.0, 0.0) + g / t;
-                    let (above, below) = (self.form_below(&plus, &over), self.form_below(&third, &of_third));
+                    let less: Vec<f64> = unit.iter().zip(p).map(|(m, p)| t * m - p / t).collect();
+                    let [over, under] = [1.0, -1.0].map(|sign| Vector3::new(t, 0.0, 0.0) + g * (sign / t));
+                    let (above, below) = (self.form_below(&plus, &over), self.form_below(&less, &under));
+                    let rest_of_less = form.of(&under) + more / t2;
                     // Q of the difference from above: its rounding and the uncertainty of its products counted the other way.
-                    let below = below + 2.0 * self.compliance.uncertainty(&third, &third) + rounding + rest_of_third;
+                    let below = below + 2.0 * self.compliance.uncertainty(&less, &less) + rounding + rest_of_less;
                     0.25 * (above - below) - rounding
                 }
-                Given::Load { .. } => {
+                Given::Load(_) => {
                     let less: Vec<f64> = unit.iter().map(|m| -m).collect();
-                    own - missed(&self.cuts(&less, p, None, rest / gamma), gamma, rest) - room
+                    own - missed(&self.cuts(&less, p, None, rest / gamma, 1.0), gamma, rest) - room
                 }
             };
-            force = [below, own + missed(&self.cuts(unit, p, added, rest / gamma), gamma, rest) + room];
-            if let Given::Load { .. } = given {
-                let norms = [rest, 2.0 * gamma, rest_of_third + 2.0 * self.compliance.uncertainty(&third, &third)];
-                let rests = Rests { planes: asked, norms: norms.map(f64::sqrt) };
-                let inverse = matrix.try_inverse()?;
-                let place = matrix * of_third;
-                let below = |load| self.depth_below((p, g), &Asked { load, planes, inverse, rests, gamma, displaced });
-                let middle = g.dot(&place);
-                depth = Some([middle - below(place), middle + below(-place)]);
+            force = [below, own + missed(&self.cuts(unit, p, added, rest / gamma, 1.0), gamma, rest) + room];
+            let offs = planes.0.each_ref().map(|p| self.compliance.off(p));
+            let off = Matrix3::from_fn(|i, j| known_to(&planes.0[i], &offs[j]));
+            let known =
+                Known { planes, stiffness: matrix, inverse: matrix.try_inverse()?, form, off, gamma, displaced };
+            match given {
+                Given::Plane(_) => {
+                    let bounds = |m: usize| {
+                        let psi = map.transpose() * frame.coordinate(m);
+                        self.moment((p, added), (g, &psi), &known)
+                    };
+                    moments = Some([bounds(0), bounds(1)]);
+                }
+                Given::Load(_) => {
+                    let inward = map.try_inverse()?;
+                    asked = Some(frame.loads().map(|e| {
+                        let e = inward * e;
+                        let below = |e: Vector3<f64>| self.depth_below((p, g), &e, &known);
+                        [g.dot(&e) - below(e), g.dot(&e) + below(-e)]
+                    }));
+                }
             }
             bounds_of_energy[1] = low + 2.0 * gamma;
             stiffness_error = 0.5 * rest / matrix[(0, 0)];
         }
-        let finite = force.iter().chain(&bounds_of_energy).all(|x| x.is_finite());
-        let finite = finite && force[1] >= force[0] && bounds_of_energy[0] > 0.0;
-        if !(finite && load[0] > 0.0) {
+        let finite = |ends: &[f64; 2]| ends.iter().all(|end| end.is_finite());
+        let both_finite = |bounds: &[[f64; 2]; 2]| bounds.iter().all(finite);
+        let ordered = force[1] >= force[0] && bounds_of_energy[0] > 0.0;
+        if !(finite(&force) && finite(&bounds_of_energy) && ordered && load[0] > 0.0) {
             return None;
         }
         // In the outline's axes.
@@ -166,7 +180,9 @@ impl Punch {
             stiffness_error,
             force,
             proved,
-            depth: depth.filter(|ends: &[f64; 2]| ends.iter().all(|end| end.is_finite())),
+            depth: asked.map(|[depth, ..]| depth).filter(finite),
+            tilts: asked.map(|[_, x, y]| [x, y]).filter(both_finite),
+            moments: moments.filter(both_finite),
             energy: bounds_of_energy.map(|q| 0.5 * q),
             cells: cells.collect(),
             regions,
@@ -175,9 +191,30 @@ impl Punch {
         })
     }
 
+    /// Bounds of the integral of p psi at the plane g, psi = psi . (1, x, y), as those of the force with psi in place of 1.
+    fn moment(
+        &self,
+        (p, added): (&[f64], Option<&[f64]>),
+        (g, psi): (&Vector3<f64>, &Vector3<f64>),
+        known: &Known,
+    ) -> [f64; 2] {
+        let Known { planes, stiffness: k, gamma, displaced, .. } = known;
+        let (m, load) = (planes.combined(psi), self.load(p));
+        let own = psi.dot(&load) - added.map_or(0.0, |added| psi.dot(&self.load(added)));
+        let [work, both] = [psi.dot(&(k * psi)), (psi.dot(&(k * psi)) * g.dot(&(k * g))).sqrt()];
+        let rest = known.rest(psi) + displaced * (work + k[(0, 0)] * psi.norm_squared());
+        let rounding = 1e-12 * (sizes(psi, &load) + both) + displaced * (both + k[(0, 0)] * psi.norm() * g.norm());
+        let room = 2.0 * rounding + 3.0 * self.compliance.uncertainty(p, &m);
+        let corners = (0..self.mesh().loaded).flat_map(|cell| self.mesh().corners(cell));
+        let size = corners.map(|[x, y]| (psi[0] + psi[1] * x + psi[2] * y).abs()).fold(0.0, f64::max);
+        let off_by = |m: &[f64]| missed(&self.cuts(m, p, added, rest / gamma, size), *gamma, rest) + room;
+        let less: Vec<f64> = m.iter().map(|m| -m).collect();
+        [own - off_by(&less), own + off_by(&m)]
+    }
+
     /// (10): by how much g* . e may fall short of g . e, e the load asked for.
-    fn depth_below(&self, (p, g): (&[f64], &Vector3<f64>), asked: &Asked) -> f64 {
-        let Asked { load: e, planes, inverse, rests, gamma, displaced } = asked;
+    fn depth_below(&self, (p, g): (&[f64], &Vector3<f64>), e: &Vector3<f64>, known: &Known) -> f64 {
+        let Known { planes, inverse, gamma, displaced, .. } = known;
         let w = self.load(p);
         let c = inverse * e;
         let m = planes.combined(&c);
@@ -199,26 +236,26 @@ impl Punch {
             // Twice <q, rho> = 0, and <q, S q>.
             let of_q = 1e-11 * (work + sizes(&c, &load) + sizes(&more, &load)) + 2.0 * known_to(&left, &off_q);
             let left_of_q = work + of_q + 3.0 * known_to(&q, &off_q);
-            let rest = (rests.of_asked() + rests.of(&more)).powi(2) + displaced * (sizes(&c, e) + sizes(&more, &load));
+            let rest = known.rest(&(c + more)) + displaced * (sizes(&c, e) + sizes(&more, &load));
             let room = (1e-11 + displaced) * (sizes(&c, &w) + sizes(g, e) + sizes(&more, &w) + sizes(g, &load))
                 + known_to(&m, &off_p)
                 + known_to(&added, &off_p)
                 + known_to(&q, &off_p);
             missed(&[Cut { tau: largest(&left, p), left: left_of_q, of_added: 0.0 }], gamma, rest) + room
         };
-        halved(largest(&m, p), rests.of_asked().powi(2) / gamma).map(with).fold(f64::INFINITY, f64::min)
+        halved(largest(&m, p), known.rest(&c) / gamma).map(with).fold(f64::INFINITY, f64::min)
     }
 
-    /// From q = 0 down to where a smaller tau gains nothing; `ratio`: a'' over gamma.
-    fn cuts(&self, unit: &[f64], p: &[f64], added: Option<&[f64]>, ratio: f64) -> Vec<Cut> {
+    /// From q = 0 down to where a smaller tau gains nothing, for the pressure m of a plane of at most this `size`; `ratio`: a'' over gamma.
+    fn cuts(&self, m: &[f64], p: &[f64], added: Option<&[f64]>, ratio: f64, size: f64) -> Vec<Cut> {
         let left = |tau: f64| {
-            let q = cut_off(unit, tau, p);
+            let q = cut_off(m, tau, p);
             let product = self.compliance.product(&q);
             let products = q.iter().zip(&product).zip(&self.weights[0]);
             let [work, load] = products.fold([0.0; 2], |[work, load], ((q, u), area)| [work + q * u, load + q * area]);
             let off = self.compliance.off(&q);
             // <q, 1 - S m_h> = 0 but for what the solution and the products are rounded by.
-            let rounding = 4e-12 * load + 2.0 * known_to(unit, &off);
+            let rounding = 4e-12 * size * load + 2.0 * known_to(m, &off);
             let of_added = added.map_or(0.0, |d| {
                 let (own, size) =
                     product.iter().zip(d).fold((0.0, 0.0), |(s, a), (u, d)| (s + u * d, a + (u * d).abs()));
@@ -226,7 +263,7 @@ impl Punch {
             });
             Cut { tau, left: work + rounding + known_to(&q, &off), of_added }
         };
-        halved(largest(unit, p), ratio).map(left).collect()
+        halved(largest(m, p), ratio).map(left).collect()
     }
 
     /// <d, S d> from above, and what is left of <w, d> = 0, twice: of what was added to a pressure that is p with it.
@@ -271,39 +308,24 @@ fn halved(largest: f64, ratio: f64) -> impl Iterator<Item = f64> {
     std::iter::successors(Some(largest), move |tau| (tau * tau > 0.5 * ratio).then_some(0.5 * tau))
 }
 
-/// What is known of the planes that a depth is told by.
-struct Asked<'a> {
-    /// e = (1, x, y) of the place.
-    load: Vector3<f64>,
+/// What is known of all planes in contact.
+struct Known<'a> {
     planes: &'a Planes,
-    /// K^-1.
+    /// K and its inverse.
+    stiffness: Matrix3<f64>,
     inverse: Matrix3<f64>,
-    rests: Rests,
+    form: ResidualForm,
+    /// By how much products of the pressures of 1, x and y may be off.
+    off: Matrix3<f64>,
     gamma: f64,
     /// What the place of the edges leaves open, relative.
     displaced: f64,
 }
 
-/// Bounds of the norms sqrt(a(rho, rho)) of three planes, of which the last is the one that is asked for.
-#[derive(Clone, Copy)]
-struct Rests {
-    planes: [Vector3<f64>; 3],
-    norms: [f64; 3],
-}
-
-impl Rests {
-    /// Of the plane that is asked for.
-    fn of_asked(&self) -> f64 {
-        self.norms[2]
-    }
-
-    /// Of any plane, by those that it is made of.
-    fn of(&self, plane: &Vector3<f64>) -> f64 {
-        if *plane == Vector3::zeros() {
-            return 0.0;
-        }
-        let parts = Matrix3::from_columns(&self.planes).try_inverse();
-        parts.map_or(f64::INFINITY, |parts| (parts * plane).abs().dot(&Vector3::from(self.norms)))
+impl Known<'_> {
+    /// a(rho, rho) of a plane, from above.
+    fn rest(&self, plane: &Vector3<f64>) -> f64 {
+        self.form.of(plane) + 2.0 * plane.abs().dot(&(self.off * plane.abs()))
     }
 }
 

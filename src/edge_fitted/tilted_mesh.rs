@@ -22,8 +22,35 @@ const FALLING: f64 = 2.0 / 3.0;
 pub(crate) enum Given {
     /// f = g . (1, x, y).
     Plane([f64; 3]),
-    /// The integrals of p, p x and p y, and where the depth is asked for.
-    Load { load: [f64; 3], at: Point },
+    /// The integrals of p, p x and p y.
+    Load([f64; 3]),
+}
+
+/// The axes, in the outline's, in which moments or a depth and tilts are asked for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Frame {
+    pub origin: Point,
+    /// Unit vectors along x and y.
+    pub along: [Point; 2],
+}
+
+impl Frame {
+    /// The outline's own.
+    #[cfg(test)]
+    pub const OWN: Self = Self { origin: [0.0; 2], along: [[1.0, 0.0], [0.0, 1.0]] };
+
+    /// x or y as a plane.
+    pub(super) fn coordinate(&self, m: usize) -> Vector3<f64> {
+        let ([x, y], [a, b]) = (self.origin, self.along[m]);
+        Vector3::new(-(a * x + b * y), a, b)
+    }
+
+    /// The loads that a plane works on by its value at the origin, and its slopes.
+    pub(super) fn loads(&self) -> [Vector3<f64>; 3] {
+        let [x, y] = self.origin;
+        let [u, v] = self.along.map(|[a, b]| Vector3::new(0.0, a, b));
+        [Vector3::new(1.0, x, y), u, v]
+    }
 }
 
 /// Cells in a row across which that is looked for: two parts of a polygon meet in thin cells on both sides.
@@ -123,7 +150,7 @@ impl Punch {
                     (solve(&self.compliance, &integrals), g, None)
                 }
             }
-            Given::Load { load, .. } => {
+            Given::Load(load) => {
                 let wanted = map.try_inverse()? * Vector3::from(load);
                 let whole = everywhere()?;
                 let g = whole.stiffness(&self.weights).try_inverse()? * wanted;

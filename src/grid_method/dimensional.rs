@@ -169,6 +169,8 @@ pub(crate) fn in_users_units(
         area_error,
         bracket: refined.proved.map(|bounds| ForceBracket::of_energy(bounds.map(|force| force * unit_force))),
         depth_bracket: None,
+        moment_bracket: None,
+        tilt_bracket: None,
         stiffness: stiffness * e_star * length,
         stiffness_matrix: None,
         // Of the best force, where the pressure acts: the force of one grid differs from it.

@@ -10,7 +10,7 @@ use crate::curve::Curve;
 use crate::grid::Grid;
 use crate::problem::{Loading, Settings};
 use crate::result::{
-    Bracket, Column, Cost, DepthBracket, Document, Field, FinestGrid, Gap, Origin, Patch, Piece, Pressure, Residuals,
+    Bracket, Column, Cost, DepthBracket, Document, Field, FinestGrid, Gap, Origin, PairBracket, Patch, Piece, Pressure, Residuals,
     Side, TouchesEdge, Validity,
 };
 use crate::scene::{Scene, SolveOptions};
@@ -214,9 +214,15 @@ fn bracket<'a>(bracket: &'a ForceBracket, solution: &'a Solution) -> Bracket<'a>
             upper: depth.upper(),
             evidence: word(depth.evidence()).into(),
         }),
+        moment: solution.moment_bracket.as_ref().map(pair),
+        tilt: solution.tilt_bracket.as_ref().map(pair),
         below: Some(side(bracket.lower_side(), with_field)),
         above: Some(side(bracket.upper_side(), with_field)),
     }
+}
+
+fn pair(bracket: &solution::PairBracket) -> PairBracket<'static> {
+    PairBracket { lower: bracket.lower(), upper: bracket.upper(), evidence: word(Evidence::Proved).into() }
 }
 
 fn word(evidence: Evidence) -> &'static str {

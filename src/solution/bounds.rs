@@ -288,3 +288,40 @@ impl DepthBracket {
         self.evidence
     }
 }
+
+/// lower <= v <= upper, for both parts of a moment or a tilt.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PairBracket {
+    lower: [f64; 2],
+    upper: [f64; 2],
+}
+
+impl PairBracket {
+    /// Bounds that are proved.
+    pub(crate) fn proved(bounds: [[f64; 2]; 2]) -> Self {
+        Self { lower: bounds.map(|[low, _]| low), upper: bounds.map(|[_, high]| high) }
+    }
+
+    /// Lower bounds.
+    #[must_use]
+    pub fn lower(&self) -> [f64; 2] {
+        self.lower
+    }
+
+    /// Upper bounds.
+    #[must_use]
+    pub fn upper(&self) -> [f64; 2] {
+        self.upper
+    }
+
+    /// Whether both lie in the bracket.
+    #[must_use]
+    pub fn contains(&self, pair: [f64; 2]) -> bool {
+        (0..2).all(|m| (self.lower[m]..=self.upper[m]).contains(&pair[m]))
+    }
+
+    /// The nearest pair in it.
+    pub(crate) fn nearest(&self, pair: [f64; 2]) -> [f64; 2] {
+        [0, 1].map(|m| pair[m].max(self.lower[m]).min(self.upper[m]))
+    }
+}

@@ -11,7 +11,7 @@ use crate::grid::Grid;
 use crate::problem::{Load, Method};
 
 pub(crate) use bounds::ROUNDED;
-pub use bounds::{BracketCost, DepthBracket, Evidence, ForceBracket, Repair, Side, Theorem};
+pub use bounds::{BracketCost, DepthBracket, Evidence, ForceBracket, PairBracket, Repair, Side, Theorem};
 pub use patch::{Patch, Piece, TouchesEdge};
 pub use pressure::{PressureSummary, Singular};
 pub use residuals::Residuals;
@@ -98,6 +98,10 @@ pub struct Solution {
     pub bracket: Option<ForceBracket>,
     /// Bounds of the depth under a prescribed force, with the bracket.
     pub depth_bracket: Option<DepthBracket>,
+    /// Proved bounds of the moment, where there are some.
+    pub moment_bracket: Option<PairBracket>,
+    /// Proved bounds of the tilts of a punch that is free to tilt, where there are some.
+    pub tilt_bracket: Option<PairBracket>,
     /// dP/dd.
     pub stiffness: f64,
     /// Second derivatives of the stored energy by (depth, ax, ay); `None` when the method cannot give them.
@@ -240,6 +244,8 @@ impl Solution {
             area_error: Some(0.0),
             bracket: None,
             depth_bracket: None,
+            moment_bracket: None,
+            tilt_bracket: None,
             stiffness: 0.0,
             stiffness_matrix: Some([[0.0; 3]; 3]),
             moment: Some([0.0; 2]),
@@ -267,7 +273,7 @@ impl Solution {
         other.depth = depth;
         other.force *= stronger;
         other.scale_bracket(stronger);
-        other.depth_bracket = None;
+        (other.depth_bracket, other.moment_bracket, other.tilt_bracket) = (None, None, None);
         other.samples = None;
         other.stiffness *= longer;
         other.energy = self.energy.map(|u| u * deeper * stronger);
