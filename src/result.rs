@@ -32,7 +32,8 @@
 //!
 //! `bracket.evidence` is `proved` or `sampled` (at so many points along the side of a cell). `bracket.depth`, `{lower, upper,
 //! evidence}`, bounds the depth under a prescribed force (`upper` is `null` when nothing bounds it); `bracket.moment` and `bracket.tilt`,
-//! `{lower: [.., ..], upper: [.., ..], evidence}`, those of a tilted face that touches everywhere. `below` and `above`, `{theorem,
+//! `{lower: [.., ..], upper: [.., ..], evidence}`, the moments at a given tilt and the tilts under given moments: of a polygon that touches
+//! everywhere, moments on grids, too, where a bracket is asked for. `below` and `above`, `{theorem,
 //! evidence, violation, at, discs, level?, degree?, field?}`, are what proves each side: with Q the force of the field and k the
 //! degree (`null` for a flat), the bound is (Q + discs)/(1 - level/depth)^(1 + 1/k) above and (Q - discs)/(1 + level/depth)^(1 + 1/k)
 //! below. The fields come with that of the pressure; `contact-patch check` takes them.
@@ -235,6 +236,21 @@ pub(crate) struct PairBracket<'a> {
     pub upper: [f64; 2],
     #[serde(default)]
     pub evidence: Word<'a>,
+}
+
+impl PairBracket<'_> {
+    /// Whether it holds other bounds, but for some room.
+    pub fn holds(&self, bounds: [[f64; 2]; 2], room: impl Fn([f64; 2]) -> f64) -> bool {
+        (0..2).all(|m| {
+            let ([low, high], room) = (bounds[m], room(bounds[m]));
+            self.lower[m] <= low + room && high - room <= self.upper[m]
+        })
+    }
+
+    /// In words.
+    pub fn told(&self, path: &str) -> String {
+        format!("{path}, {:?} to {:?},", self.lower, self.upper)
+    }
 }
 
 /// What proves a side of a bracket.

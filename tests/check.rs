@@ -273,6 +273,37 @@ fn proved_forces_of_gaps_without_a_law_are_accepted_and_altered_ones_refused() {
     }
 }
 
+/// Bounds of moments and tilts: of fitted cells they are found again, of one grid by the field, of several on these.
+#[test]
+fn bounds_of_moments_and_tilts_are_accepted_and_altered_ones_refused() {
+    let directory = tempfile::tempdir().unwrap();
+    let rectangle = json!({"kind": "flat", "outline": {"polygon": [[0, 0], [3, 0], [3, 2], [0, 2]]}, "rotate": 20.0});
+    let ball = json!({"kind": "sphere", "radius": 2.0, "at": [0.3, -0.1]});
+    let pyramid = json!({"kind": "pyramid", "faces": 4, "inclination": 10.0, "rotate": 17.0});
+    for (gap, loading, key) in [
+        (rectangle.clone(), json!({"depth": 0.1, "tilt": [1e-2, 5e-3]}), "moment"),
+        (rectangle, json!({"force": 1.0, "through": [1.0, 1.5]}), "tilt"),
+        (ball, json!({"depth": 0.1, "tilt": [0.03, 0.05]}), "moment"),
+        (pyramid, json!({"depth": 0.1, "tilt": [0.02, -0.01]}), "moment"),
+    ] {
+        let scene = scene(gap.clone(), loading, json!({"tolerance": 3e-3}), json!(["pressure", "bracket"]));
+        let honest = solve(&scene, directory.path());
+        let (code, text) = check(&honest, directory.path());
+        assert!(code == 0 && !text.contains(&format!("not checked: bracket.{key}")), "{gap}\n{text}");
+        let bounds = |side: &str, m: usize| honest["bracket"][key][side][m].as_f64().unwrap();
+        for m in 0..2 {
+            let (low, high) = (bounds("lower", m), bounds("upper", m));
+            assert!(low < high, "{gap}");
+            for (side, value) in [("lower", low + 0.3 * (high - low)), ("upper", high - 0.3 * (high - low))] {
+                let mut result = honest.clone();
+                result["bracket"][key][side][m] = json!(value);
+                let (code, text) = check(&result, directory.path());
+                assert!(code == 1 && text.contains(&format!("NO  bracket.{key}")), "{gap} {side} {m}\n{text}");
+            }
+        }
+    }
+}
+
 /// A ridge of three faces lies along a row of cells: bounds then turn on the last digit of where those are.
 #[test]
 fn proved_depths_of_pyramids_are_accepted() {

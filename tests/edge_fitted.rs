@@ -2,7 +2,7 @@
 
 mod random;
 
-use contact_patch::bracket::Evidence;
+use contact_patch::bracket::{Evidence, PairBracket};
 use contact_patch::gap::{AnyGap, Flat, Gap, Outline, Paraboloid, Place, Polyhedron, Revolved, Sum};
 use contact_patch::{
     Contact, EffectiveModulus, ErrorBar, Load, Loading, Method, Origin, Outputs, Settings, Solution, Unsolved, Verdict,
@@ -310,6 +310,36 @@ fn the_depth_of_a_punch_free_to_tilt_is_proved() {
         // Under the depth and tilts that were found the force is the one that was given, within what that proves.
         let back = fitted(2.0, punch(), Load::Tilted { depth: fine.depth, tilt: fine.tilt }, &Settings::default());
         within(&back, 3.0, 1e-3);
+    }
+}
+
+/// Moments at a given plane, and the plane under given moments, in the user's axes: what coarse cells prove holds what fine ones find.
+#[test]
+fn moments_and_tilts_are_proved() {
+    for (corners, plane, at) in [
+        (regular(4), [0.2, -0.1], [0.0, 0.0]),
+        (L.to_vec(), [0.1, 0.15], [0.4, -0.7]),
+        (rectangle(1.0, 0.3), [-0.1, 0.2], [2.0, -1.0]),
+    ] {
+        let punch = || Flat::new(Outline::polygon(&corners).unwrap()).placed(at, 0.3).unwrap();
+        let with =
+            |load: Load, tolerance: f64| fitted(2.0, punch(), load, &Settings { tolerance, ..Settings::default() });
+        // The depth that makes it 1 at the middle.
+        let load = Load::Tilted { depth: 1.0 - plane[0] * at[0] - plane[1] * at[1], tilt: plane };
+        let [coarse, fine] = [1e-2, 3e-4].map(|tolerance| with(load, tolerance));
+        let [wide, narrow] = [&coarse, &fine].map(|state| state.moment_bracket.expect("proved"));
+        assert!(wide.contains(fine.moment.unwrap()) && narrow.contains(fine.moment.unwrap()), "{wide:?} {narrow:?}");
+        let width = |b: &PairBracket, m: usize| b.upper()[m] - b.lower()[m];
+        assert!((0..2).all(|m| width(&narrow, m) < 0.3 * width(&wide, m)), "{wide:?} {narrow:?}");
+        // No more than a few times the error of the force, over the size of the face and where it lies.
+        let size = 1.5 + at[0].hypot(at[1]);
+        assert!((0..2).all(|m| width(&narrow, m) < 3e-3 * fine.force * size), "{narrow:?} {}", fine.force);
+        // Under these moments the plane is the given one.
+        let back = Load::ForceMoment { force: fine.force, moment: fine.moment.unwrap() };
+        let [coarse, fine] = [1e-2, 3e-4].map(|tolerance| with(back, tolerance));
+        let [wide, narrow] = [&coarse, &fine].map(|state| state.tilt_bracket.expect("proved"));
+        assert!(wide.contains(plane) && wide.contains(fine.tilt) && narrow.contains(fine.tilt), "{wide:?} {narrow:?}");
+        assert!((0..2).all(|m| width(&narrow, m) < 0.3 * width(&wide, m)), "{wide:?} {narrow:?}");
     }
 }
 

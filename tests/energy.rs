@@ -8,8 +8,8 @@ use contact_patch::energy::{GapOverlap, Trial, energy_bracket};
 use contact_patch::gap::{AnyGap, Cone, Formula, Paraboloid, Polyhedron, Power, Sphere};
 use contact_patch::matrix_free::{self, solve_nested};
 use contact_patch::{
-    Contact, Discrete, EffectiveModulus, ErrorBar, ForceEvidence, Grid, Kernel, Load, Loading, Method, Settings,
-    geometry::Rect, solve,
+    Contact, Discrete, EffectiveModulus, ErrorBar, ForceEvidence, Grid, Kernel, Load, Loading, Method, Outputs,
+    Settings, geometry::Rect, solve,
 };
 use random::Random;
 
@@ -133,6 +133,32 @@ fn a_ball_has_no_law_and_is_proved_all_the_same() {
         let bounds = state.depth_bracket.unwrap();
         assert!(bounds.lower() <= depth && depth <= bounds.upper().unwrap());
         assert!((state.depth / depth - 1.0).abs() <= state.depth_error.unwrap());
+    }
+}
+
+/// A paraboloid that is tilted is one beside, deeper: written as a formula its moments are bounded, and the closed form holds them.
+#[test]
+fn moments_of_a_tilted_gap_are_bounded() {
+    let ([r1, r2], tilt, depth, at) = ([1.0, 2.0], [0.03, -0.02], 0.05, [0.2, -0.1]);
+    let hertz = Hertz::new(unit(), [r1, r2]).unwrap();
+    let gap = AnyGap::from(&Formula::new("x^2/2 + y^2/4").unwrap()).placed(at, 0.0).unwrap();
+    let load = Load::Tilted { depth, tilt };
+    let contact = Contact::new(unit(), gap, Loading::Single(load)).unwrap();
+    let outputs = Outputs { bracket: true, ..Outputs::default() };
+    // f = depth + tilt . x - (x - at)^2/(2 R): about at + (R1 ax, R2 ay).
+    let place = [at[0] + r1 * tilt[0], at[1] + r2 * tilt[1]];
+    let deeper = depth + (0..2).map(|m| tilt[m] * (at[m] + 0.5 * tilt[m] * [r1, r2][m])).sum::<f64>();
+    let force = hertz.at_depth(deeper).unwrap().force;
+    let exact = [force * place[1], -force * place[0]];
+    let mut before = f64::INFINITY;
+    for cells in [48, 96] {
+        let settings = Settings { method: Method::Fft, cells: Some(cells), outputs, ..Settings::default() };
+        let state = solve(&contact, &settings).remove(0).unwrap();
+        let bounds = state.moment_bracket.expect("bounded");
+        assert!(bounds.contains(exact) && bounds.contains(state.moment.unwrap()), "{cells}: {bounds:?} {exact:?}");
+        let width = (0..2).map(|m| bounds.upper()[m] - bounds.lower()[m]).fold(0.0, f64::max);
+        assert!(width < 0.02 * force * 0.3 && width < 0.5 * before, "{cells}: {width} {before}");
+        before = width;
     }
 }
 

@@ -31,8 +31,8 @@ use crate::numeric::geometry::Rect;
 use crate::overlap::Overlap;
 use crate::problem::{Contact, ErrorBar, Load, Method, Settings};
 use crate::solution::{
-    Cost, DepthBracket, ForceBracket, Origin, PairBracket, Patch, Piece, PressureSummary, Singular, Solution, TouchesEdge, Unsolved,
-    Validity, Verdict,
+    Cost, DepthBracket, ForceBracket, Origin, PairBracket, Patch, Piece, PressureSummary, Singular, Solution,
+    TouchesEdge, Unsolved, Validity, Verdict,
 };
 
 /// What the cells are fitted to.

@@ -6,6 +6,7 @@ use super::state::ROUNDING;
 use super::{Verification, close, formula};
 use crate::bracket::{self, DepthBracket};
 use crate::gap::AnyGap;
+use crate::grid_method::REPEATABLE;
 use crate::problem::{ErrorBar, Load, Loading, Method, Outputs, Settings};
 use crate::result;
 use crate::scene::Scene;
@@ -185,18 +186,21 @@ impl State<'_> {
 
     /// So do those of moments and tilts.
     fn holds_pairs_of(&self, own: &Solution, other_cells: bool, found: &mut Verification) {
+        let share = match (other_cells, self.origin.as_str()) {
+            (true, _) => ABOUT,
+            (_, "edge_fitted") => 0.0,
+            // Both are wider than they were found.
+            _ => REPEATABLE,
+        };
         for (key, own) in [(key!(bracket.moment), own.moment_bracket), (key!(bracket.tilt), own.tilt_bracket)] {
             let Key { path, remove, .. } = key;
-            let Some(result::PairBracket { lower, upper, .. }) = self.get(key) else { continue };
-            let holds = own.is_some_and(|own| {
-                (0..2).all(|m| {
-                    let (low, high) = (own.lower()[m], own.upper()[m]);
-                    let room = if other_cells { ABOUT * (high - low) } else { ROUNDING * low.abs().max(high.abs()) };
-                    lower[m] <= low + room && high - room <= upper[m]
-                })
-            });
-            let what = format!("{path}, {lower:?} to {upper:?}, holds the one that was found again, {own:?}");
-            found.require(holds, what);
+            let Some(claimed) = self.get(key) else { continue };
+            let own = own.map(|own| [0, 1].map(|m| [own.lower()[m], own.upper()[m]]));
+            let room = |[low, high]: [f64; 2]| share * (high - low) + ROUNDING * low.abs().max(high.abs());
+            found.require(
+                own.is_some_and(|own| claimed.holds(own, room)),
+                format!("{} holds the one that was found again, {own:?}", claimed.told(path)),
+            );
             self.use_all(remove);
         }
     }

@@ -89,6 +89,7 @@ impl State<'_> {
         self.force_of_grid(scene, degree, [cells, &means], other, force_driven, found);
         self.pressures(gap, field, found);
         self.moments(field, force_driven, found);
+        self.moments_bracketed(scene, gap, field, found);
         self.patch_of(cells, scene, found);
         self.stiffness_of(cells, scene, gap, degree, found);
         self.gap_left(cells, found)

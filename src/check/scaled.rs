@@ -65,6 +65,11 @@ impl ScaledField {
         Some(bounds.map(|force| force * self.e_star * units.height * units.length))
     }
 
+    /// Bounds of the moments about the user's origin.
+    pub fn moment_bounds(&self) -> Option<[[f64; 2]; 2]> {
+        energy::moment_bounds(&self.scaled, self.e_star, &self.trial(), CLOSER, Deadline::NEVER)
+    }
+
     /// The stiffness by the force and by what dilations leave of a law; `growing`: the pressure of a flat punch on the pressed cells at unit
     /// depth, E* = 1. `None` where the gap tells nothing.
     pub fn stiffness(&self, growing: &[f64], force: f64) -> Option<f64> {

@@ -3,6 +3,7 @@
 use super::again::boundary_distance;
 use super::cells::Cells;
 use super::result::{State, key};
+use super::scaled::ScaledField;
 use super::state::ROUNDING;
 use super::{Verification, close, homogeneous};
 use crate::gap::AnyGap;
@@ -47,13 +48,31 @@ impl State<'_> {
             size += p * area * x.hypot(y);
         }
         let more = self.force / field.force();
+        // What a cell leaves open of them is moved within their bounds, which are worked out again.
+        let bounds = self.get(key!(bracket.moment));
+        let own = |m: usize| {
+            let own = more * sums[m];
+            bounds.as_ref().map_or(own, |bounds| own.max(bounds.lower[m]).min(bounds.upper[m]))
+        };
         let room = if force_driven { self.error().unwrap_or(0.0).max(1e-6) } else { ROUNDING };
         // Where edges fall between cells, the force acts elsewhere by where in a cell they lie.
         let [hx, hy] = field.grid.spacing;
         let cell = if self.missed_by_one_grid(field) > 0.0 { hx.max(hy) * self.force } else { 0.0 };
-        let holds = (0..2).all(|m| (moment[m] - more * sums[m]).abs() <= room * size + cell);
+        let holds = (0..2).all(|m| (moment[m] - own(m)).abs() <= room * size + cell);
         found.require(holds, format!("the moments {moment:?} are those of the field"));
         self.use_up(key!(moment));
+    }
+
+    /// Bounds of the moments, worked out again from the field.
+    pub(super) fn moments_bracketed(&self, scene: &Scene, gap: &AnyGap, field: &Pressure, found: &mut Verification) {
+        let Some(claimed) = self.get(key!(bracket.moment)) else { return };
+        let own =
+            ScaledField::of(gap, scene.contact.modulus(), self.depth, field).and_then(|field| field.moment_bounds());
+        found.require(
+            own.is_some_and(|own| claimed.holds(own, |_| 0.0)),
+            format!("{}: the field proves {own:?}", claimed.told("bracket.moment")),
+        );
+        self.use_up(key!(bracket.moment));
     }
 
     /// By how much, relatively, a length of the contact on one grid may be off where the force is the limit of several: as much

@@ -222,8 +222,12 @@ mod tests {
         for slope in [0.2, 0.9, 1.1] {
             let f = Quadratic { about: [0.0; 2], value: 1.0, gradient: [slope, 0.3], hessian: [0.0; 3] };
             let found = crowned(&outline, &f, &Limits::default()).unwrap();
-            let plane =
-                tilted(&outline, Given::Plane([1.0, slope, 0.3]), &Frame::OWN, &Limits { proof: false, ..Limits::default() });
+            let plane = tilted(
+                &outline,
+                Given::Plane([1.0, slope, 0.3]),
+                &Frame::OWN,
+                &Limits { proof: false, ..Limits::default() },
+            );
             let plane = plane.unwrap();
             let [low, high] = plane.force;
             let force = 0.5 * (low + high);

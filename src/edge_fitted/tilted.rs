@@ -31,6 +31,9 @@
 //! get a pressure as of their neighbours. With p_h + d > 0 in place of p_h, by the same orthogonality, gamma grows by <d, S d>/2, and
 //! <p_h + d, 1> + <m', f - S (p_h + d)> = P_h + <q, S d>.
 //!
+//! **Moments.** The same for psi = x or y in place of 1, m_h being its pressure: whatever the sign of m', <u - f, m'> <= tau X for
+//! m' <= tau p_h, so that <psi, p> <= <psi, p_h> + max over X of tau X + sqrt(2 (gamma - X) (a'' + <q, S q>)), and by -psi from below.
+//!
 //! **The plane under a load w** = (integrals of p, p x, p y): g = K^-1 w of the computed pressure. Let c = K^-1 e, m the pressure of the
 //! plane c, so that its load is e, and rho = c . (1, x, y) - S m. For the exact g* and p*, s = S p* - f* >= 0 on the material,
 //! <s, p*> = 0:
@@ -44,7 +47,8 @@
 //! both are at most gamma: with -tau' p_h <= m <= tau p_h the depth g* . e, e = (1, x, y) of where it is asked for, is bounded as the force
 //! is, a'' that of rho. Where p_h all but vanishes, m is cut there as above, by q = max(m - tau p_h, 0), and c = K^-1 (e + load of q) takes
 //! on its load: m' = m - q has the load e, and with rho' = rho + S q, <p_h, rho'> = <f_h, q> = g . load of q, (10) holds for m' and rho',
-//! whatever q is; a(rho', rho') = a(rho, rho) + <q, S q>.
+//! whatever q is; a(rho', rho') = a(rho, rho) + <q, S q>. With the load (0, 1, 0) for e it is the tilt that is bounded. The norms of all
+//! these planes are one quadratic form (`residual_form`).
 //!
 //! Where the punch lifts off, nothing is proved: U_low rises to U as n^-3 and tells its own error from two meshes; the force of A is
 //! stationary in A (Barber 1974), so that it errs by no more, and is held against its own change.

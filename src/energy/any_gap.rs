@@ -31,29 +31,41 @@ pub(super) fn bounds(
     trial: &Trial,
     sought: Sought,
 ) -> Result<[f64; 2], Missing> {
+    functionals(overlap, above_least, trial, sought, [[1.0, 0.0, 0.0]]).map(|[force]| force)
+}
+
+/// The same of the integrals of p (c_0 + c_1 x + c_2 y).
+pub(super) fn functionals<const N: usize>(
+    overlap: &GapOverlap,
+    above_least: f64,
+    trial: &Trial,
+    sought: Sought,
+    wanted: [[f64; 3]; N],
+) -> Result<[[f64; 2]; N], Missing> {
     let cells = OnCells::new(overlap, trial.grid);
     in_parts(overlap, &cells, trial.grid, |parts| {
         let mut sought = sought;
         if trial.displacement_reaches() {
-            let found = by_field(&cells, trial, true, parts, above_least, sought);
+            let found = by_field(&cells, trial, true, parts, above_least, sought, wanted);
             if found != Err(Missing::Beyond) {
                 return found;
             }
             // What is expected of the bounds is the same.
             sought.is_judged = true;
         }
-        by_field(&cells, trial, false, parts, above_least, sought)
+        by_field(&cells, trial, false, parts, above_least, sought, wanted)
     })
 }
 
-fn by_field(
+fn by_field<const N: usize>(
     cells: &OnCells,
     trial: &Trial,
     known: bool,
     parts: &Parts,
     above_least: f64,
     sought: Sought,
-) -> Result<[f64; 2], Missing> {
+    wanted: [[f64; 3]; N],
+) -> Result<[[f64; 2]; N], Missing> {
     let (field, halves) = trial.field(cells, known).ok_or(Missing::TooWide(f64::INFINITY))?;
     let residual = &Residual { field: &field, overlap: cells, halves };
     // Where the displacement is known everywhere a larger grid tells no more of what has no bound.
@@ -80,8 +92,10 @@ fn by_field(
         return Err(Missing::TooWide(f64::INFINITY));
     }
     let (touch, ring) = (&touch[..], cells / loaded);
-    let virial = Virial::fitted(pressed, parts, [1.0, 0.0, 0.0], touch);
-    let expected = left_by(pressed.disc(), virial.left, ring, 0.5 * of_residual) / (enough * pressed.force());
+    let virials = wanted.map(|c| Virial::fitted(pressed, parts, c, touch));
+    // What is expected of the others is not told.
+    let left = virials.iter().map(|virial| virial.left).fold(0.0, f64::max);
+    let expected = left_by(pressed.disc(), left, ring, 0.5 * of_residual) / (enough * pressed.force());
     if let Some(times) = sought.beyond_hope(expected) {
         return Err(Missing::TooWide(times));
     }
@@ -97,8 +111,12 @@ fn by_field(
     let force = 2.5 * below / above_least;
     let cut = Cut::around(&field, touch, halves);
     let contact = Contact { residual, parts, pressed, means, cut, below, open, gamma, touch, ring };
-    let found = contact.bounds(&virial, above_least, enough * force);
-    found.filter(|[low, high]| low <= high).ok_or(unbounded)
+    let mut bounds = [[0.0; 2]; N];
+    for (virial, bounds) in virials.iter().zip(&mut bounds) {
+        let found = contact.bounds(virial, above_least, enough * force);
+        *bounds = found.filter(|[low, high]| low <= high).ok_or(unbounded)?;
+    }
+    Ok(bounds)
 }
 
 /// Places of a cell and its images.

@@ -122,6 +122,35 @@ fn bounds(
     if lower > 0.0 && upper < f64::INFINITY { Ok([lower, upper]) } else { Err(NoBounds::NONE) }
 }
 
+/// Bounds of the moments (Mx, My) about the user's origin by a pressure on a grid, as narrow as it proves, in the user's units; `None` where
+/// none are had.
+pub(crate) fn moment_bounds(
+    scaled: &Scaled,
+    e_star: f64,
+    trial: &Trial,
+    tolerance: f64,
+    deadline: Deadline,
+) -> Option<[[f64; 2]; 2]> {
+    let overlap = GapOverlap::of(scaled, OPEN * tolerance, deadline);
+    if !(is_positive(trial) && overlap.is_certain()) {
+        return None;
+    }
+    let above_least = (scaled.depth - scaled.gap.known().floor) * (1.0 + ROUNDING);
+    let [x, y] = scaled.units.inward([0.0; 2]);
+    // y and -x from that origin.
+    let wanted = [[-y, 0.0, 1.0], [x, -1.0, 0.0]];
+    let bounds = |trial: &Trial| any_gap::functionals(&overlap, above_least, trial, Sought::NARROWEST, wanted);
+    let found = trial.first_that(&overlap, |trial| Some(bounds(trial)).filter(|found| *found != Err(Missing::Beyond)));
+    let bounds = found?.ok()?;
+    let unit = e_star * scaled.units.height * scaled.units.length.powi(2);
+    let outward = |[low, high]: [f64; 2]| {
+        let rounding = ROUNDING * low.abs().max(high.abs());
+        [(low - rounding) * unit, (high + rounding) * unit]
+    };
+    let finite = bounds.iter().flatten().all(|end| end.is_finite());
+    finite.then(|| bounds.map(outward))
+}
+
 /// Whether a trial is one: no pressure negative, some positive, all numbers.
 fn is_positive(trial: &Trial) -> bool {
     let numbers = trial.pressure.iter().all(|p| *p >= 0.0 && p.is_finite());

@@ -67,7 +67,7 @@ mod whole;
 
 pub use bracket::{EnergyBracket, Padded, Trial, energy_bracket};
 pub use force::force_bracket;
-pub(crate) use force::{NoBounds, Wanted, force_bounds};
+pub(crate) use force::{NoBounds, Wanted, force_bounds, moment_bounds};
 pub use of_gap::GapOverlap;
 pub use overlap::{Interval, Jet, OverlapBounds};
 pub(crate) use stiffness::stiffness;

@@ -39,7 +39,7 @@ const ACROSS: f64 = 1e-6;
 /// What a few hundred products and sums may change a bound by, relative to the size of what is added.
 const ROUNDING: f64 = 1e-12;
 
-/// eta = eta_0 + eta_1 x + eta_2 y, mu and W, x from `centre`.
+/// eta = eta_0 + eta_1 x + eta_2 y, mu and W, x and y from `centre`.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Virial {
     pub eta: [f64; 3],
@@ -96,10 +96,18 @@ fn may_move(pressed: &Pressed, parts: &Parts, touch: &[Quarter]) -> bool {
 }
 
 impl Virial {
-    /// T = eta.
-    pub fn plain(pressed: &Pressed, eta: [f64; 3]) -> Self {
+    /// T = eta = c_0 + c_1 x + c_2 y, x and y from the origin, without what is odd about a mirror.
+    pub fn plain(pressed: &Pressed, c: [f64; 3]) -> Self {
         let centre = pressed.grid.extent().centre();
+        let [x, y] = [0, 1].map(|m| if pressed.halves[m] { 0.0 } else { c[1 + m] });
+        let eta = [c[0] + c[1] * centre[0] + c[2] * centre[1], x, y];
         Self { eta, centre, mu: 0.0, b: [0.0; 2], beta: 0.0, omega: 0.0, left: 1.0 }
+    }
+
+    /// The same eta from another centre.
+    fn about(mut self, centre: [f64; 2]) -> Self {
+        self.eta[0] += (0..2).map(|m| self.eta[1 + m] * (centre[m] - self.centre[m])).sum::<f64>();
+        Self { centre, ..self }
     }
 
     pub fn is_plain(&self) -> bool {
@@ -118,9 +126,9 @@ impl Virial {
 
     /// By least squares over the cells under pressure, or plain where what has no law is not smooth on all that is or may be under pressure
     /// (`touch`). Where f is its own image so is what is moved.
-    pub fn fitted(pressed: &Pressed, parts: &Parts, eta: [f64; 3], touch: &[Quarter]) -> Self {
-        let plain = Self::plain(pressed, eta);
-        let about = Self { centre: parts.centre.unwrap_or(plain.centre), ..plain };
+    pub fn fitted(pressed: &Pressed, parts: &Parts, c: [f64; 3], touch: &[Quarter]) -> Self {
+        let plain = Self::plain(pressed, c);
+        let about = plain.about(parts.centre.unwrap_or(plain.centre));
         let off_centre = (0..2).any(|m| pressed.halves[m] && !pressed.grid.is_centred_on(m, about.centre[m]));
         if off_centre || !may_move(pressed, parts, touch) {
             return plain;

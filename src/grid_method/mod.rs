@@ -21,17 +21,20 @@ pub(crate) mod warm_start;
 
 use self::dimensional::dimensional;
 use self::refined::Refined;
+pub(crate) use self::refinement::REPEATABLE;
 pub(crate) use self::separate::Contacts;
 use self::separate::Wanted;
 use self::sharp_edges::Edge;
 use self::single_grid::GridState;
 use crate::by_edges;
 use crate::consistency::{Claim, within};
+use crate::energy::moment_bounds;
 use crate::gap::{AnyGap, Gap};
+use crate::grid::Kernel;
 use crate::numeric::geometry::Rect;
 use crate::overlap::{Overlap, Scaled};
-use crate::problem::{Contact, Method, Settings};
-use crate::solution::{Solution, Unsolved};
+use crate::problem::{Contact, ErrorBar, Method, Settings};
+use crate::solution::{PairBracket, Solution, Unsolved};
 
 /// The method on a grid that the settings ask for.
 pub(crate) fn method(settings: &Settings) -> Method {
@@ -74,6 +77,10 @@ pub(crate) fn solution(
     let mut solution = dimensional(contact, &scaled, &refined, law, depth, tilt, settings)?;
     if with_matrix {
         solution = with_stiffness_matrix(contact, &scaled, &refined, solution)?;
+        let provable = settings.kernel == Kernel::Galerkin && settings.evidence == ErrorBar::Proof;
+        if settings.outputs.bracket && provable {
+            solution = with_moment_bracket(contact, &scaled, &refined, solution, settings);
+        }
     }
     // What was aimed at for the samples' sake may be missed: both errors together are held against what was asked for.
     let allowed = Settings { tolerance: settings.tolerance.max(asked_for.tolerance), ..*settings };
@@ -163,6 +170,26 @@ fn with_stiffness_matrix(
     };
     let entries = refined.limits(entries)?;
     Ok(Solution { stiffness_matrix: Some([0, 1, 2].map(|i| [0, 1, 2].map(|j| entries[3 * i + j]))), ..solution })
+}
+
+/// With bounds of its moments by the pressure of the last grid.
+fn with_moment_bracket(
+    contact: &Contact,
+    scaled: &Scaled,
+    refined: &Refined,
+    mut solution: Solution,
+    settings: &Settings,
+) -> Solution {
+    let (state, e_star) = (&refined.state, contact.modulus().e_star());
+    let found = moment_bounds(scaled, e_star, &state.trial(), settings.tolerance, settings.deadline);
+    let room = |[low, high]: [f64; 2]| {
+        let room = REPEATABLE * (high - low);
+        [low - room, high + room]
+    };
+    let bounds = found.map(|bounds| PairBracket::proved(bounds.map(room)));
+    solution.moment = solution.moment.map(|moment| bounds.map_or(moment, |bounds| bounds.nearest(moment)));
+    solution.moment_bracket = bounds;
+    solution
 }
 
 /// The state of contacts that lie far apart, each on grids of its own, with its stiffness matrix; `None` when one grid serves.

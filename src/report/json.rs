@@ -10,8 +10,8 @@ use crate::curve::Curve;
 use crate::grid::Grid;
 use crate::problem::{Loading, Settings};
 use crate::result::{
-    Bracket, Column, Cost, DepthBracket, Document, Field, FinestGrid, Gap, Origin, PairBracket, Patch, Piece, Pressure, Residuals,
-    Side, TouchesEdge, Validity,
+    Bracket, Column, Cost, DepthBracket, Document, Field, FinestGrid, Gap, Origin, PairBracket, Patch, Piece, Pressure,
+    Residuals, Side, TouchesEdge, Validity,
 };
 use crate::scene::{Scene, SolveOptions};
 use crate::solution::{self, Solution};

@@ -89,7 +89,10 @@ pub(super) fn facts(s: &Solution, scene: &Scene) -> Vec<[String; 2]> {
         let moment = moment.map(|m| if m.abs() > rounding { m } else { 0.0 });
         row("moments about the origin", format!("{}{}", pair(moment), unit(UnitLabels::work)));
         if let Some(b) = &s.moment_bracket {
-            row("bracket of the moments", format!("{} to {}{}", pair(b.lower()), pair(b.upper()), unit(UnitLabels::work)));
+            row(
+                "bracket of the moments",
+                format!("{} to {}{}", pair(b.lower()), pair(b.upper()), unit(UnitLabels::work)),
+            );
         }
     }
     if let Some(energy) = s.energy {

@@ -21,7 +21,7 @@ pub(super) const FINEST_PROVED: usize = 512;
 
 /// Share of their distance by which bounds of any gap are claimed wider than they were found: whoever works them out again solves the flat
 /// punches to other digits.
-const REPEATABLE: f64 = 5e-3;
+pub(crate) const REPEATABLE: f64 = 5e-3;
 
 /// How many times as wide as the tolerance bounds may be expected to be that are of use as they are: expectations are rough.
 pub(crate) const AS_THEY_ARE: f64 = 1.2;

@@ -4,7 +4,7 @@ mod error;
 mod prescribed;
 
 use error::FINEST_PROVED;
-pub(crate) use error::{AS_A_BRACKET, AS_THEY_ARE, claimed};
+pub(crate) use error::{AS_A_BRACKET, AS_THEY_ARE, REPEATABLE, claimed};
 
 use super::domain::{coarsest, locate, locate_closely, squared};
 use super::extrapolation::{self, Ends, Estimate};
