@@ -4,10 +4,12 @@ use std::sync::Arc;
 
 use super::basis::NODES;
 use super::lane::LANES;
+use super::pressed;
 use super::tables::Tables;
 use crate::grid::{Grid, Kernel};
 use crate::influence::InfluenceTable;
 use crate::matrix_free::{Operator, Scratch};
+use crate::numeric::geometry::Rect;
 
 /// Cells around the grid that are looked at like those of the grid.
 pub(super) const RING: usize = 1;
@@ -23,6 +25,8 @@ pub(super) const COEFFICIENTS: f64 = 1e-11;
 pub(super) struct Field {
     pub tables: Arc<Tables>,
     pub grid: Grid,
+    /// The first cell of the grid that this one is a part of, and which cell of that its own first is: cells have one place, to the last digit.
+    lattice: ([f64; 2], [isize; 2]),
     /// The longer side of a cell.
     pub scale: f64,
     /// Pressures with a frame, and its width.
@@ -102,6 +106,7 @@ impl Field {
         differences[1] = ends + p.iter().zip(&p[nx..]).map(|(a, b)| (b - a).powi(2)).sum::<f64>();
         Some(Self {
             grid: *grid,
+            lattice: (grid.origin, [0; 2]),
             scale: grid.spacing[0].max(grid.spacing[1]),
             p: framed(p, grid.shape, [0; 2], p_frame, grid.shape, 0.0),
             p_frame,
@@ -112,6 +117,18 @@ impl Field {
             strongest: p.iter().fold(0.0, |m, p| p.abs().max(m)),
             tables,
         })
+    }
+
+    /// On a part of the grid of another one, whose cell `first` is its own first.
+    pub fn part_of(self, whole: &Self, first: [isize; 2]) -> Self {
+        let (origin, before) = whole.lattice;
+        Self { lattice: (origin, [0, 1].map(|m| before[m] + first[m])), ..self }
+    }
+
+    /// The cell (i, j), counted from the first.
+    pub fn rect(&self, i: isize, j: isize) -> Rect {
+        let (origin, first) = self.lattice;
+        pressed::rect(&Grid { origin, ..self.grid }, first[0] + i, first[1] + j)
     }
 
     /// The error of a transform in the Euclidean norm is at most 7 eps log2(M) of it (Higham 2002, theorem 24.2), and three of them make

@@ -221,7 +221,8 @@ impl Contact<'_> {
     }
 
     fn field_of(&self, pressure: &[f64]) -> Option<Field> {
-        Field::new(&self.cut.grid(&self.field().grid), pressure)
+        let field = Field::new(&self.cut.grid(&self.field().grid), pressure)?;
+        Some(field.part_of(self.field(), self.cut.first))
     }
 
     fn whole(&self, target: &Target, rates: &[f64]) -> Option<Whole> {

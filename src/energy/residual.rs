@@ -72,7 +72,7 @@ impl Residual<'_> {
     }
 
     pub fn rect(&self, i: isize, j: isize) -> Rect {
-        pressed::rect(&self.field.grid, i, j)
+        self.field.rect(i, j)
     }
 
     /// First cell along each axis that is worked out.
