@@ -94,14 +94,14 @@ impl Mirrored {
         Some(Planes([0, 1, 2].map(combined)))
     }
 
-    /// Bounds of a(w, w) for the residuals of planes in contact on all cells; `most`: the one that has to be known best, where no mirror tells
+    /// Bounds of a(w, w) for the residuals of planes in contact on all cells; `most`: those that have to be known best, where no mirror tells
     /// which are apart.
     pub fn residuals(
         &self,
         mesh: &Mesh,
         lines: &Lines,
         planes: &Planes,
-        most: &Vector3<f64>,
+        most: &[Vector3<f64>],
         deadline: Deadline,
     ) -> Option<ResidualForm> {
         let decay = decay_lengths(mesh);
@@ -120,8 +120,8 @@ impl Mirrored {
     }
 }
 
-/// Three planes that are not alike on a mesh: 1, a given one unless that is nearly even, and what lies across both.
-fn spread(mesh: &Mesh, most: &Vector3<f64>) -> [Vector3<f64>; 3] {
+/// Three planes that are not alike on a mesh: 1, and those that are given as far as they are not.
+fn spread(mesh: &Mesh, most: &[Vector3<f64>]) -> [Vector3<f64>; 3] {
     let middles = || (0..mesh.loaded).map(|cell| Bilinear::new(mesh.corners(cell)).centre);
     let [x, y] = [0, 1].map(|m| middles().map(|c| c[m]).sum::<f64>() / mesh.loaded as f64);
     let size = middles().map(|c| (c[0] - x).hypot(c[1] - y)).fold(0.0, f64::max);
@@ -129,9 +129,11 @@ fn spread(mesh: &Mesh, most: &Vector3<f64>) -> [Vector3<f64>; 3] {
     let about = |g: &Vector3<f64>| Vector3::new(g[0] + g[1] * x + g[2] * y, size * g[1], size * g[2]);
     let back = |v: Vector3<f64>| Vector3::new(v[0] - (v[1] * x + v[2] * y) / size, v[1] / size, v[2] / size);
     let one = Vector3::x();
-    let given = about(most).normalize();
-    let other = if one.cross(&given).norm() > ALIKE { given } else { Vector3::y() };
-    [one, back(other), back(one.cross(&other).normalize())]
+    let given = || most.iter().map(|g| about(g).normalize());
+    let other = given().find(|g| one.cross(g).norm() > ALIKE).unwrap_or(Vector3::y());
+    let across = one.cross(&other).normalize();
+    let third = given().find(|g| across.dot(g).abs() > ALIKE).unwrap_or(across);
+    [one, back(other), back(third)]
 }
 
 /// The sine of the angle between planes that are alike.
@@ -223,7 +225,7 @@ mod tests {
             let [own, other] = [&mirrored, &plain].map(|some| {
                 let s = Compliance::of_cells(mesh, &lines, &some.orbits, Deadline::NEVER).unwrap();
                 let planes = some.planes(&s, &weights).unwrap();
-                let form = some.residuals(mesh, &lines, &planes, &asked[1], Deadline::NEVER).unwrap();
+                let form = some.residuals(mesh, &lines, &planes, &asked[1..], Deadline::NEVER).unwrap();
                 (planes, asked.map(|plane| form.of(&plane)))
             });
             for (p, q) in own.0.0.iter().zip(&other.0.0) {

@@ -106,7 +106,12 @@ impl Punch {
         let (mut force, mut bounds_of_energy, mut stiffness_error) = ([load[0]; 2], [low, low], 0.0);
         let (mut asked, mut moments) = (None, None);
         if proved {
-            let form = self.mirrored.residuals(self.mesh(), &self.lines, planes, g, self.deadline)?;
+            let mut most = vec![*g];
+            if let Given::Load(_) = given {
+                // c of (10) for the depth.
+                most.push(matrix.try_inverse()? * (map.try_inverse()? * frame.loads()[0]));
+            }
+            let form = self.mirrored.residuals(self.mesh(), &self.lines, planes, &most, self.deadline)?;
             let [rest_of_unit, rest_of_p] = [form.of(&Vector3::x()), form.of(g)];
             // The rests are those of Galerkin pressures, orthogonal to what was added to the one of a given plane.
             let (more, of_added) = added.map_or((0.0, 0.0), |added| (self.rest_of(added, p), self.load(added)[0]));
