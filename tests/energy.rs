@@ -170,3 +170,21 @@ fn a_closure_states_an_estimate() {
     assert_eq!(state.evidence(), ForceEvidence::Estimated);
     assert!(state.bracket.is_none() && (state.force / (4.0 / 3.0) - 1.0).abs() <= state.force_error.unwrap());
 }
+
+/// A tilt along one axis leaves the mirror of the other: the moment about it is 0.
+#[test]
+fn moments_about_a_mirror_are_known() {
+    let gap = AnyGap::from(&Sphere::new(1.0).unwrap());
+    let load = Load::Tilted { depth: 0.05, tilt: [0.03, 0.0] };
+    let contact = Contact::new(unit(), gap, Loading::Single(load)).unwrap();
+    let outputs = Outputs { bracket: true, ..Outputs::default() };
+    let settings = Settings { method: Method::Fft, outputs, ..Settings::default() };
+    let state = solve(&contact, &settings).remove(0).unwrap();
+    let bounds = state.moment_bracket.expect("bounded");
+    assert!(bounds.lower()[0] <= 0.0 && bounds.upper()[0] >= 0.0, "{bounds:?}");
+    assert!(bounds.upper()[0] - bounds.lower()[0] < 1e-11 * state.force, "{bounds:?}");
+    // The ball is lowest at R sin(atan a) beside, and steeper further out: My > -P x.
+    let about = -state.force * 0.03f64.atan().sin();
+    assert!(about < bounds.lower()[1] && bounds.upper()[1] < 0.95 * about, "{bounds:?} {about}");
+    assert!(bounds.contains([0.0, state.moment.unwrap()[1]]), "{bounds:?} {:?}", state.moment);
+}

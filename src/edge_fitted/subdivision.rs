@@ -235,15 +235,17 @@ impl<const K: usize> Context<'_, K> {
                     }
                 },
             };
-            let shapes: [Interpolant; K] =
-                std::array::from_fn(|k| self.interpolant(k, pending, &fields[k], &work.points));
-            for (k, shape) in shapes.iter().enumerate() {
+            let shapes: [Option<Interpolant>; K] = std::array::from_fn(|k| {
                 let chi = [0, 1].map(|q| if weights[k][q] { pending.chi[q] } else { [0.0; 4] });
-                self.add(k, pending, shape, chi, &mut own.own[k]);
-            }
+                let shape = (chi != [[0.0; 4]; 2]).then(|| self.interpolant(k, pending, &fields[k], &work.points))?;
+                self.add(k, pending, &shape, chi, &mut own.own[k]);
+                Some(shape)
+            });
             for (joint, [i, j]) in own.joint.iter_mut().zip(self.pairs) {
-                let both = shapes[*i].plus(&shapes[*j]);
-                joint.add(1.0, &self.integrand(pending, &both, &self.decay, [0.0; 2]).sums(&of_contact));
+                if let (Some(a), Some(b)) = (&shapes[*i], &shapes[*j]) {
+                    let both = a.plus(b);
+                    joint.add(1.0, &self.integrand(pending, &both, &self.decay, [0.0; 2]).sums(&of_contact));
+                }
             }
         }
         work.points.len = 0;
@@ -363,9 +365,6 @@ impl<const K: usize> Context<'_, K> {
 
     /// Adds the share of one subcell to the sums of pressure `k`, for both factors.
     fn add(&self, k: usize, pending: &Pending<K>, shape: &Interpolant, chi: [[f64; 4]; 2], own: &mut [Sums; 2]) {
-        if chi == [[0.0; 4]; 2] {
-            return;
-        }
         let with = |decay: &[f64; 4]| self.integrand(pending, shape, decay, pending.errors[k]);
         let first = with(&self.decay).sums(&chi[0]);
         own[0].add(1.0, &first);

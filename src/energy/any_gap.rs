@@ -112,7 +112,8 @@ fn by_field<const N: usize>(
     let cut = Cut::around(&field, touch, halves);
     let contact = Contact { residual, parts, pressed, means, cut, below, open, gamma, touch, ring };
     let mut bounds = [[0.0; 2]; N];
-    for (virial, bounds) in virials.iter().zip(&mut bounds) {
+    // What is odd about a mirror is 0.
+    for (virial, bounds) in virials.iter().zip(&mut bounds).filter(|(virial, _)| virial.eta != [0.0; 3]) {
         let found = contact.bounds(virial, above_least, enough * force);
         *bounds = found.filter(|[low, high]| low <= high).ok_or(unbounded)?;
     }

@@ -142,9 +142,13 @@ pub(crate) fn moment_bounds(
     let bounds = |trial: &Trial| any_gap::functionals(&overlap, above_least, trial, Sought::NARROWEST, wanted);
     let found = trial.first_that(&overlap, |trial| Some(bounds(trial)).filter(|found| *found != Err(Missing::Beyond)));
     let bounds = found?.ok()?;
+    // Places are known to their last digits.
+    let force = trial.pressure.iter().sum::<f64>() * trial.grid.cell_area();
+    let [w, h] = trial.grid.extent().size();
+    let place = force * (x.abs() + y.abs() + w + h);
     let unit = e_star * scaled.units.height * scaled.units.length.powi(2);
     let outward = |[low, high]: [f64; 2]| {
-        let rounding = ROUNDING * low.abs().max(high.abs());
+        let rounding = ROUNDING * (place + low.abs().max(high.abs()));
         [(low - rounding) * unit, (high + rounding) * unit]
     };
     let finite = bounds.iter().flatten().all(|end| end.is_finite());
