@@ -33,7 +33,7 @@
 //! `bracket.evidence` is `proved` or `sampled` (at so many points along the side of a cell). `bracket.depth`, `{lower, upper,
 //! evidence}`, bounds the depth under a prescribed force (`upper` is `null` when nothing bounds it); `bracket.moment` and `bracket.tilt`,
 //! `{lower: [.., ..], upper: [.., ..], evidence}`, the moments at a given tilt and the tilts under given moments: of a polygon that touches
-//! everywhere, moments on grids, too, where a bracket is asked for. `below` and `above`, `{theorem,
+//! everywhere; moments on grids, too, where a bracket is asked for and the gap is no measurement. `below` and `above`, `{theorem,
 //! evidence, violation, at, discs, level?, degree?, field?}`, are what proves each side: with Q the force of the field and k the
 //! degree (`null` for a flat), the bound is (Q + discs)/(1 - level/depth)^(1 + 1/k) above and (Q - discs)/(1 + level/depth)^(1 + 1/k)
 //! below. The fields come with that of the pressure; `contact-patch check` takes them.

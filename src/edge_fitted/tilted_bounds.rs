@@ -106,10 +106,11 @@ impl Punch {
         let (mut force, mut bounds_of_energy, mut stiffness_error) = ([load[0]; 2], [low, low], 0.0);
         let (mut asked, mut moments) = (None, None);
         if proved {
+            let (inverse, inward) = (matrix.try_inverse()?, map.try_inverse()?);
             let mut most = vec![*g];
             if let Given::Load(_) = given {
                 // c of (10) for the depth.
-                most.push(matrix.try_inverse()? * (map.try_inverse()? * frame.loads()[0]));
+                most.push(inverse * (inward * frame.loads()[0]));
             }
             let form = self.mirrored.residuals(self.mesh(), &self.lines, planes, &most, self.deadline)?;
             let [rest_of_unit, rest_of_p] = [form.of(&Vector3::x()), form.of(g)];
@@ -119,10 +120,12 @@ impl Punch {
             let own = load[0] - of_added;
             // By at most the rests of products gamma and a'' are larger.
             let gamma = 0.5 * rest_of_p + self.compliance.uncertainty(p, p) + off;
-            let rest = rest_of_unit + 2.0 * self.compliance.uncertainty(unit, unit) + off;
-            let rounding =
-                1e-12 * (load[0] + t2 * matrix[(0, 0)] + energy / t2) + off + self.compliance.uncertainty(p, unit);
-            let room = 2.0 * rounding + self.compliance.uncertainty(p, unit);
+            let offs = planes.0.each_ref().map(|p| self.compliance.off(p));
+            let products_off = Matrix3::from_fn(|i, j| known_to(&planes.0[i], &offs[j]));
+            let rest = rest_of_unit + 2.0 * products_off[(0, 0)] + off;
+            let work_off = known_to(p, &offs[0]);
+            let rounding = 1e-12 * (load[0] + t2 * matrix[(0, 0)] + energy / t2) + off + work_off;
+            let room = 2.0 * rounding + work_off;
             let below = match given {
                 Given::Plane(_) => {
                     let plus: Vec<f64> = unit.iter().zip(p).map(|(m, p)| t * m + p / t).collect();
@@ -140,10 +143,7 @@ impl Punch {
                 }
             };
             force = [below, own + missed(&self.cuts(unit, p, added, rest / gamma, 1.0), gamma, rest) + room];
-            let offs = planes.0.each_ref().map(|p| self.compliance.off(p));
-            let off = Matrix3::from_fn(|i, j| known_to(&planes.0[i], &offs[j]));
-            let known =
-                Known { planes, stiffness: matrix, inverse: matrix.try_inverse()?, form, off, gamma, displaced };
+            let known = Known { planes, stiffness: matrix, inverse, form, off: products_off, gamma, displaced };
             match given {
                 Given::Plane(_) => {
                     let bounds = |m: usize| {
@@ -153,7 +153,6 @@ impl Punch {
                     moments = Some([bounds(0), bounds(1)]);
                 }
                 Given::Load(_) => {
-                    let inward = map.try_inverse()?;
                     asked = Some(frame.loads().map(|e| {
                         let e = inward * e;
                         let below = |e: Vector3<f64>| self.depth_below((p, g), &e, &known);

@@ -23,19 +23,9 @@ pub(super) enum Missing {
     TooWide(f64),
 }
 
-/// Bounds of the force (E* = 1) of any gap at this depth, by a pressure on a grid.
+/// Bounds of the integrals of p (c_0 + c_1 x + c_2 y) (E* = 1) of any gap at this depth, by a pressure on a grid.
 /// `above_least`: the depth above what the gap is nowhere less than.
-pub(super) fn bounds(
-    overlap: &GapOverlap,
-    above_least: f64,
-    trial: &Trial,
-    sought: Sought,
-) -> Result<[f64; 2], Missing> {
-    functionals(overlap, above_least, trial, sought, [[1.0, 0.0, 0.0]]).map(|[force]| force)
-}
-
-/// The same of the integrals of p (c_0 + c_1 x + c_2 y).
-pub(super) fn functionals<const N: usize>(
+pub(super) fn bounds<const N: usize>(
     overlap: &GapOverlap,
     above_least: f64,
     trial: &Trial,

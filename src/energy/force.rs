@@ -97,18 +97,9 @@ fn bounds(
         return Err(NoBounds::NONE);
     }
     let [lower, upper] = match degree {
-        // Where it is not known that the overlap ends, samples would have to prove it.
-        None if !overlap.is_certain() => return Err(NoBounds::NONE),
         None => {
-            let bounds = |trial: &Trial| any_gap::bounds(overlap, above_least * (1.0 + ROUNDING), trial, sought);
-            // Only contact beyond the grid is a reason to enlarge it.
-            let found =
-                trial.first_that(overlap, |trial| Some(bounds(trial)).filter(|found| *found != Err(Missing::Beyond)));
-            match found.unwrap_or(Err(Missing::Beyond)) {
-                Ok(bounds) => bounds,
-                Err(Missing::TooWide(times)) => return Err(NoBounds { times }),
-                Err(Missing::Beyond) => return Err(NoBounds::NONE),
-            }
+            let [force] = of_any_gap(overlap, above_least, trial, sought, [[1.0, 0.0, 0.0]])?;
+            force
         }
         Some(degree) => {
             let bounds = |trial: &Trial| energy_bracket(&OnCells::new(overlap, trial.grid), trial).bounds();
@@ -122,6 +113,27 @@ fn bounds(
     if lower > 0.0 && upper < f64::INFINITY { Ok([lower, upper]) } else { Err(NoBounds::NONE) }
 }
 
+/// Bounds of the integrals of p (c_0 + c_1 x + c_2 y), without a law.
+fn of_any_gap<const N: usize>(
+    overlap: &GapOverlap,
+    above_least: f64,
+    trial: &Trial,
+    sought: Sought,
+    wanted: [[f64; 3]; N],
+) -> Result<[[f64; 2]; N], NoBounds> {
+    // Where it is not known that the overlap ends, samples would have to prove it.
+    if !overlap.is_certain() {
+        return Err(NoBounds::NONE);
+    }
+    let bounds = |trial: &Trial| any_gap::bounds(overlap, above_least * (1.0 + ROUNDING), trial, sought, wanted);
+    // Only contact beyond the grid is a reason to enlarge it.
+    let found = trial.first_that(overlap, |trial| Some(bounds(trial)).filter(|found| *found != Err(Missing::Beyond)));
+    found.unwrap_or(Err(Missing::Beyond)).map_err(|missing| match missing {
+        Missing::TooWide(times) => NoBounds { times },
+        Missing::Beyond => NoBounds::NONE,
+    })
+}
+
 /// Bounds of the moments (Mx, My) about the user's origin by a pressure on a grid, as narrow as it proves, in the user's units; `None` where
 /// none are had.
 pub(crate) fn moment_bounds(
@@ -131,17 +143,15 @@ pub(crate) fn moment_bounds(
     tolerance: f64,
     deadline: Deadline,
 ) -> Option<[[f64; 2]; 2]> {
-    let overlap = GapOverlap::of(scaled, OPEN * tolerance, deadline);
-    if !(is_positive(trial) && overlap.is_certain()) {
+    if !is_positive(trial) {
         return None;
     }
-    let above_least = (scaled.depth - scaled.gap.known().floor) * (1.0 + ROUNDING);
+    let overlap = GapOverlap::of(scaled, OPEN * tolerance, deadline);
+    let above_least = scaled.depth - scaled.gap.known().floor;
     let [x, y] = scaled.units.inward([0.0; 2]);
     // y and -x from that origin.
     let wanted = [[-y, 0.0, 1.0], [x, -1.0, 0.0]];
-    let bounds = |trial: &Trial| any_gap::functionals(&overlap, above_least, trial, Sought::NARROWEST, wanted);
-    let found = trial.first_that(&overlap, |trial| Some(bounds(trial)).filter(|found| *found != Err(Missing::Beyond)));
-    let bounds = found?.ok()?;
+    let bounds = of_any_gap(&overlap, above_least, trial, Sought::NARROWEST, wanted).ok()?;
     // Places are known to their last digits.
     let force = trial.pressure.iter().sum::<f64>() * trial.grid.cell_area();
     let [w, h] = trial.grid.extent().size();

@@ -236,7 +236,7 @@ fn balanced(mut state: Solution, change: Option<Vector3<f64>>, force: f64, momen
         *mean *= force / state.force;
     }
     state.patch.pieces.iter_mut().for_each(|piece| piece.force *= force / state.force);
-    (state.force, state.moment) = (force, Some(moment));
+    (state.force, state.moment, state.moment_bracket) = (force, Some(moment), None);
     state
 }
 

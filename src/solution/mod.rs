@@ -98,8 +98,8 @@ pub struct Solution {
     pub bracket: Option<ForceBracket>,
     /// Bounds of the depth under a prescribed force, with the bracket.
     pub depth_bracket: Option<DepthBracket>,
-    /// Proved bounds of the moment at a prescribed tilt: of a face in a polygon that touches everywhere, and on grids where a bracket is asked
-    /// for.
+    /// Proved bounds of the moment at a prescribed tilt: of a face in a polygon that touches everywhere, and on grids, of gaps that are no
+    /// measurements, where a bracket is asked for.
     pub moment_bracket: Option<PairBracket>,
     /// Proved bounds of the tilts under a force and moments: of a face in a polygon that touches everywhere.
     pub tilt_bracket: Option<PairBracket>,
