@@ -34,3 +34,31 @@ pub(crate) fn each_here<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> R + 
     }
     items.iter().map(work).collect()
 }
+
+/// The same on `threads` of them, until some of it comes to nothing.
+///
+/// Whoever works alone has to say so: a deadline of one thread reads the clock of the thread that asks.
+pub(crate) fn all<T: Sync, R: Send>(
+    items: &[T],
+    threads: usize,
+    work: impl Fn(&T) -> Option<R> + Sync,
+) -> Option<Vec<R>> {
+    #[cfg(feature = "parallel")]
+    if threads > 1 && rayon::current_thread_index().is_some() {
+        use rayon::prelude::*;
+        return items.par_iter().map(&work).collect();
+    }
+    let _ = threads;
+    items.iter().map(work).collect()
+}
+
+/// Does the work for parts of so many numbers, as [`all`].
+pub(crate) fn parts(numbers: &mut [f64], most: usize, threads: usize, work: impl Fn(&mut [f64]) + Sync) {
+    #[cfg(feature = "parallel")]
+    if threads > 1 && rayon::current_thread_index().is_some() {
+        use rayon::prelude::*;
+        return numbers.par_chunks_mut(most).for_each(&work);
+    }
+    let _ = threads;
+    numbers.chunks_mut(most).for_each(work);
+}

@@ -339,6 +339,24 @@ fn estimates_asked_for_by_the_command_are_accepted() {
     }
 }
 
+/// A bracket may come beside an estimate that is better.
+#[test]
+fn brackets_wider_than_the_stated_error_are_accepted() {
+    let directory = tempfile::tempdir().unwrap();
+    let expression = "x^2/1.7082e-2 + y^2/4.2696e-2 + 5.1612e-5*cos(4.3354e3*x)*cos(2.0495e3*y)";
+    let gap = json!({"kind": "formula", "expression": expression, "rotate": 314.04});
+    let scene = scene(gap, json!({"depth": 2.1827e-5}), json!({"method": "fft"}), json!(["pressure"]));
+    let mut result = solve(&scene, directory.path());
+    assert_eq!(result["evidence"], "estimated");
+    assert!(result["bracket"]["lower"].is_number(), "{}", result["bracket"]);
+    let (code, text) = check(&result, directory.path());
+    assert_eq!(code, 0, "{text}");
+    result["bracket"]["upper"] =
+        json!(0.5 * (result["bracket"]["upper"].as_f64().unwrap() + result["force"].as_f64().unwrap()));
+    let (code, text) = check(&result, directory.path());
+    assert_eq!(code, 1, "{text}");
+}
+
 /// What options of `solve` said in place of the scene the result tells, and `check` goes by it; so it does by options of its own.
 #[test]
 fn results_of_other_settings_are_checked_with_these() {

@@ -34,6 +34,7 @@ use crate::solution::{
     Cost, DepthBracket, ForceBracket, Origin, PairBracket, Patch, Piece, PressureSummary, Singular, Solution,
     TouchesEdge, Unsolved, Validity, Verdict,
 };
+use crate::threads::with;
 
 /// What the cells are fitted to.
 pub(crate) enum Route {
@@ -162,7 +163,13 @@ impl Route {
     }
 
     fn solve(&self, contact: &Contact, depth: f64, settings: &Settings) -> Option<Found> {
-        let limits = limits(settings);
+        // Nothing of these takes long enough for more than one.
+        let threads = if matches!(self, Self::Layer(_) | Self::Rings(_)) { 1 } else { settings.threads };
+        with(threads, || self.solve_with(threads, contact, depth, settings))
+    }
+
+    fn solve_with(&self, threads: usize, contact: &Contact, depth: f64, settings: &Settings) -> Option<Found> {
+        let limits = Limits { threads, ..limits(settings) };
         match self {
             Self::Flat(flat) => flat.solve(contact, depth, settings, &limits),
             Self::Tilted(tilting) => tilting.at(contact, depth, settings, &limits),
@@ -272,7 +279,8 @@ pub(crate) fn balanced(
         return Some(Err(outside));
     }
     let tilting = tilted::Tilting::of(face)?;
-    let free = tilting.under(contact, force, moment, settings, &limits(settings))?;
+    let limits = Limits { threads: settings.threads, ..limits(settings) };
+    let free = with(limits.threads, || tilting.under(contact, force, moment, settings, &limits))?;
     let gap = contact.tilted_gap(free.tilt);
     let mut state = in_users_units(contact, &gap, free.found, (free.depth, free.tilt), settings);
     (state.force, state.moment) = (force, Some(moment));

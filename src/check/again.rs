@@ -86,7 +86,7 @@ impl State<'_> {
             !on_other_cells(own)
                 && close(self.depth, own.depth, ROUNDING)
                 && close(self.force, own.force, ROUNDING)
-                && !is_bounded(own)
+                && is_bounded(own) == self.bracket.is_some()
         };
         let of_kind = match of_kind {
             Some(own) if is_same(&own) => Some(own),

@@ -15,11 +15,12 @@ const ROUNDS: usize = 100;
 /// Solves with the cells of `contact` only: S p = rhs there, p = 0 elsewhere.
 pub(crate) fn factor(s: &Compliance, contact: &[bool]) -> Option<Cholesky> {
     let cells: Vec<usize> = (0..s.n).filter(|&i| contact[i]).collect();
-    let mut matrix = Vec::with_capacity(cells.len() * cells.len());
-    for &i in &cells {
-        matrix.extend(cells.iter().map(|&j| s.matrix[i * s.n + j]));
+    let mut matrix = vec![0.0; cells.len() * cells.len()];
+    // The lower triangle.
+    for ((k, &i), row) in cells.iter().enumerate().zip(matrix.chunks_exact_mut(cells.len().max(1))) {
+        row.iter_mut().zip(&cells[..=k]).for_each(|(s_ij, &j)| *s_ij = s.matrix[i * s.n + j]);
     }
-    Cholesky::new(matrix, cells.len())
+    Cholesky::new(matrix, cells.len(), s.threads)
 }
 
 /// The pressure with S p = rhs on `contact`, given the factor there.

@@ -1,11 +1,12 @@
 //! The compliance matrix of the orbits of cells: pair integrals with a bound of their error.
 
+use super::Means;
 use super::line_potential::{Lines, Points, Scratch};
 use super::mesh::{Bilinear, Mesh, Point, cross, dot, minus, norm};
 use super::pair_integral::{Integral, polygons, rectangles};
 use super::symmetry::Orbits;
-use crate::clock::Deadline;
 use crate::numeric::simd::{self, wide};
+use crate::threads::all;
 
 /// <p, S p> of symmetric pressures is sum over a, b of p_a p_b `matrix[a][b]`, E* = 1; each entry is within `error[a][b]`.
 #[derive(Debug, Clone)]
@@ -16,6 +17,8 @@ pub(crate) struct Compliance {
     pub matrix: Vec<f64>,
     /// Bounds of the errors, row by row.
     pub error: Vec<f64>,
+    /// That may factor it.
+    pub threads: usize,
 }
 
 /// The rectangle with sides along and across the first direction of a cell, around its corners.
@@ -138,6 +141,9 @@ impl Shape {
     }
 }
 
+/// Rows of pairs that are kept at once.
+const ROWS: usize = 512;
+
 /// Far pairs lie further apart than this many sizes of the smaller cell.
 const FAR: f64 = 3.0;
 
@@ -147,10 +153,10 @@ const GAUSS_3: f64 = 64.0 * 1296.0 / (7.0 * 720.0 * 720.0);
 
 impl Compliance {
     /// `None` once the time is used up.
-    pub fn new(mesh: &Mesh, lines: &Lines, orbits: &Orbits, deadline: Deadline) -> Option<Self> {
+    pub fn new(mesh: &Mesh, lines: &Lines, orbits: &Orbits, means: Means) -> Option<Self> {
         let n = orbits.loaded;
         let (mut matrix, mut error) = (vec![0.0; n * n], vec![0.0; n * n]);
-        pairs(mesh, lines, orbits, deadline, |a, j, Integral { value, error: bound }| {
+        pairs(mesh, lines, orbits, means, |a, j, Integral { value, error: bound }| {
             let (b, weight) = (orbits.orbit[j], orbits.size[a] as f64 * std::f64::consts::FRAC_1_PI);
             matrix[a * n + b] += weight * value;
             error[a * n + b] += weight * bound;
@@ -161,14 +167,14 @@ impl Compliance {
                 error[b * n + a] = error[a * n + b];
             }
         }
-        Some(Self { n, matrix, error })
+        Some(Self { n, matrix, error, threads: means.threads })
     }
 
     /// The same of every cell by itself: the orbits only save integrals.
-    pub fn of_cells(mesh: &Mesh, lines: &Lines, orbits: &Orbits, deadline: Deadline) -> Option<Self> {
+    pub fn of_cells(mesh: &Mesh, lines: &Lines, orbits: &Orbits, means: Means) -> Option<Self> {
         let n = mesh.loaded;
         let (mut matrix, mut error) = (vec![0.0; n * n], vec![0.0; n * n]);
-        pairs(mesh, lines, orbits, deadline, |a, j, integral| {
+        pairs(mesh, lines, orbits, means, |a, j, integral| {
             let [value, bound] = [integral.value, integral.error].map(|v| v * std::f64::consts::FRAC_1_PI);
             for image in &orbits.images {
                 let (i, j) = (image[orbits.representatives[a]], image[j]);
@@ -177,7 +183,7 @@ impl Compliance {
                 }
             }
         })?;
-        Some(Self { n, matrix, error })
+        Some(Self { n, matrix, error, threads: means.threads })
     }
 
     /// S p of the orbits, weighted by area and orbit size.
@@ -215,12 +221,12 @@ fn pairs(
     mesh: &Mesh,
     lines: &Lines,
     orbits: &Orbits,
-    deadline: Deadline,
+    means: Means,
     mut add: impl FnMut(usize, usize, Integral),
 ) -> Option<()> {
     let (n, loaded) = (orbits.loaded, mesh.loaded);
     let shapes: Vec<Shape> = (0..loaded).map(|i| Shape::new(mesh.corners(i))).collect();
-    let gauss = gauss_rows(mesh, lines, orbits, &shapes, deadline)?;
+    let gauss = gauss_rows(mesh, lines, orbits, &shapes, means)?;
     let carriers = orbits.carriers();
     // inverse[g][i]: the cell that element g takes to cell i.
     let inverse: Vec<Vec<usize>> = orbits
@@ -234,17 +240,15 @@ fn pairs(
             inverse
         })
         .collect();
-    for a in 0..n {
-        if deadline.has_passed() {
+    let row = |&a: &usize| -> Option<Vec<(usize, Integral)>> {
+        if means.deadline.has_passed() {
             return None;
         }
         let i = orbits.representatives[a];
         let own = &shapes[i];
-        for (j, other) in shapes.iter().enumerate() {
+        let before = shapes.iter().enumerate().filter(|(j, _)| orbits.orbit[*j] <= a);
+        let integral = |(j, other): (usize, &Shape)| {
             let b = orbits.orbit[j];
-            if b > a {
-                continue;
-            }
             let distance = own.distance(other);
             let integral = if distance > FAR * own.size().min(other.size()) {
                 let own_smaller = own.size() <= other.size();
@@ -258,7 +262,14 @@ fn pairs(
                     _ => polygons(&own.corners, &other.corners),
                 }
             };
-            add(a, j, integral);
+            (j, integral)
+        };
+        Some(before.map(integral).collect())
+    };
+    let orbits: Vec<usize> = (0..n).collect();
+    for some in orbits.chunks(ROWS) {
+        for (a, row) in some.iter().zip(all(some, means.of(n), row)?) {
+            row.into_iter().for_each(|(j, integral)| add(*a, j, integral));
         }
     }
     Some(())
@@ -277,11 +288,10 @@ fn relative_error(carrier: &Shape, distance: f64) -> f64 {
 
 /// Row a: the 3 x 3 Gauss sums over representative a of the potentials int 1/r of all cells that are at least as large; a pair takes
 /// the sum over its smaller one.
-fn gauss_rows(mesh: &Mesh, lines: &Lines, orbits: &Orbits, shapes: &[Shape], deadline: Deadline) -> Option<Vec<f64>> {
+fn gauss_rows(mesh: &Mesh, lines: &Lines, orbits: &Orbits, shapes: &[Shape], means: Means) -> Option<Vec<f64>> {
     const PER_BATCH: usize = 7;
     let loaded = mesh.loaded;
     let mut rows = vec![0.0; orbits.loaded * loaded];
-    let mut scratch = Scratch::default();
     // Large cells first, so that those at least as large as some cell, and their edges, come before the others.
     let mut cells: Vec<usize> = (0..loaded).collect();
     cells.sort_by(|&a, &b| shapes[b].size().total_cmp(&shapes[a].size()));
@@ -304,38 +314,46 @@ fn gauss_rows(mesh: &Mesh, lines: &Lines, orbits: &Orbits, shapes: &[Shape], dea
         let size = |orbit: usize| shapes[orbits.representatives[orbit]].size();
         size(b).total_cmp(&size(a))
     });
-    for batch in reps.chunks(PER_BATCH) {
-        if deadline.has_passed() {
-            return None;
-        }
-        let mut points = Points::EMPTY;
-        let mut weights = Vec::with_capacity(9 * PER_BATCH);
-        let mut smallest = f64::INFINITY;
-        for &orbit in batch {
-            let shape = &shapes[orbits.representatives[orbit]];
-            smallest = smallest.min(shape.size());
-            for (point, weight) in shape.map.gauss() {
-                points.push(point);
-                weights.push(weight);
+    let some = |reps: &&[usize]| {
+        let (mut scratch, mut rows) = (Scratch::default(), Vec::new());
+        for batch in reps.chunks(PER_BATCH) {
+            if means.deadline.has_passed() {
+                return None;
             }
-        }
-        // Images of one cell differ by rounding.
-        let larger = cells.partition_point(|&j| shapes[j].size() >= smallest * (1.0 - 1e-9));
-        if larger == 0 {
-            continue;
-        }
-        ordered.moments(&points, needed[larger - 1], &mut scratch);
-        for &j in &cells[..larger] {
-            for (c, &orbit) in batch.iter().enumerate() {
-                let mut sum = 0.0;
-                for (edge, sign) in mesh.cell_edges[j].iter().flatten() {
-                    let products = &scratch.products[place[*edge]];
-                    let part: f64 = (9 * c..9 * c + 9).map(|k| weights[k] * products[k]).sum();
-                    sum += sign * part;
+            let mut points = Points::EMPTY;
+            let mut weights = Vec::with_capacity(9 * PER_BATCH);
+            let mut smallest = f64::INFINITY;
+            for &orbit in batch {
+                let shape = &shapes[orbits.representatives[orbit]];
+                smallest = smallest.min(shape.size());
+                for (point, weight) in shape.map.gauss() {
+                    points.push(point);
+                    weights.push(weight);
                 }
-                rows[orbit * loaded + j] = sum;
+            }
+            // Images of one cell differ by rounding.
+            let larger = cells.partition_point(|&j| shapes[j].size() >= smallest * (1.0 - 1e-9));
+            if larger == 0 {
+                continue;
+            }
+            ordered.moments(&points, needed[larger - 1], &mut scratch);
+            for &j in &cells[..larger] {
+                for (c, &orbit) in batch.iter().enumerate() {
+                    let mut sum = 0.0;
+                    for (edge, sign) in mesh.cell_edges[j].iter().flatten() {
+                        let products = &scratch.products[place[*edge]];
+                        let part: f64 = (9 * c..9 * c + 9).map(|k| weights[k] * products[k]).sum();
+                        sum += sign * part;
+                    }
+                    rows.push((orbit * loaded + j, sum));
+                }
             }
         }
+        Some(rows)
+    };
+    let parts: Vec<&[usize]> = reps.chunks(8 * PER_BATCH).collect();
+    for (at, sum) in all(&parts, means.of(orbits.loaded), some)?.into_iter().flatten() {
+        rows[at] = sum;
     }
     Some(rows)
 }

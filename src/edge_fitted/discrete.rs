@@ -1,12 +1,12 @@
 //! A mesh with its compliance: the flat punch that its cells cover, and the bracket of its stiffness.
 
+use super::Means;
 use super::active_set::{factor, solve_on};
 use super::compliance::Compliance;
 use super::line_potential::Lines;
 use super::mesh::{Bilinear, Mesh};
 use super::residual_norm::{Target, decay_lengths, norms};
 use super::symmetry::{Isometry, Orbits};
-use crate::clock::Deadline;
 
 /// A mesh ready to be solved on.
 pub(crate) struct Discretisation {
@@ -16,7 +16,7 @@ pub(crate) struct Discretisation {
     pub compliance: Compliance,
     /// Area of each orbit of loaded cells.
     pub areas: Vec<f64>,
-    pub deadline: Deadline,
+    pub means: Means,
 }
 
 /// What one mesh says of a flat punch, E* = 1.
@@ -29,22 +29,22 @@ pub(crate) struct Stiffness {
 
 impl Discretisation {
     /// `group`: symmetries of the outline; those of the mesh among them are used. `None` once the time is used up.
-    pub fn new(mesh: Mesh, group: &[Isometry], deadline: Deadline) -> Option<Self> {
-        Self::within(mesh, group, usize::MAX, deadline)
+    pub fn new(mesh: Mesh, group: &[Isometry], means: Means) -> Option<Self> {
+        Self::within(mesh, group, usize::MAX, means)
     }
 
     /// The same with at most so many unknowns.
-    pub fn within(mesh: Mesh, group: &[Isometry], unknowns: usize, deadline: Deadline) -> Option<Self> {
+    pub fn within(mesh: Mesh, group: &[Isometry], unknowns: usize, means: Means) -> Option<Self> {
         let lines = Lines::new(&mesh);
         let orbits = Orbits::new(&mesh, group);
         if orbits.loaded > unknowns {
             return None;
         }
-        let compliance = Compliance::new(&mesh, &lines, &orbits, deadline)?;
+        let compliance = Compliance::new(&mesh, &lines, &orbits, means)?;
         let areas = (0..orbits.loaded)
             .map(|a| orbits.size[a] as f64 * Bilinear::new(mesh.corners(orbits.representatives[a])).area())
             .collect();
-        Some(Self { mesh, orbits, lines, compliance, areas, deadline })
+        Some(Self { mesh, orbits, lines, compliance, areas, means })
     }
 
     /// U_low <= U <= U_low + a(w, w)/2 with U_low = <1, p> - <p, S p>/2 for the p >= 0 with S p = 1 in the mean over every
@@ -59,7 +59,7 @@ impl Discretisation {
         let decay = decay_lengths(&self.mesh);
         let everywhere = vec![true; self.mesh.loaded];
         let target = [Target::level(&pressure)];
-        let [norm] = norms(&self.mesh, &self.lines, &self.orbits, &decay, &everywhere, target, self.deadline)?;
+        let [norm] = norms(&self.mesh, &self.lines, &self.orbits, &decay, &everywhere, target, self.means)?;
         let bounds = [low, (low + norm.bound()) * (1.0 + 1e-11)];
         let finite = bounds.iter().all(|k| k.is_finite()) && low > 0.0;
         finite.then_some(Stiffness { bounds, pressure })

@@ -108,7 +108,7 @@ impl Solved {
         limits: &Limits,
     ) -> Option<Self> {
         let Discretisation { mesh, orbits, compliance, areas, .. } =
-            Discretisation::within(mesh, group, limits.unknowns, limits.deadline)?;
+            Discretisation::within(mesh, group, limits.unknowns, limits.means())?;
         let integral = |cell: Bilinear| cell.gauss().map(|(p, w)| w * overlap(p)).sum::<f64>();
         let rhs: Vec<f64> = (0..orbits.loaded)
             .map(|a| orbits.size[a] as f64 * integral(Bilinear::new(mesh.corners(orbits.representatives[a]))))

@@ -66,7 +66,7 @@ const TRIES: usize = 3;
 pub(crate) fn flanked_bounds(flat: &Flat, limits: &Limits) -> Option<Bounded> {
     let group = flat.group();
     let mesh = |flanked: Flanked| -> Option<(Flanked, Discretisation)> {
-        let own = Discretisation::within(flanked.mesh.clone(), &group, limits.unknowns, limits.deadline)?;
+        let own = Discretisation::within(flanked.mesh.clone(), &group, limits.unknowns, limits.means())?;
         Some((flanked, own))
     };
     let settled = |ends: &Ends, n: usize, rows: usize| -> Option<Ends> {

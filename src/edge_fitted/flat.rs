@@ -36,7 +36,7 @@ const SHORT_OF: f64 = 0.02;
 /// The n that is enough by the width of a coarse mesh.
 fn seen_enough(outline: &Outline, limits: &Limits) -> Option<f64> {
     let fitted = outline.mesh(COARSE)?;
-    let [low, high] = Discretisation::new(fitted.mesh, &fitted.group, limits.deadline)?.stiffness()?.bounds;
+    let [low, high] = Discretisation::new(fitted.mesh, &fitted.group, limits.means())?.stiffness()?.bounds;
     let width = (high - low) / (high + low);
     Some((COARSE as f64 * (GROWN * width / limits.tolerance).cbrt() - SHORT_OF).ceil())
 }
@@ -70,7 +70,7 @@ pub(crate) fn flat_stiffness(outline: &Outline, limits: &Limits) -> Option<FlatS
         if fitted.mesh.loaded > limits.cells {
             return best;
         }
-        let Some(d) = Discretisation::new(fitted.mesh.clone(), &fitted.group, limits.deadline) else { return best };
+        let Some(d) = Discretisation::new(fitted.mesh.clone(), &fitted.group, limits.means()) else { return best };
         let unknowns = d.orbits.loaded;
         let Some(Stiffness { bounds, pressure }) = d.stiffness() else { return best };
         let outside = outline.displaced();

@@ -77,7 +77,7 @@ pub(crate) struct Problem<'a> {
 impl Problem<'_> {
     /// By a pressure on these orbits; `None` where something cannot be shown, or takes too long.
     pub fn bounds(&self, set: &[bool]) -> Option<Bounds> {
-        let Discretisation { mesh, orbits, lines, compliance, areas, deadline } = self.mesh;
+        let Discretisation { mesh, orbits, lines, compliance, areas, means } = self.mesh;
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let tau = self.tau;
         let m: Vec<f64> = solve_on(&factor(compliance, set)?, set, areas).iter().map(|m| m.max(0.0)).collect();
@@ -94,7 +94,7 @@ impl Problem<'_> {
         let targets = [Target { pressure: &pressure, overlap: Overlap::Planes(self.planes) }, Target::level(&punch)];
         let beyond = Beyond { contact: &contact, wider: &chi, decay: &wider, material: self.material, tau };
         let decay = decay_lengths(mesh);
-        let Parted { residual, punch, wider } = parted(mesh, lines, orbits, &decay, beyond, targets, *deadline)?;
+        let Parted { residual, punch, wider } = parted(mesh, lines, orbits, &decay, beyond, targets, *means)?;
         let [residual, of_punch, of_wider] = [residual, punch, wider].map(|sums| sums.bound());
         let n = residual.sqrt();
         let more = {

@@ -12,6 +12,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::Means;
 use super::active_set::Planes;
 use super::cholesky::Cholesky;
 use super::compliance::Compliance;
@@ -20,7 +21,6 @@ use super::mesh::{Bilinear, Mesh, Point, dot};
 use super::residual_form::ResidualForm;
 use super::residual_norm::{Overlap, Target, decay_lengths, norms_of_pairs};
 use super::symmetry::{Isometry, Orbits};
-use crate::clock::Deadline;
 
 /// One mirror of a mesh, or two that are perpendicular, or none.
 pub(super) struct Mirrored {
@@ -102,7 +102,7 @@ impl Mirrored {
         lines: &Lines,
         planes: &Planes,
         most: &[Vector3<f64>],
-        deadline: Deadline,
+        means: Means,
     ) -> Option<ResidualForm> {
         let decay = decay_lengths(mesh);
         // (1, u, v).
@@ -115,7 +115,7 @@ impl Mirrored {
         let pressures = asked.map(|g| planes.combined(&g));
         let targets: [Target; 3] =
             std::array::from_fn(|k| Target { pressure: &pressures[k], overlap: Overlap::Plane(asked[k].into()) });
-        let (sums, joint) = norms_of_pairs(mesh, lines, &self.orbits, &decay, targets, pairs, deadline)?;
+        let (sums, joint) = norms_of_pairs(mesh, lines, &self.orbits, &decay, targets, pairs, means)?;
         ResidualForm::new(asked, parts, &sums, pairs, &joint)
     }
 }
@@ -172,7 +172,7 @@ impl Block {
                 }
             }
         }
-        Some(Self { signs, factor: Cholesky::new(matrix, n)?, own, of_cell })
+        Some(Self { signs, factor: Cholesky::new(matrix, n, s.threads)?, own, of_cell })
     }
 
     /// The pressure on all cells that displaces them by f, given its integrals.
@@ -223,9 +223,9 @@ mod tests {
             let weights = [0, 1, 2].map(|k| moments.iter().map(|m| m[k]).collect::<Vec<f64>>());
             let asked = [Vector3::x(), Vector3::new(1.0, 0.2, -0.3), Vector3::new(-0.4, 0.1, 1.0)];
             let [own, other] = [&mirrored, &plain].map(|some| {
-                let s = Compliance::of_cells(mesh, &lines, &some.orbits, Deadline::NEVER).unwrap();
+                let s = Compliance::of_cells(mesh, &lines, &some.orbits, Means::PLAIN).unwrap();
                 let planes = some.planes(&s, &weights).unwrap();
-                let form = some.residuals(mesh, &lines, &planes, &asked[1..], Deadline::NEVER).unwrap();
+                let form = some.residuals(mesh, &lines, &planes, &asked[1..], Means::PLAIN).unwrap();
                 (planes, asked.map(|plane| form.of(&plane)))
             });
             for (p, q) in own.0.0.iter().zip(&other.0.0) {

@@ -105,10 +105,47 @@ pub(crate) struct Limits {
     pub proof: bool,
     /// The mesh that is being solved is finished; none is begun that would last longer.
     pub deadline: Deadline,
+    /// Threads of the pool that this is called in, or 1.
+    pub threads: usize,
+}
+
+impl Limits {
+    fn means(&self) -> Means {
+        Means { deadline: self.deadline, threads: self.threads }
+    }
+}
+
+/// What one mesh may be solved with.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Means {
+    pub deadline: Deadline,
+    pub threads: usize,
+}
+
+/// Cells, or orbits of them, from which threads pay.
+const WORTH_THREADS: usize = 64;
+
+impl Means {
+    /// Threads for work on so many cells.
+    fn of(self, cells: usize) -> usize {
+        if cells < WORTH_THREADS { 1 } else { self.threads }
+    }
+
+    /// No limit of time, one thread.
+    #[cfg(test)]
+    pub const PLAIN: Self = Self { deadline: Deadline::NEVER, threads: 1 };
 }
 
 impl Default for Limits {
     fn default() -> Self {
-        Self { tolerance: 1e-3, unknowns: 1600, worth: 400, cells: 12_000, proof: true, deadline: Deadline::NEVER }
+        Self {
+            tolerance: 1e-3,
+            unknowns: 1600,
+            worth: 400,
+            cells: 12_000,
+            proof: true,
+            deadline: Deadline::NEVER,
+            threads: 1,
+        }
     }
 }

@@ -87,7 +87,7 @@ mod tests {
         let mesh = tensor(&x, &x, &|_, _| true);
         let lines = Lines::new(&mesh);
         let orbits = Orbits::new(&mesh, group);
-        let s = Compliance::new(&mesh, &lines, &orbits, crate::clock::Deadline::NEVER).unwrap();
+        let s = Compliance::new(&mesh, &lines, &orbits, crate::edge_fitted::Means::PLAIN).unwrap();
         let rhs: Vec<f64> = (0..s.n)
             .map(|a| {
                 let i = orbits.representatives[a];

@@ -10,15 +10,16 @@
 //! the squares of interpolants, plus what interpolation leaves out (`interpolation`), joined by the triangle inequality:
 //! (2) is the square of a norm of the pair (w, grad w).
 
+use super::Means;
 use super::fade::{Fades, Panel};
 use super::group::{Group, Sources, groups};
 use super::integrand::Sums;
-use super::line_potential::Lines;
+use super::line_potential::{Lines, Scratch};
 use super::mesh::{Bilinear, Mesh, cross, norm};
 use super::subdivision::{Context, Shares, Work};
 use super::surroundings::Surroundings;
 use super::symmetry::Orbits;
-use crate::clock::Deadline;
+use crate::threads::all;
 
 /// A pressure, and the displacement that it is meant to make.
 #[derive(Debug, Clone, Copy)]
@@ -85,9 +86,9 @@ pub(crate) fn norms<const K: usize>(
     decay: &[f64],
     contact: &[bool],
     targets: [Target; K],
-    deadline: Deadline,
+    means: Means,
 ) -> Option<[Sums; K]> {
-    let scan = Scan { mesh, lines, orbits, decay, targets, pairs: &[], beyond: None, deadline };
+    let scan = Scan { mesh, lines, orbits, decay, targets, pairs: &[], beyond: None, means };
     let norms = scan.sums(&Fades::of(mesh, contact))?;
     Some(norms.own.map(|[own, _]| own))
 }
@@ -101,9 +102,9 @@ pub(crate) fn norms_of_pairs<const K: usize>(
     decay: &[f64],
     targets: [Target; K],
     pairs: &[[usize; 2]],
-    deadline: Deadline,
+    means: Means,
 ) -> Option<([Sums; K], Vec<Sums>)> {
-    let scan = Scan { mesh, lines, orbits, decay, targets, pairs, beyond: None, deadline };
+    let scan = Scan { mesh, lines, orbits, decay, targets, pairs, beyond: None, means };
     let Shares { own, joint } = scan.sums(&Fades::of(mesh, &vec![true; mesh.loaded]))?;
     Some((own.map(|[own, _]| own), joint[..pairs.len()].to_vec()))
 }
@@ -116,10 +117,10 @@ pub(crate) fn parted(
     decay: &[f64],
     beyond: Beyond,
     targets: [Target; 2],
-    deadline: Deadline,
+    means: Means,
 ) -> Option<Parted> {
     let fades = Fades::new(mesh, beyond.contact, beyond.wider, beyond.material);
-    let scan = Scan { mesh, lines, orbits, decay, targets, pairs: &[], beyond: Some(beyond), deadline };
+    let scan = Scan { mesh, lines, orbits, decay, targets, pairs: &[], beyond: Some(beyond), means };
     let [[residual, _], [punch, wider]] = scan.sums(&fades)?.own;
     Some(Parted { residual, punch, wider })
 }
@@ -133,19 +134,17 @@ struct Scan<'a, const K: usize> {
     targets: [Target<'a>; K],
     pairs: &'a [[usize; 2]],
     beyond: Option<Beyond<'a>>,
-    deadline: Deadline,
+    means: Means,
 }
 
 impl<const K: usize> Scan<'_, K> {
     /// Of every target, faded from the cells in contact and from the wider set.
     fn sums(&self, fades: &Fades) -> Option<Shares<K>> {
         let Self { mesh, lines, orbits, targets, .. } = self;
-        let mut all = Shares::zero();
         let pressures = targets.map(|target| target.pressure);
         let strengths: Vec<Vec<f64>> = pressures.iter().map(|p| Lines::strengths(mesh, p)).collect();
         let strengths: [&[f64]; K] = std::array::from_fn(|k| strengths[k].as_slice());
         let mut sources = Sources::new(mesh, lines, pressures, strengths);
-        let mut work = Work::default();
         let mut panels: Vec<Vec<Panel>> = (0..mesh.cells.len()).map(|_| Vec::new()).collect();
         for &cell in &orbits.representatives {
             panels[cell] = fades.panels(mesh, cell, strengths);
@@ -156,22 +155,32 @@ impl<const K: usize> Scan<'_, K> {
         beyond.iter().for_each(|&cell| sources.signs[cell] = true);
         let allowances = sources.allowances(self.decay);
         // What may fail comes first.
+        let wide: Vec<Vec<Vec<usize>>> = groups(mesh, beyond).into_iter().chain(groups(mesh, inside)).collect();
+        let threads = self.means.of(wide.iter().flatten().flatten().count());
         let everything = Group::of_all(&sources);
-        for wide in groups(mesh, beyond).into_iter().chain(groups(mesh, inside)) {
-            let outer = Group::within(&everything, &sources, &wide.concat(), &mut work.scratch);
-            for cells in &wide {
-                let group = Group::within(&outer, &sources, cells, &mut work.scratch);
-                for &cell in cells {
-                    if self.deadline.has_passed() {
-                        return None;
-                    }
-                    let size = orbits.size[orbits.orbit[cell]] as f64;
-                    let own = self.of_cell(cell, &sources, &group, allowances[cell], &panels[cell], &mut work)?;
-                    all.add(size, &own);
+        let within = |outer, cells: &[usize]| Group::within(outer, &sources, cells, &mut Scratch::default());
+        let outer = all(&wide, threads, |cells| Some(within(&everything, &cells.concat())))?;
+        let inner: Vec<(&Group<K>, &[usize])> = outer
+            .iter()
+            .zip(&wide)
+            .flat_map(|(outer, wide)| wide.iter().map(move |cells| (outer, cells.as_slice())))
+            .collect();
+        // Added up group by group: the number of threads does not change the sums.
+        let of_groups = all(&inner, threads, |&(outer, cells)| {
+            let (group, mut work, mut own) = (within(outer, cells), Work::default(), Shares::zero());
+            for &cell in cells {
+                if self.means.deadline.has_passed() {
+                    return None;
                 }
+                let size = orbits.size[orbits.orbit[cell]] as f64;
+                let of_cell = self.of_cell(cell, &sources, &group, allowances[cell], &panels[cell], &mut work)?;
+                own.add(size, &of_cell);
             }
-        }
-        Some(all)
+            Some(own)
+        })?;
+        let mut sums = Shares::zero();
+        of_groups.iter().for_each(|own| sums.add(1.0, own));
+        Some(sums)
     }
 
     /// Of one cell.

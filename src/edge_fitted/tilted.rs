@@ -93,7 +93,7 @@ pub(crate) fn tilted(outline: &Outline, given: Given, frame: &Frame, limits: &Li
     let at_most = 2 * limits.unknowns;
     let punch = |n: usize, most: f64| {
         let fitted = outline.mesh_within(n, most).filter(|fitted| fitted.mesh.loaded <= at_most)?;
-        Punch::new(fitted, limits.deadline)
+        Punch::new(fitted, limits.means())
     };
     // A look at what is in contact, for the size of the cells.
     let look = punch(COARSEST, 0.5 * LOOK * outline.extent()).or_else(|| punch(COARSEST, f64::INFINITY))?;

@@ -112,7 +112,7 @@ impl Punch {
                 // c of (10) for the depth.
                 most.push(inverse * (inward * frame.loads()[0]));
             }
-            let form = self.mirrored.residuals(self.mesh(), &self.lines, planes, &most, self.deadline)?;
+            let form = self.mirrored.residuals(self.mesh(), &self.lines, planes, &most, self.means)?;
             let [rest_of_unit, rest_of_p] = [form.of(&Vector3::x()), form.of(g)];
             // The rests are those of Galerkin pressures, orthogonal to what was added to the one of a given plane.
             let (more, of_added) = added.map_or((0.0, 0.0), |added| (self.rest_of(added, p), self.load(added)[0]));

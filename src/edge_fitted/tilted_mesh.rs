@@ -2,13 +2,13 @@
 
 use nalgebra::Vector3;
 
+use super::Means;
 use super::active_set::{Planes, balance, solve, solve_from};
 use super::compliance::Compliance;
 use super::line_potential::Lines;
 use super::mesh::{Bilinear, Mesh, Point};
 use super::mirrored::Mirrored;
 use super::outline::{Fitted, Outline};
-use crate::clock::Deadline;
 
 /// The n that no mesh goes beyond.
 pub(super) const FINEST: usize = 64;
@@ -95,19 +95,19 @@ pub(super) struct Punch {
     pub(super) compliance: Compliance,
     /// Integrals of 1, x and y over the cells, in the mesh's axes.
     pub(super) weights: [Vec<f64>; 3],
-    pub(super) deadline: Deadline,
+    pub(super) means: Means,
 }
 
 impl Punch {
     /// `None` once the time is used up.
-    pub fn new(fitted: Fitted, deadline: Deadline) -> Option<Self> {
+    pub fn new(fitted: Fitted, means: Means) -> Option<Self> {
         let mesh = &fitted.mesh;
         let lines = Lines::new(mesh);
         let mirrored = Mirrored::new(mesh, &fitted.group);
-        let compliance = Compliance::of_cells(mesh, &lines, &mirrored.orbits, deadline)?;
+        let compliance = Compliance::of_cells(mesh, &lines, &mirrored.orbits, means)?;
         let moments: Vec<[f64; 3]> = (0..mesh.loaded).map(|i| Bilinear::new(mesh.corners(i)).moments()).collect();
         let weights = [0, 1, 2].map(|k| moments.iter().map(|m| m[k]).collect());
-        Some(Self { fitted, mirrored, lines, compliance, weights, deadline })
+        Some(Self { fitted, mirrored, lines, compliance, weights, means })
     }
 
     pub(super) fn mesh(&self) -> &Mesh {
@@ -159,7 +159,7 @@ impl Punch {
                 let (p, g) = if positive(&p) {
                     (p, g)
                 } else {
-                    balance(&self.compliance, &self.weights, wanted, &p, self.deadline)?
+                    balance(&self.compliance, &self.weights, wanted, &p, self.means.deadline)?
                 };
                 (p, g, Some(whole))
             }

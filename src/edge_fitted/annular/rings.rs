@@ -69,7 +69,7 @@ impl Rings {
                 matrix[j * n + i] = mean;
             }
         }
-        Compliance { n, matrix, error: vec![0.0; n * n] }
+        Compliance { n, matrix, error: vec![0.0; n * n], threads: 1 }
     }
 }
 
