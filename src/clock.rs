@@ -132,11 +132,12 @@ impl Deadline {
 
     /// The same where it has a limit of time; else so many seconds from now, as [`Deadline::after`], with the same interrupt.
     pub(crate) fn or_after(self, seconds: f64, threads: usize) -> Self {
-        if self.end < f64::INFINITY {
-            self
-        } else {
-            Self { interrupt: self.interrupt, ..Self::after(seconds, threads) }
-        }
+        if self.end < f64::INFINITY { self } else { self.extended(seconds, threads) }
+    }
+
+    /// So many seconds from now, as [`Deadline::after`], with the same interrupt.
+    pub(crate) fn extended(self, seconds: f64, threads: usize) -> Self {
+        Self { interrupt: self.interrupt, ..Self::after(seconds, threads) }
     }
 
     fn is_interrupted(&self) -> bool {

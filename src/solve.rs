@@ -13,7 +13,7 @@ use crate::loading::equilibrium;
 use crate::loading::respond;
 use crate::loading::tilting;
 use crate::overlap::{Overlap, least};
-use crate::problem::{Contact, Load, Settings};
+use crate::problem::{Contact, ErrorBar, Load, Outputs, Settings};
 use crate::solution::{Solution, Unsolved, Verdict};
 
 /// Solves every state of the loading, in order.
@@ -98,19 +98,13 @@ fn at(contact: &Contact, load: Load, settings: &Settings, similar: &mut Option<S
     settings.deadline.check()?;
     let started = Stopwatch::start();
     let deadline = settings.deadline.or_after(settings.seconds, settings.threads);
+    // Nothing takes longer than a limit of the caller's own.
+    let may_extend = deadline != settings.deadline;
     let settings = &Settings { deadline, ..*settings };
-    let answer = match load {
-        Load::Depth(depth) => at_depth(contact, depth, settings, similar),
-        Load::Tilted { depth, tilt } => respond(contact, depth, tilt, settings, true),
-        Load::Force(force) => at_force(contact, force, settings, similar),
-        Load::ForceMoment { force, moment } => {
-            by_edges::balanced(contact, force, moment, settings).unwrap_or_else(|| {
-                at_force(contact, force, settings, &mut None)
-                    .or_else(Unsolved::accept_best)
-                    .and_then(|upright| tilting::under_moment(contact, upright, force, moment, settings))
-            })
-        }
-    };
+    let answer = under(contact, load, settings, similar).or_else(|short| match short.verdict {
+        Verdict::TimeLimit if short.best.is_none() && may_extend => Err(estimated(contact, load, settings, short)),
+        _ => Err(short),
+    });
     let answer = match answer {
         Ok(solution) if settings.outputs.bracket => with_bracket(contact, load, solution, settings),
         answer => answer,
@@ -123,6 +117,51 @@ fn at(contact: &Contact, load: Load, settings: &Settings, similar: &mut Option<S
         state.cost.seconds = started.seconds();
     }
     answer
+}
+
+/// Answers one load.
+fn under(
+    contact: &Contact,
+    load: Load,
+    settings: &Settings,
+    similar: &mut Option<Similar>,
+) -> Result<Solution, Unsolved> {
+    match load {
+        Load::Depth(depth) => at_depth(contact, depth, settings, similar),
+        Load::Tilted { depth, tilt } => respond(contact, depth, tilt, settings, true),
+        Load::Force(force) => at_force(contact, force, settings, similar),
+        Load::ForceMoment { force, moment } => {
+            by_edges::balanced(contact, force, moment, settings).unwrap_or_else(|| {
+                at_force(contact, force, settings, &mut None)
+                    .or_else(Unsolved::accept_best)
+                    .and_then(|upright| tilting::under_moment(contact, upright, force, moment, settings))
+            })
+        }
+    }
+}
+
+/// Tolerance of an estimate that stands for nothing at all.
+const ROUGH: f64 = 1e-2;
+
+/// What it may take, over the time that was allowed, and CPU seconds at least and at most.
+const MORE: f64 = 0.5;
+const MORE_SECONDS: [f64; 2] = [0.05, 5.0];
+
+/// An estimate, where the time was used up before there was any number: most of it goes into a proof.
+fn estimated(contact: &Contact, load: Load, settings: &Settings, short: Unsolved) -> Unsolved {
+    let seconds = (MORE * settings.seconds).clamp(MORE_SECONDS[0], MORE_SECONDS[1]);
+    let rough = Settings {
+        evidence: ErrorBar::Estimate,
+        tolerance: settings.tolerance.max(ROUGH),
+        deadline: settings.deadline.extended(seconds, settings.threads),
+        outputs: Outputs { bracket: false, ..settings.outputs },
+        ..*settings
+    };
+    let best = under(contact, load, &rough, &mut None).map_or_else(|rough| rough.best.map(|best| *best), Some);
+    match best {
+        Some(best) => short.with_best(best),
+        None => short,
+    }
 }
 
 fn at_depth(

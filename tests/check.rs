@@ -326,9 +326,14 @@ fn estimates_asked_for_by_the_command_are_accepted() {
     let directory = tempfile::tempdir().unwrap();
     let ring = json!({"kind": "formula", "expression": "4.506e-5*(1 - r^2/2.0305e-3)", "region": {"disc": 0.045061}});
     let worn = json!({"kind": "vickers", "flat": 1.0285e-5});
-    for (gap, loading) in
-        [(ring.clone(), json!({"force": 4600.0})), (ring, json!({"depth": 6.77e-7})), (worn, json!({"depth": 1.23e-6}))]
-    {
+    let level = json!({"kind": "flat", "outline": {"polygon": [[0.0, 0.0], [0.03, 0.0], [0.03, 0.01], [0.01, 0.01], [0.01, 0.04], [0.0, 0.04]]}});
+    for (gap, loading) in [
+        (ring.clone(), json!({"force": 4600.0})),
+        (ring, json!({"depth": 6.77e-7})),
+        (worn, json!({"depth": 1.23e-6})),
+        (level.clone(), json!({"depth": 1e-6})),
+        (level, json!({"force": 20.0})),
+    ] {
         let scene = scene(gap, loading, json!({}), json!(["patch", "pressure"]));
         std::fs::write(directory.path().join("scene.json"), scene.to_string()).unwrap();
         let arguments = ["solve", "scene.json", "--evidence", "estimate", "--json", "result.json"];

@@ -1,7 +1,7 @@
 //! A level face in a polygon with no material outside: P = E* K d.
 
 use super::{Found, field_grid};
-use crate::edge_fitted::{FlatStiffness, Limits, Outline, Region, flat_stiffness, resample};
+use crate::edge_fitted::{FlatStiffness, Limits, Outline, Region, estimated_stiffness, flat_stiffness, resample};
 use crate::gap::Face;
 use crate::numeric::geometry::{Rect, area, centroid, farthest};
 use crate::problem::{Contact, Settings};
@@ -99,17 +99,21 @@ impl Flat {
         format!("a level polygon of {} corners with sharp edges", self.corners.len())
     }
 
-    /// K to a tolerance.
+    /// Bounds of K to a tolerance.
     pub(super) fn punch(&self, limits: &Limits) -> Option<Punch> {
-        let FlatStiffness { stiffness, cells, unknowns } = flat_stiffness(&self.outline, limits)?;
+        flat_stiffness(&self.outline, limits).map(|found| self.placed(found))
+    }
+
+    fn placed(&self, FlatStiffness { stiffness, cells, unknowns }: FlatStiffness) -> Punch {
         let cells = cells.into_iter().map(|(c, p)| (c.map(|q| self.outward(q)), p / self.length)).collect();
-        Some(Punch { stiffness: stiffness.map(|k| k * self.length), cells, unknowns })
+        Punch { stiffness: stiffness.map(|k| k * self.length), cells, unknowns }
     }
 
     pub(super) fn solve(&self, contact: &Contact, depth: f64, settings: &Settings, limits: &Limits) -> Option<Found> {
-        let punch = self.punch(limits)?;
+        let punch =
+            if limits.proof { self.punch(limits)? } else { self.placed(estimated_stiffness(&self.outline, limits)?) };
         let how = format!("the gap is {}: force ~ depth", self.found());
-        Some(self.state(contact, depth - self.value, settings, punch, how))
+        Some(Found { proved: limits.proof, ..self.state(contact, depth - self.value, settings, punch, how) })
     }
 
     /// The state of the punch alone, pressed in by `depth`.

@@ -147,7 +147,9 @@ impl Route {
     /// How the cells lie and what shows the error of the force, in words.
     pub fn evidence(&self) -> &'static str {
         match self {
-            Self::Flat(_) => "cells graded to the edges of the material, and the force is proved",
+            Self::Flat(_) => {
+                "cells graded to the edges of the material, and the force is proved, or estimated where no proof is asked for"
+            }
             Self::Tilted(_) => {
                 "cells graded to the edges of the material, and the force is proved if it touches everywhere, else estimated"
             }

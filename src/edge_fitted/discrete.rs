@@ -47,22 +47,27 @@ impl Discretisation {
         Some(Self { mesh, orbits, lines, compliance, areas, means })
     }
 
-    /// U_low <= U <= U_low + a(w, w)/2 with U_low = <1, p> - <p, S p>/2 for the p >= 0 with S p = 1 in the mean over every
-    /// cell, w = 1 - S p on the material and anything beyond it; K = 2 U at depth 1. `None` where the matrix has no factor, and once the
-    /// time is used up.
-    pub fn stiffness(&self) -> Option<Stiffness> {
+    /// 2 U_low, which is K from below, and the pressure of the loaded cells at depth 1: the p >= 0 with S p = 1 in the mean over every cell.
+    /// `None` where the matrix has no factor.
+    pub fn stiffness_below(&self) -> Option<(f64, Vec<f64>)> {
         let all = vec![true; self.orbits.loaded];
         let factor = factor(&self.compliance, &all)?;
         let p: Vec<f64> = solve_on(&factor, &all, &self.areas).iter().map(|p| p.max(0.0)).collect();
         let low = 2.0 * self.energy_below(&p);
-        let pressure = self.orbits.expand(&p, self.mesh.loaded);
+        (low.is_finite() && low > 0.0).then(|| (low, self.orbits.expand(&p, self.mesh.loaded)))
+    }
+
+    /// U_low <= U <= U_low + a(w, w)/2 with U_low = <1, p> - <p, S p>/2 for the p of `stiffness_below`,
+    /// w = 1 - S p on the material and anything beyond it; K = 2 U at depth 1. `None` where the matrix has no factor, and once the
+    /// time is used up.
+    pub fn stiffness(&self) -> Option<Stiffness> {
+        let (low, pressure) = self.stiffness_below()?;
         let decay = decay_lengths(&self.mesh);
         let everywhere = vec![true; self.mesh.loaded];
         let target = [Target::level(&pressure)];
         let [norm] = norms(&self.mesh, &self.lines, &self.orbits, &decay, &everywhere, target, self.means)?;
         let bounds = [low, (low + norm.bound()) * (1.0 + 1e-11)];
-        let finite = bounds.iter().all(|k| k.is_finite()) && low > 0.0;
-        finite.then_some(Stiffness { bounds, pressure })
+        bounds.iter().all(|k| k.is_finite()).then_some(Stiffness { bounds, pressure })
     }
 
     /// <1, p> - <p, S p>/2, from below.

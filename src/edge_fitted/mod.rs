@@ -77,7 +77,7 @@ pub(crate) use crowned::{Crowned, crowned};
 pub(crate) use estimated::Estimated;
 pub(crate) use flanked::{Flat as FlankedFlat, flanked};
 pub(crate) use flanked_bounds::{Bounded, flanked_bounds};
-pub(crate) use flat::{FlatStiffness, flat_stiffness};
+pub(crate) use flat::{FlatStiffness, estimated_stiffness, flat_stiffness};
 pub(crate) use line_contact::{LineContact, line_contact};
 pub(crate) use outline::Outline;
 pub(crate) use oval::oval;

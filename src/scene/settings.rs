@@ -183,7 +183,8 @@ pub(super) struct SolveForm {
     boundary: Option<BoundaryForm>,
     /// What the error of the force is to be: "proof" by default, "estimate" for inner loops.
     evidence: Option<EvidenceName>,
-    /// CPU seconds that one state of loading may take, 0 or more; 60 by default, 0 for no limit.
+    /// CPU seconds that one state of loading may take, 0 or more; 60 by default, 0 for no limit. Where they end before there is any number, an
+    /// estimate to a hundredth may take half as many again (0.05 to 5).
     seconds: Option<f64>,
 }
 
