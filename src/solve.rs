@@ -101,9 +101,9 @@ fn at(contact: &Contact, load: Load, settings: &Settings, similar: &mut Option<S
     // Nothing takes longer than a limit of the caller's own.
     let may_extend = deadline != settings.deadline;
     let settings = &Settings { deadline, ..*settings };
-    let answer = under(contact, load, settings, similar).or_else(|short| match short.verdict {
-        Verdict::TimeLimit if short.best.is_none() && may_extend => Err(estimated(contact, load, settings, short)),
-        _ => Err(short),
+    let answer = under(contact, load, settings, similar).map_err(|short| match short.verdict {
+        Verdict::TimeLimit if short.best.is_none() && may_extend => estimated(contact, load, settings, short),
+        _ => short,
     });
     let answer = match answer {
         Ok(solution) if settings.outputs.bracket => with_bracket(contact, load, solution, settings),
