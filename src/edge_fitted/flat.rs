@@ -5,6 +5,7 @@ use super::discrete::{Discretisation, Stiffness};
 use super::estimated::Rest;
 use super::mesh::Point;
 use super::outline::{COARSEST, Fitted, Outline};
+use super::tilted::FINE;
 use super::tilted_mesh::FINEST;
 
 /// The stiffness of a flat punch, E* = 1, and what it took.
@@ -97,18 +98,28 @@ pub(crate) fn flat_stiffness(outline: &Outline, limits: &Limits) -> Option<FlatS
 /// Of n, the mesh that tells what a finer one leaves.
 const BEFORE: f64 = 0.6;
 
+/// The least n that is told from another one.
+const LEAST: usize = 4;
+
+/// Of the correction, what its error is taken to be besides: coarse meshes are not where the order is reached.
+const UNSURE: f64 = 0.5;
+
+/// The error that is told over half of the width of a proof, on the same mesh.
+const TOLD: f64 = 1.4;
+
 /// K without a proof: from below on meshes of rising n, each with what it leaves told by one before it (`Rest`), until that is within the
 /// tolerance. `None` as of [`flat_stiffness`].
 #[must_use]
 pub(crate) fn estimated_stiffness(outline: &Outline, limits: &Limits) -> Option<FlatStiffness> {
+    let whole = if outline.is_graded_everywhere() { f64::INFINITY } else { 0.5 * FINE * outline.extent() };
     let on = |n: usize| {
-        let fitted = outline.mesh(n).filter(|fitted| fitted.mesh.loaded <= limits.cells)?;
+        let fitted = outline.mesh_within(n, whole / n as f64).filter(|fitted| fitted.mesh.loaded <= limits.cells)?;
         let d = Discretisation::within(fitted.mesh.clone(), &fitted.group, limits.unknowns, limits.means())?;
         let (k, pressure) = d.stiffness_below()?;
         Some((k, cells(&fitted, &pressure), d.orbits.loaded))
     };
-    let wanted = (usual_width(outline.corners().len()) / (2.0 * AIM * limits.tolerance)).cbrt().round();
-    let mut n = (wanted.min(FINEST as f64) as usize).max(COARSE + 1);
+    let wanted = (TOLD * usual_width(outline.corners().len()) / (2.0 * AIM * limits.tolerance)).cbrt().round();
+    let mut n = (wanted.min(FINEST as f64) as usize).max(LEAST);
     let coarser = ((BEFORE * n as f64) as usize).max(COARSE);
     let mut before = (coarser, on(coarser)?.0);
     let mut best = None;
@@ -116,7 +127,7 @@ pub(crate) fn estimated_stiffness(outline: &Outline, limits: &Limits) -> Option<
         let Some((k, cells, unknowns)) = on(n) else { return best };
         let rest = Rest::new(k, before.1, n as f64 / before.0 as f64);
         let value = k * (1.0 + rest.correction);
-        let error = rest.error + outline.displaced();
+        let error = rest.error + UNSURE * rest.correction.abs() + outline.displaced();
         let stiffness = [value * (1.0 - error), value * (1.0 + error)];
         best = Some(FlatStiffness { stiffness, cells, unknowns });
         let finer = n as f64 * (error / (AIM * limits.tolerance)).cbrt();

@@ -207,6 +207,12 @@ impl Outline {
         self.mesh_within(n, f64::INFINITY)
     }
 
+    /// Whether every line of these meshes has more cells where n is larger: else only [`Outline::mesh_within`] tells what finer ones leave.
+    #[must_use]
+    pub fn is_graded_everywhere(&self) -> bool {
+        self.semi_axes.is_some() || self.frame.is_some() || self.pieces.len() == 1
+    }
+
     /// The same with cells no longer than about `most`.
     #[must_use]
     pub fn mesh_within(&self, n: usize, most: f64) -> Option<Fitted> {
