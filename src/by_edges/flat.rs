@@ -110,10 +110,19 @@ impl Flat {
     }
 
     pub(super) fn solve(&self, contact: &Contact, depth: f64, settings: &Settings, limits: &Limits) -> Option<Found> {
-        let punch =
-            if limits.proof { self.punch(limits)? } else { self.placed(estimated_stiffness(&self.outline, limits)?) };
+        let told = if limits.proof { None } else { estimated_stiffness(&self.outline, limits) };
+        let told = told.map(|found| self.placed(found));
+        let is_near = |punch: &Punch| {
+            let [low, high] = punch.stiffness;
+            high - low <= limits.tolerance * (low + high)
+        };
+        // Where meshes do not tell enough a proof may.
+        let (punch, proved) = match told {
+            Some(told) if is_near(&told) => (told, false),
+            told => self.punch(limits).map(|punch| (punch, true)).or(told.map(|told| (told, false)))?,
+        };
         let how = format!("the gap is {}: force ~ depth", self.found());
-        Some(Found { proved: limits.proof, ..self.state(contact, depth - self.value, settings, punch, how) })
+        Some(Found { proved, ..self.state(contact, depth - self.value, settings, punch, how) })
     }
 
     /// The state of the punch alone, pressed in by `depth`.
