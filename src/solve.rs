@@ -157,11 +157,8 @@ fn estimated(contact: &Contact, load: Load, settings: &Settings, short: Unsolved
         outputs: Outputs { bracket: false, ..settings.outputs },
         ..*settings
     };
-    let best = under(contact, load, &rough, &mut None).map_or_else(|rough| rough.best.map(|best| *best), Some);
-    match best {
-        Some(best) => short.with_best(best),
-        None => short,
-    }
+    let best = under(contact, load, &rough, &mut None).map_or_else(|rough| rough.best, |state| Some(Box::new(state)));
+    Unsolved { best, ..short }
 }
 
 fn at_depth(

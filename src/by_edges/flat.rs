@@ -111,16 +111,15 @@ impl Flat {
 
     pub(super) fn solve(&self, contact: &Contact, depth: f64, settings: &Settings, limits: &Limits) -> Option<Found> {
         let told = if limits.proof { None } else { estimated_stiffness(&self.outline, limits) };
-        let told = told.map(|found| self.placed(found));
-        let is_near = |punch: &Punch| {
-            let [low, high] = punch.stiffness;
-            high - low <= limits.tolerance * (low + high)
-        };
         // Where meshes do not tell enough a proof may.
-        let (punch, proved) = match told {
-            Some(told) if is_near(&told) => (told, false),
-            told => self.punch(limits).map(|punch| (punch, true)).or(told.map(|told| (told, false)))?,
+        let (found, proved) = match told {
+            Some(told) if told.width() <= limits.tolerance => (told, false),
+            told => {
+                let shown = flat_stiffness(&self.outline, limits).map(|shown| (shown, true));
+                shown.or(told.map(|told| (told, false)))?
+            }
         };
+        let punch = self.placed(found);
         let how = format!("the gap is {}: force ~ depth", self.found());
         Some(Found { proved, ..self.state(contact, depth - self.value, settings, punch, how) })
     }

@@ -171,7 +171,7 @@ impl Route {
     }
 
     fn solve_with(&self, threads: usize, contact: &Contact, depth: f64, settings: &Settings) -> Option<Found> {
-        let limits = Limits { threads, ..limits(settings) };
+        let limits = limits(settings, threads);
         match self {
             Self::Flat(flat) => flat.solve(contact, depth, settings, &limits),
             Self::Tilted(tilting) => tilting.at(contact, depth, settings, &limits),
@@ -192,9 +192,9 @@ impl Route {
     }
 }
 
-fn limits(settings: &Settings) -> Limits {
+fn limits(settings: &Settings, threads: usize) -> Limits {
     let proof = settings.evidence == ErrorBar::Proof || settings.outputs.bracket;
-    Limits { tolerance: settings.tolerance, deadline: settings.deadline, proof, ..Limits::default() }
+    Limits { tolerance: settings.tolerance, deadline: settings.deadline, threads, proof, ..Limits::default() }
 }
 
 /// Growth of the contact over the size of its flat that no grid resolves.
@@ -281,7 +281,7 @@ pub(crate) fn balanced(
         return Some(Err(outside));
     }
     let tilting = tilted::Tilting::of(face)?;
-    let limits = Limits { threads: settings.threads, ..limits(settings) };
+    let limits = limits(settings, settings.threads);
     let free = with(limits.threads, || tilting.under(contact, force, moment, settings, &limits))?;
     let gap = contact.tilted_gap(free.tilt);
     let mut state = in_users_units(contact, &gap, free.found, (free.depth, free.tilt), settings);

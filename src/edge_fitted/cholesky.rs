@@ -12,18 +12,18 @@ const DEEP: usize = 256;
 /// Rows of a tile: with 8 columns its sums are twelve vectors, which leaves registers for what they are made of.
 const HIGH: usize = 6;
 
+/// Rows that are worked on at a time by one thread.
+const JOB: usize = 16 * HIGH;
+
+/// Rows from which threads pay.
+const WORTH_THREADS: usize = 384;
+
 /// The lower factor, row by row.
 #[derive(Debug, Clone)]
 pub(crate) struct Cholesky {
     n: usize,
     rows: Vec<f64>,
 }
-
-/// Rows that are worked on at a time by one thread.
-const JOB: usize = 16 * HIGH;
-
-/// Rows from which threads pay.
-const WORTH_THREADS: usize = 384;
 
 impl Cholesky {
     /// Factors the lower triangle of the `n` x `n` matrix given row by row; None where it is not positive definite. The number of threads
@@ -48,9 +48,9 @@ fn columns(rows: &mut [f64], n: usize, start: usize, threads: usize) -> bool {
     let (above, below) = rows.split_at_mut(end * n);
     let own = &mut above[start * n..];
     let strips = strips(own, n, start);
-    vectorised(Part { rows: own, n, start, strips: &strips, factored: None });
+    vectorised(Part { rows: own, n, start, strips: &strips, factored: &[] });
     let Some(factored) = triangle(own, n, start) else { return false };
-    let part = |rows: &mut [f64]| vectorised(Part { rows, n, start, strips: &strips, factored: Some(&factored) });
+    let part = |rows: &mut [f64]| vectorised(Part { rows, n, start, strips: &strips, factored: &factored });
     parts(below, JOB * n, threads, part);
     true
 }
@@ -104,8 +104,8 @@ struct Part<'a> {
     n: usize,
     start: usize,
     strips: &'a [[f64; 8]],
-    /// The block on the diagonal, for rows below it.
-    factored: Option<&'a [[f64; BLOCK]]>,
+    /// The block on the diagonal, column by column, for rows below it.
+    factored: &'a [[f64; BLOCK]],
 }
 
 impl Kernel for Part<'_> {
@@ -117,7 +117,7 @@ impl Kernel for Part<'_> {
         update(rows, n, start, strips);
         for row in rows.chunks_exact_mut(n) {
             let row = &mut row[start..];
-            for (j, column) in factored.unwrap_or_default().iter().enumerate() {
+            for (j, column) in factored.iter().enumerate() {
                 let l = row[j] / column[j];
                 row[j] = l;
                 row[j + 1..].iter_mut().zip(&column[j + 1..]).for_each(|(to, f)| *to -= l * f);
@@ -171,8 +171,7 @@ fn product(a: &[f64], b: &[f64]) -> f64 {
 #[inline(always)]
 fn update(rows: &mut [f64], n: usize, start: usize, strips: &[[f64; 8]]) {
     let (count, width) = (rows.len() / n, BLOCK.min(n - start));
-    for from in (0..start).step_by(DEEP) {
-        let deep = DEEP.min(start - from);
+    for (from, deep) in pieces(start) {
         for i in (0..count).step_by(HIGH) {
             let high = HIGH.min(count - i);
             for (c, strip) in (0..width).step_by(8).zip(strips[BLOCK / 8 * from..].chunks_exact(deep)) {

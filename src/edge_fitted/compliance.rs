@@ -252,8 +252,7 @@ fn pairs(
             let distance = own.distance(other);
             let integral = if distance > FAR * own.size().min(other.size()) {
                 let own_smaller = own.size() <= other.size();
-                let value =
-                    if own_smaller { gauss[a * loaded + j] } else { gauss[b * loaded + inverse[carriers[j]][i]] };
+                let value = if own_smaller { gauss[a][j] } else { gauss[b][inverse[carriers[j]][i]] };
                 let carrier = if own_smaller { own } else { other };
                 Integral { value, error: value * relative_error(carrier, distance) }
             } else {
@@ -266,8 +265,8 @@ fn pairs(
         };
         Some(before.map(integral).collect())
     };
-    let orbits: Vec<usize> = (0..n).collect();
-    for some in orbits.chunks(ROWS) {
+    let every: Vec<usize> = (0..n).collect();
+    for some in every.chunks(ROWS) {
         for (a, row) in some.iter().zip(all(some, means.of(n), row)?) {
             row.into_iter().for_each(|(j, integral)| add(*a, j, integral));
         }
@@ -288,10 +287,11 @@ fn relative_error(carrier: &Shape, distance: f64) -> f64 {
 
 /// Row a: the 3 x 3 Gauss sums over representative a of the potentials int 1/r of all cells that are at least as large; a pair takes
 /// the sum over its smaller one.
-fn gauss_rows(mesh: &Mesh, lines: &Lines, orbits: &Orbits, shapes: &[Shape], means: Means) -> Option<Vec<f64>> {
+fn gauss_rows(mesh: &Mesh, lines: &Lines, orbits: &Orbits, shapes: &[Shape], means: Means) -> Option<Vec<Vec<f64>>> {
     const PER_BATCH: usize = 7;
+    /// Batches of one thread at a time, which share its buffers.
+    const PART: usize = 8;
     let loaded = mesh.loaded;
-    let mut rows = vec![0.0; orbits.loaded * loaded];
     // Large cells first, so that those at least as large as some cell, and their edges, come before the others.
     let mut cells: Vec<usize> = (0..loaded).collect();
     cells.sort_by(|&a, &b| shapes[b].size().total_cmp(&shapes[a].size()));
@@ -315,7 +315,7 @@ fn gauss_rows(mesh: &Mesh, lines: &Lines, orbits: &Orbits, shapes: &[Shape], mea
         size(b).total_cmp(&size(a))
     });
     let some = |reps: &&[usize]| {
-        let (mut scratch, mut rows) = (Scratch::default(), Vec::new());
+        let (mut scratch, mut rows) = (Scratch::default(), Vec::with_capacity(reps.len()));
         for batch in reps.chunks(PER_BATCH) {
             if means.deadline.has_passed() {
                 return None;
@@ -333,27 +333,25 @@ fn gauss_rows(mesh: &Mesh, lines: &Lines, orbits: &Orbits, shapes: &[Shape], mea
             }
             // Images of one cell differ by rounding.
             let larger = cells.partition_point(|&j| shapes[j].size() >= smallest * (1.0 - 1e-9));
-            if larger == 0 {
-                continue;
-            }
-            ordered.moments(&points, needed[larger - 1], &mut scratch);
+            ordered.moments(&points, larger.checked_sub(1).map_or(0, |last| needed[last]), &mut scratch);
+            let mut own = vec![vec![0.0; loaded]; batch.len()];
             for &j in &cells[..larger] {
-                for (c, &orbit) in batch.iter().enumerate() {
-                    let mut sum = 0.0;
+                for (c, row) in own.iter_mut().enumerate() {
                     for (edge, sign) in mesh.cell_edges[j].iter().flatten() {
                         let products = &scratch.products[place[*edge]];
                         let part: f64 = (9 * c..9 * c + 9).map(|k| weights[k] * products[k]).sum();
-                        sum += sign * part;
+                        row[j] += sign * part;
                     }
-                    rows.push((orbit * loaded + j, sum));
                 }
             }
+            rows.extend(own);
         }
         Some(rows)
     };
-    let parts: Vec<&[usize]> = reps.chunks(8 * PER_BATCH).collect();
-    for (at, sum) in all(&parts, means.of(orbits.loaded), some)?.into_iter().flatten() {
-        rows[at] = sum;
+    let parts: Vec<&[usize]> = reps.chunks(PART * PER_BATCH).collect();
+    let mut rows = vec![Vec::new(); orbits.loaded];
+    for (&orbit, row) in reps.iter().zip(all(&parts, means.of(orbits.loaded), some)?.into_iter().flatten()) {
+        rows[orbit] = row;
     }
     Some(rows)
 }

@@ -7,10 +7,10 @@
 use super::Limits;
 use super::estimated::{Estimated, Solved, Touching};
 use super::mesh::{Bilinear, Point, minus, norm};
-use super::outline::{COARSEST, Fitted, Outline};
+use super::outline::{COARSEST, FINE, Fitted, Outline};
 use super::region::{Region, regions};
 use super::symmetry::Isometry;
-use super::tilted::{BEFORE, ENOUGH, FINE, LOOK, SLOWEST};
+use super::tilted::{BEFORE, ENOUGH, LOOK, SLOWEST};
 use super::tilted_mesh::FINEST;
 use crate::gap::Quadratic;
 

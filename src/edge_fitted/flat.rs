@@ -4,8 +4,7 @@ use super::Limits;
 use super::discrete::{Discretisation, Stiffness};
 use super::estimated::Rest;
 use super::mesh::Point;
-use super::outline::{COARSEST, Fitted, Outline};
-use super::tilted::FINE;
+use super::outline::{COARSEST, FINE, Fitted, Outline};
 use super::tilted_mesh::FINEST;
 
 /// The stiffness of a flat punch, E* = 1, and what it took.
@@ -19,12 +18,25 @@ pub(crate) struct FlatStiffness {
     pub unknowns: usize,
 }
 
+impl FlatStiffness {
+    /// Half the width of the bounds, relative.
+    pub fn width(&self) -> f64 {
+        let [low, high] = self.stiffness;
+        (high - low) / (high + low)
+    }
+}
+
 /// Share of the tolerance that the next mesh is to meet: one that just misses it costs as much as the one that has to follow.
 pub(super) const AIM: f64 = 0.9;
 
 /// Twice the half width times n^3 of an outline of so many corners, as it chooses the first mesh, no more: the wider the fewer they are.
 pub(super) fn usual_width(corners: usize) -> f64 {
     (0.08 + 1.6 / corners as f64).min(0.4)
+}
+
+/// The n that mostly meets a tolerance.
+fn usually_enough(corners: usize, tolerance: f64) -> f64 {
+    (usual_width(corners) / (2.0 * AIM * tolerance)).cbrt().round()
 }
 
 /// Corners of outlines whose width differs from the usual one by more than a coarse mesh costs: stars.
@@ -54,8 +66,7 @@ fn first(outline: &Outline, limits: &Limits) -> usize {
     let fits = |n: &usize| outline.mesh(*n).is_some_and(|fitted| fitted.is_within(limits, 1));
     let corners = outline.corners().len();
     let seen = if UNUSUAL.contains(&corners) { seen_enough(outline, limits) } else { None };
-    let usual = || (usual_width(corners) / (2.0 * AIM * limits.tolerance)).cbrt().round();
-    let wanted = seen.unwrap_or_else(usual).min(FINEST as f64) as usize;
+    let wanted = seen.unwrap_or_else(|| usually_enough(corners, limits.tolerance)).min(FINEST as f64) as usize;
     (COARSEST..=wanted).rev().find(fits).unwrap_or(COARSEST)
 }
 
@@ -80,9 +91,10 @@ pub(crate) fn flat_stiffness(outline: &Outline, limits: &Limits) -> Option<FlatS
         if let Some(b) = &best {
             stiffness = [stiffness[0].max(b.stiffness[0]), stiffness[1].min(b.stiffness[1])];
         }
-        let width = (stiffness[1] - stiffness[0]) / (stiffness[0] + stiffness[1]);
+        let found = FlatStiffness { stiffness, cells: cells(&fitted, &pressure), unknowns };
+        let width = found.width();
         let met = width <= limits.tolerance;
-        best = Some(FlatStiffness { stiffness, cells: cells(&fitted, &pressure), unknowns });
+        best = Some(found);
         let factor = (width / (AIM * limits.tolerance)).cbrt();
         let next = ((n as f64 * factor).ceil() as usize).max(n + 1).min(2 * n);
         // Unknowns grow as n^2, time at least so.
@@ -118,7 +130,7 @@ pub(crate) fn estimated_stiffness(outline: &Outline, limits: &Limits) -> Option<
         let (k, pressure) = d.stiffness_below()?;
         Some((k, cells(&fitted, &pressure), d.orbits.loaded))
     };
-    let wanted = (TOLD * usual_width(outline.corners().len()) / (2.0 * AIM * limits.tolerance)).cbrt().round();
+    let wanted = usually_enough(outline.corners().len(), limits.tolerance / TOLD);
     let mut n = (wanted.min(FINEST as f64) as usize).max(LEAST);
     let coarser = ((BEFORE * n as f64) as usize).max(COARSE);
     let mut before = (coarser, on(coarser)?.0);

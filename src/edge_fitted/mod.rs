@@ -101,7 +101,7 @@ pub(crate) struct Limits {
     pub worth: usize,
     /// Cells at most.
     pub cells: usize,
-    /// Whether the force of a tilted punch is to be proved where it can be: most of the time goes there.
+    /// Whether the force of a flat punch is to be proved where it can be: most of the time goes there.
     pub proof: bool,
     /// The mesh that is being solved is finished; none is begun that would last longer.
     pub deadline: Deadline,

@@ -18,6 +18,10 @@ const EXPONENT: f64 = 4.0;
 /// The cells per half side of the first mesh.
 pub(crate) const COARSEST: usize = 4;
 
+/// Constant pressures on cells of size h leave of a pressure that varies by the share v of itself over a length l an energy of the order
+/// of v^2 (h/l)^3: cells are at most this times l v^(-2/3)/n, which leaves as much as the edges do.
+pub(super) const FINE: f64 = 0.9;
+
 /// A simple polygon where the material ends, or an ellipse.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Outline {

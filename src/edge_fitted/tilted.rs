@@ -57,13 +57,9 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::Limits;
 use super::flat::AIM;
-use super::outline::{COARSEST, Outline};
+use super::outline::{COARSEST, FINE, Outline};
 use super::tilted_bounds::Tilted;
 use super::tilted_mesh::{FINEST, Frame, Given, Punch};
-
-/// Constant pressures on cells of size h leave of a pressure that varies by the share v of itself over a length l an energy of the order
-/// of v^2 (h/l)^3: cells are at most this times l v^(-2/3)/n, which leaves as much as the edges do.
-pub(super) const FINE: f64 = 0.9;
 
 /// n that is mostly enough for an error of 1e-3 where it lifts off: of a level punch, and more by the share that f varies by.
 pub(super) const ENOUGH: [f64; 2] = [4.5, 1.3];
