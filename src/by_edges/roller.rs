@@ -52,8 +52,10 @@ const STEEP: f64 = 0.6;
 /// What may overlap beyond the ends that were found, over the width in the middle.
 const BEYOND: f64 = 0.025;
 
-/// Halvings to the end of the overlap.
+/// Halvings to the end of the overlap, and those that find it so nearly that the width beside it is off by less than the next line allows.
 const HALVINGS: usize = 60;
+const NEARLY: usize = 12;
+const NEARLY_STEEP: f64 = 0.9 * STEEP;
 
 /// A rectangle of x and y as one of u and v: turned by a quarter where the strip runs along x.
 fn inward(along: usize, Rect { min, max }: &Rect) -> Rect {
@@ -115,22 +117,33 @@ impl Roller {
     fn within(mut self, reach: Rect) -> Option<Self> {
         let middle = 0.5 * (reach.min[1] + reach.max[1]);
         self.across(middle, None)?;
-        for (m, end) in [reach.min[1], reach.max[1]].into_iter().enumerate() {
-            self.edges[m] = self.across(self.ends[m], None).is_some();
-            if !self.edges[m] {
-                let overlaps = |v: f64| self.across(v, None).is_some();
-                self.ends[m] = if overlaps(end) { end } else { bisected(overlaps, [middle, end], HALVINGS)[0] };
-            }
-        }
+        let overlaps = |v: f64| self.across(v, None).is_some();
+        let edges = self.ends.map(overlaps);
+        // Where each end is, first nearly: most strips are not steep there, and that tells.
+        let reached = [reach.min[1], reach.max[1]];
+        let nearly = [0, 1].map(|m| match edges[m] {
+            true => [self.ends[m]; 2],
+            false if overlaps(reached[m]) => [reached[m]; 2],
+            false => bisected(overlaps, [middle, reached[m]], NEARLY),
+        });
+        let ends = nearly.map(|[inside, _]| inside);
+        Self { ends, ..self.clone() }.steep(NEARLY_STEEP)?;
+        self.ends = nearly.map(|[a, b]| if a == b { a } else { bisected(overlaps, [a, b], HALVINGS - NEARLY)[0] });
+        self.edges = edges;
         self.widening()
     }
 
     /// Taken to be as wide beside its ends as a little further in; `None` where that is much less than in the middle.
-    fn widening(mut self) -> Option<Self> {
+    fn widening(self) -> Option<Self> {
+        self.steep(STEEP)
+    }
+
+    /// The same where it is as wide there as this share of the middle.
+    fn steep(mut self, share: f64) -> Option<Self> {
         let [first, last] = self.ends;
         let [a, b] = self.across(middle(self.ends), None)?;
         self.beside = BESIDE * (last - first);
-        let wide = |v: f64| self.across(v, None).is_some_and(|[c, d]| d - c >= STEEP * (b - a));
+        let wide = |v: f64| self.across(v, None).is_some_and(|[c, d]| d - c >= share * (b - a));
         let inside = a > self.sides[0] && b < self.sides[1];
         let steep = wide(first + self.beside) && wide(last - self.beside);
         (last - first > b - a && inside && steep).then_some(self)

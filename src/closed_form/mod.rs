@@ -16,6 +16,7 @@ pub(crate) mod drawn;
 mod flat_punch;
 mod generatrix;
 mod hertz;
+mod inside_an_edge;
 mod interpolated;
 mod power;
 pub(crate) mod select;

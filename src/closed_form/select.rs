@@ -2,9 +2,10 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
+use super::inside_an_edge::holds;
 use crate::clock::Deadline;
 use crate::closed_form::{ClosedForm, Ellipse, FlatPunch, Hertz, Power, Quadratic, RoundedCone, Sneddon, Sphere};
-use crate::gap::{self, AnyGap, Axis, Face, Gap, Generatrix};
+use crate::gap::{self, AnyGap, Axis, Crown, Face, Gap, Generatrix};
 use crate::grid::{Grid, Pressure};
 use crate::numeric::geometry::{Rect, farthest};
 use crate::numeric::scalar::{TO_THE_LAST_DIGIT, bisected};
@@ -39,6 +40,11 @@ pub(crate) fn of(overlap: &Overlap, modulus: EffectiveModulus, deadline: Deadlin
         known.face.as_ref().and_then(|face| face.outline.semi_axes().map(|axes| (face, axes)))
     {
         return flat_ellipse(face, semi_axes, modulus, depth);
+    }
+    if let Some(crown) = &known.crown
+        && let Some(inside) = inside_an_edge(crown, modulus, depth)
+    {
+        return Ok(inside);
     }
     match known.axis {
         // Past the deadline integrals are not numbers, whatever verdict that leads to.
@@ -91,6 +97,13 @@ fn quadratic(form: &gap::Quadratic, modulus: EffectiveModulus, depth: f64) -> Re
     let contact = contact.placed(form.about, if round { 0.0 } else { rotation });
     let found = format!("a quadratic form with curvatures {a:.6e} and {b:.6e} (Hertz)");
     Ok(formula(contact, depth, found, NO_GRID))
+}
+
+/// Hertz where the contact ends before the material does.
+fn inside_an_edge(crown: &Crown, modulus: EffectiveModulus, depth: f64) -> Option<Formula> {
+    let form = &crown.form;
+    let found = quadratic(&form.about(form.lowest()?), modulus, depth).ok()?;
+    holds(crown, &found.contact.patch).then_some(found)
 }
 
 fn flat_ellipse(face: &Face, semi_axes: [f64; 2], modulus: EffectiveModulus, depth: f64) -> Result<Formula, Unsolved> {

@@ -215,6 +215,17 @@ impl OverlapBounds for OnCells<'_> {
         self.overlap.jet(rect)
     }
 
+    /// Of what is kept, or by values where a cell was not looked at.
+    fn nearly(&self, rect: &Rect) -> Option<(f64, [f64; 2])> {
+        let is_kept = |at: [usize; 2]| self.cells.borrow().places[at[1] * self.wide[0] + at[0]] != 0;
+        if self.around(rect).is_some_and(|(at, _)| is_kept(at)) {
+            return self.jet(rect).map(|jet| jet.nearly());
+        }
+        let [x, y] = rect.centre();
+        let (gap, gradient) = (self.gap().gap(x, y), self.gap().gradient(x, y)?);
+        Some((self.overlap.depth() - gap, gradient.map(|g| -g)))
+    }
+
     fn mean(&self, rect: &Rect) -> Interval {
         let from_cell = self.gap_about(rect).map(|taylor| taylor.mean(rect.size()));
         let close = from_cell.map(|mean| [mean.lo, mean.hi]).filter(|mean| self.overlap.is_close(*mean));

@@ -19,6 +19,11 @@ pub trait OverlapBounds {
     /// Taylor's formula about the centre of a rectangle, valid in all of it; `None` where f has a kink in it.
     fn jet(&self, rect: &Rect) -> Option<Jet>;
 
+    /// f and its gradient in the middle of a rectangle that f is known to be smooth in: nearly, no bound.
+    fn nearly(&self, rect: &Rect) -> Option<(f64, [f64; 2])> {
+        self.jet(rect).map(|jet| jet.nearly())
+    }
+
     /// Bounds of the mean of f over a rectangle.
     fn mean(&self, rect: &Rect) -> Interval;
 
@@ -74,6 +79,13 @@ pub struct Jet {
     pub hessian: [Interval; 3],
     /// (f_xxx, f_xxy, f_xyy, f_yyy).
     pub third: [Interval; 4],
+}
+
+impl Jet {
+    /// Value and gradient at the centre, nearly.
+    pub(super) fn nearly(&self) -> (f64, [f64; 2]) {
+        (middle(self.value), self.gradient.map(middle))
+    }
 }
 
 /// The middles of a jet, and what it leaves open.

@@ -11,6 +11,8 @@
 //! those that make T small on the contact, and most where the pressure ends: what is left there widens the bounds of <T, p> most
 //! ([`super::functional`]).
 
+use std::collections::HashMap;
+
 use nalgebra::{DMatrix, DVector};
 
 use super::overlap::{self, Interval, Jet, OverlapBounds};
@@ -26,6 +28,9 @@ const SAMPLES: usize = 384;
 
 /// Of a mean pressure, what is added to that of a cell before its weight is the inverse of it.
 const AT_END: f64 = 0.3;
+
+/// Cells along the sides of the blocks that are looked at together.
+const BLOCK: isize = 8;
 
 /// Singular values that are left out, over the largest.
 const DEPENDENT: f64 = 1e-7;
@@ -70,29 +75,37 @@ fn has_third(jet: &Jet) -> bool {
 }
 
 /// Whether what has no law is smooth on the contact, which ends before the material does: not so close to a tip that its slopes in a cell
-/// are less certain than those of the contact are steep.
+/// are less certain than those of the contact are steep. Block by block, and cell by cell where that does not tell.
 fn may_move(pressed: &Pressed, parts: &Parts, touch: &[Quarter]) -> bool {
-    let half = pressed.grid.spacing.map(|h| 0.5 * h);
-    let steep = |(i, j, _): (isize, isize, f64)| {
-        parts
-            .smooth
-            .jet(&pressed.rect(i, j))
-            .map_or(0.0, |jet| jet.gradient.map(middle).map(f64::abs).into_iter().sum())
+    let steep = |&(i, j, _): &(isize, isize, f64)| {
+        parts.smooth.nearly(&pressed.rect(i, j)).map_or(0.0, |(_, gradient)| gradient.map(f64::abs).into_iter().sum())
     };
-    let steepest = pressed.cells.iter().copied().map(steep).fold(0.0, f64::max);
-    let smooth = |i: isize, j: isize| {
-        let rect = pressed.rect(i, j);
-        let close = |jet: Jet| overlap::Taylor::of(&jet, half).rest[1] <= steepest;
-        parts.smooth.jet(&rect).is_some_and(close) && parts.laws.iter().all(|law| law.overlap.material(&rect))
+    let steepest = pressed.cells.iter().map(steep).fold(0.0, f64::max);
+    let smooth = |rect: &Rect| {
+        let close = |jet: Jet| overlap::Taylor::of(&jet, rect.size().map(|side| 0.5 * side)).rest[1] <= steepest;
+        parts.smooth.jet(rect).is_some_and(close)
     };
     let around = if parts.ends() { 1 } else { 0 };
+    let ring =
+        |i: isize, j: isize| (-around..=around).flat_map(move |b| (-around..=around).map(move |a| (i + a, j + b)));
     // Where one of several tips ends the gap jumps to the next, perhaps between two cells.
     let joined =
         |i: isize, j: isize| around == 0 || parts.smooth.jet(&pressed.rect(i, j).scaled(1.0 + ACROSS)).is_some();
-    let all = |i: isize, j: isize| {
-        joined(i, j) && (-around..=around).all(|b| (-around..=around).all(|a| smooth(i + a, j + b)))
+    let cell_by_cell = |i: isize, j: isize| joined(i, j) && ring(i, j).all(|(i, j)| smooth(&pressed.rect(i, j)));
+    let mut blocks = HashMap::new();
+    let mut in_block = |i: isize, j: isize| {
+        let block = [i, j].map(|n| n.div_euclid(BLOCK));
+        *blocks.entry(block).or_insert_with(|| {
+            let [first, last] = [0, BLOCK - 1].map(|n| block.map(|k| k * BLOCK + n));
+            let corners =
+                [pressed.rect(first[0] - around, first[1] - around), pressed.rect(last[0] + around, last[1] + around)];
+            smooth(&corners[0].union(&corners[1]))
+        })
     };
-    pressed.with(touch).all(|(i, j, _)| all(i, j))
+    let has_material = |i: isize, j: isize| {
+        ring(i, j).all(|(i, j)| parts.laws.iter().all(|law| law.overlap.material(&pressed.rect(i, j))))
+    };
+    pressed.with(touch).all(|(i, j, _)| (in_block(i, j) || cell_by_cell(i, j)) && has_material(i, j))
 }
 
 impl Virial {
@@ -146,10 +159,9 @@ impl Virial {
         let all = pressed.with(touch).count();
         for (i, j, p) in pressed.with(touch).step_by(all.div_ceil(SAMPLES).max(1)) {
             let rect = pressed.rect(i, j);
-            let jet = parts.smooth.jet(&rect)?;
+            let (mut f, [fx, fy]) = parts.smooth.nearly(&rect)?;
             let [x, y] = self.off_centre(&rect);
-            let [fx, fy] = jet.gradient.map(middle);
-            let (mut f, mut dilated) = (middle(jet.value), x * fx + y * fy);
+            let mut dilated = x * fx + y * fy;
             for law in &parts.laws {
                 let own = law.nearly(&rect);
                 f += own - law.depth;
@@ -245,12 +257,14 @@ impl Virial {
     pub fn nearly(&self, rect: &Rect, parts: &Parts) -> f64 {
         let [x, y] = self.off_centre(rect);
         let eta = self.eta[0] + self.eta[1] * x + self.eta[2] * y;
-        let Some(jet) = parts.smooth.jet(rect).filter(|_| !self.is_plain()) else { return eta };
-        let [fx, fy] = jet.gradient.map(middle);
+        if self.is_plain() {
+            return eta;
+        }
+        let Some((f, [fx, fy])) = parts.smooth.nearly(rect) else { return eta };
         let [wx, wy] = [self.b[0] + self.beta * x - self.omega * y, self.b[1] + self.beta * y + self.omega * x];
         let of_law =
             |law: &Law| self.mu * law.depth + self.beta * law.degree * law.above - self.per_law(law) * law.nearly(rect);
-        eta - self.mu * middle(jet.value) - wx * fx - wy * fy + parts.laws.iter().map(of_law).sum::<f64>()
+        eta - self.mu * f - wx * fx - wy * fy + parts.laws.iter().map(of_law).sum::<f64>()
     }
 
     /// mu + beta k, the factor of a part of the gap that follows a law of degree k, in T.

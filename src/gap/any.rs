@@ -386,6 +386,14 @@ impl Gap for AnyGap {
         self.inner.alternatives().map(|parts| parts.iter().map(|part| part.through(&self.transform)).collect())
     }
 
+    fn without_end(&self, depth: f64) -> Option<AnyGap> {
+        if self.transform.is_tilted() {
+            return None;
+        }
+        let own = self.inner.without_end(self.transform.depth_inward(depth))?;
+        Some(own.through(&self.transform))
+    }
+
     fn into_any(self) -> AnyGap {
         self
     }

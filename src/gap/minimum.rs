@@ -268,6 +268,10 @@ impl Gap for Minimum {
         None
     }
 
+    fn without_end(&self, _depth: f64) -> Option<AnyGap> {
+        None
+    }
+
     fn alternatives(&self) -> Option<Vec<AnyGap>> {
         Some(self.parts.clone())
     }

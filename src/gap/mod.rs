@@ -239,6 +239,12 @@ pub trait Gap: Send + Sync {
         None
     }
 
+    /// The same gap with material everywhere, where more is known of that and all that it overlaps at this depth lies where there is
+    /// material: the end of the material then bears nothing and is never met. For certain.
+    fn without_end(&self, _depth: f64) -> Option<AnyGap> {
+        None
+    }
+
     /// Appends the distances r > 0 at which the gap along the ray `from + r direction` has a kink
     /// (a jump of its slope). `direction` is a unit vector. Order does not matter.
     fn ray_kinks(&self, _from: [f64; 2], _direction: [f64; 2], _kinks: &mut Vec<f64>) {}

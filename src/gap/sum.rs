@@ -366,6 +366,25 @@ impl Gap for Sum {
         None
     }
 
+    fn without_end(&self, depth: f64) -> Option<AnyGap> {
+        // Where the sum is below the depth, a part is below what the least of the others leaves of it, rounding counted.
+        let left = |k: usize| {
+            let others = self.parts.iter().enumerate().filter(|(n, _)| *n != k).map(|(_, part)| part.known().floor);
+            let (sum, size) = others.fold((0.0, depth.abs()), |(sum, size), floor| (sum + floor, size + floor.abs()));
+            depth - sum + (self.parts.len() + 1) as f64 * f64::EPSILON * size
+        };
+        let whole =
+            |k: usize| Some(left(k)).filter(|depth| depth.is_finite()).and_then(|d| self.parts[k].without_end(d));
+        let whole: Vec<Option<AnyGap>> = (0..self.parts.len()).map(whole).collect();
+        if whole.iter().all(Option::is_none) {
+            return None;
+        }
+        let parts = whole.into_iter().zip(&self.parts).map(|(whole, part)| whole.unwrap_or_else(|| part.clone()));
+        let sum = Self::new(parts.collect()).ok()?;
+        let tells = sum.known.law.is_some() || sum.known.quadratic.is_some() || sum.known.axis.is_some();
+        tells.then(|| AnyGap::new(sum))
+    }
+
     fn ray_kinks(&self, from: [f64; 2], direction: [f64; 2], kinks: &mut Vec<f64>) {
         self.parts.iter().for_each(|part| part.ray_kinks(from, direction, kinks));
     }

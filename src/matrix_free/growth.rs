@@ -77,7 +77,7 @@ fn grown(
     target.iter_mut().zip(&fields.face).for_each(|(t, m)| *t = if *m > 0.0 { *t / largest } else { 0.0 });
     let rows = 0..shape[1];
     let mut residual = target.clone();
-    with_threads(settings.threads, |scratch| {
+    with_threads(settings.threads, shape, |scratch| {
         let mut products = 0;
         let mut before = f64::INFINITY;
         loop {
@@ -144,7 +144,7 @@ pub fn displacement(problem: &Discrete, pressure: &[f64]) -> Vec<f64> {
     let table = InfluenceTable::new(problem.kernel, spacing, shape);
     let mut u = vec![0.0; pressure.len()];
     let rows = 0..shape[1];
-    with_threads(1, |scratch| {
+    with_threads(1, shape, |scratch| {
         Operator::compliance(&table, spacing, shape).apply(pressure, rows.clone(), &mut u, rows, scratch);
     });
     u

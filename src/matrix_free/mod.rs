@@ -91,9 +91,9 @@ impl Default for Settings {
 /// # Ok::<(), contact_patch::Unsolved>(())
 /// ```
 pub fn solve(problem: &Discrete, start: Option<&[f64]>, settings: &Settings) -> Result<DiscreteSolution, Unsolved> {
-    with_threads(settings.threads, |scratch| {
-        let Some(window) = Window::of(problem, SYMMETRIC * settings.tolerance) else { return Ok(no_contact(problem)) };
-        let table = window.table(problem);
+    let Some(window) = Window::of(problem, SYMMETRIC * settings.tolerance) else { return Ok(no_contact(problem)) };
+    let table = window.table(problem);
+    with_threads(settings.threads, window.shape(), |scratch| {
         let start = window.start(problem, &table, start);
         let operators =
             Operators::new(&table, window.shape(), window.region(start.as_deref()), window.mirrored, true, scratch);
@@ -101,21 +101,34 @@ pub fn solve(problem: &Discrete, start: Option<&[f64]>, settings: &Settings) -> 
     })
 }
 
-/// Calls `work` with room for as many threads as are asked for.
-fn with_threads<T: Send>(threads: usize, work: impl FnOnce(&mut Scratch) -> T + Send) -> T {
-    threaded(threads, &mut Scratch::new(), work)
+/// Calls `work` with room for as many threads as are asked for, or for one where so few cells are no work for more.
+fn with_threads<T: Send>(threads: usize, cells: [usize; 2], work: impl FnOnce(&mut Scratch) -> T + Send) -> T {
+    threaded(threads, cells, &mut Scratch::new(), work)
 }
 
 /// The same with the room of the caller.
-fn threaded<T: Send>(threads: usize, scratch: &mut Scratch, work: impl FnOnce(&mut Scratch) -> T + Send) -> T {
+fn threaded<T: Send>(
+    threads: usize,
+    cells: [usize; 2],
+    scratch: &mut Scratch,
+    work: impl FnOnce(&mut Scratch) -> T + Send,
+) -> T {
     #[cfg(feature = "parallel")]
     if threads != 1
+        && are_many(cells)
         && let Ok(pool) = rayon::ThreadPoolBuilder::new().num_threads(threads).build()
     {
-        return pool.install(|| work(scratch.shared()));
+        return pool.install(|| work(scratch.shared(true)));
     }
-    let _ = threads;
-    work(scratch)
+    let _ = (threads, cells);
+    work(scratch.shared(false))
+}
+
+/// Whether so many cells are work for several threads: a product with fewer takes less time than threads take to meet. With two of
+/// them, 128 x 128 cells take 1.3 times the wall time and 1.5 times the CPU time of one, 256 x 256 as long and 1.2 times.
+fn are_many(cells: [usize; 2]) -> bool {
+    const MANY: usize = 1 << 16;
+    cells.iter().product::<usize>() >= MANY
 }
 
 /// Two overlaps that differ by less than this share of the tolerance count as one.

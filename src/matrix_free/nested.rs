@@ -6,7 +6,7 @@
 
 use super::level::Limit;
 use super::window::Window;
-use super::{Cells, Left, Operators, SYMMETRIC, Scratch, Settings, no_contact, region_around, with_threads};
+use super::{Cells, Left, Operators, SYMMETRIC, Scratch, Settings, are_many, no_contact, region_around, with_threads};
 use crate::discrete::{Discrete, DiscreteSolution};
 use crate::influence::InfluenceTable;
 use crate::solution::Unsolved;
@@ -37,9 +37,9 @@ const COARSEST: usize = 12;
 /// # Ok::<(), contact_patch::Unsolved>(())
 /// ```
 pub fn solve_nested(problem: &Discrete, settings: &Settings) -> Result<DiscreteSolution, Unsolved> {
-    with_threads(settings.threads, |scratch| {
-        let Some(window) = Window::of(problem, SYMMETRIC * settings.tolerance) else { return Ok(no_contact(problem)) };
-        let table = window.table(problem);
+    let Some(window) = Window::of(problem, SYMMETRIC * settings.tolerance) else { return Ok(no_contact(problem)) };
+    let table = window.table(problem);
+    with_threads(settings.threads, window.shape(), |scratch| {
         let left = from_coarse(window.grid(problem), &table, settings, scratch, |_| true);
         window.finish(problem, &table, left, settings, scratch)
     })
@@ -59,9 +59,11 @@ pub(super) fn from_coarse(
     }
     let mut start: Option<Vec<f64>> = None;
     let mut deeper = 0.0;
+    let shared = scratch.is_shared();
     loop {
         let level = grids.len() - 1;
         let Some(mut grid) = grids.pop() else { unreachable!("the finest grid returns") };
+        scratch.shared(shared && are_many(grid.shape));
         let (tolerance, products) = match level {
             0 => (settings.tolerance, settings.products),
             _ => (COARSE_TOLERANCE.max(settings.tolerance), 60),
@@ -75,6 +77,7 @@ pub(super) fn from_coarse(
         let Some(next) = grids.last().filter(|_| will_do(deeper)) else {
             left.state.deeper = deeper;
             left.solved &= level == 0;
+            scratch.shared(shared);
             return left;
         };
         start = Some(finer(&grid, &left.state.p, next.shape, scratch));

@@ -127,11 +127,15 @@ impl Scratch {
         Self { parallel: true, ..Self::default() }
     }
 
-    /// The same room, for all threads of the pool.
-    #[cfg(feature = "parallel")]
-    pub(super) fn shared(&mut self) -> &mut Self {
-        self.parallel = true;
+    /// The same room, for all threads of the pool or for the one that asks.
+    pub(super) fn shared(&mut self, parallel: bool) -> &mut Self {
+        self.parallel = parallel;
         self
+    }
+
+    /// Whether all threads of the pool work.
+    pub(super) fn is_shared(&self) -> bool {
+        self.parallel
     }
 
     /// Bytes held.

@@ -168,7 +168,7 @@ impl Solver {
         let settings = self.settings;
         let mut scratch = std::mem::take(&mut self.scratch);
         let (window, kept) = self.keep(problem, window);
-        let solution = super::threaded(settings.threads, &mut scratch, |scratch| {
+        let solution = super::threaded(settings.threads, window.shape(), &mut scratch, |scratch| {
             let start = window.start(problem, &kept.table, Some(start));
             window.solve(problem, &kept.table, &kept.operators, start, &settings, scratch)
         });

@@ -53,7 +53,7 @@ pub fn solve_under_force(
     // Relative to the depth that is found.
     let held = Settings { tolerance: (1.0 - 2.0 * ROOM) * settings.tolerance, ..*settings };
     let limit = Limit { products: settings.products, deadline: settings.deadline };
-    with_threads(settings.threads, |scratch| {
+    with_threads(settings.threads, grid.shape, |scratch| {
         let mut deeper = 0.0;
         for _ in 0..MOST_BOXES {
             settings.deadline.check()?;

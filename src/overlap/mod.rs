@@ -35,11 +35,16 @@ pub(crate) struct Overlap {
     filled: OnceLock<bool>,
 }
 
-/// The gap without those of several tips that do not reach so deep: all that is asked there is a displacement above f, which is negative.
+/// The gap without those of several tips that do not reach so deep, and without an end of the material beyond all that overlaps: all that is
+/// asked there is a displacement above f, which is negative.
 pub(crate) fn touching(gap: &AnyGap, depth: f64) -> AnyGap {
-    let Some(parts) = gap.alternatives() else { return gap.clone() };
+    let endless = |gap: &AnyGap| gap.without_end(depth).unwrap_or_else(|| gap.clone());
+    let Some(parts) = gap.alternatives() else { return endless(gap) };
     let kept: Vec<&AnyGap> = parts.iter().filter(|part| part.reach(depth) != Reach::Nowhere).collect();
-    Minimum::of_kept(&kept, parts.len()).unwrap_or_else(|| gap.clone())
+    match Minimum::of_kept(&kept, parts.len()) {
+        Some(one) if kept.len() == 1 => endless(&one),
+        several => several.unwrap_or_else(|| gap.clone()),
+    }
 }
 
 /// Points a side at which the deepest overlap is looked for.

@@ -8,6 +8,9 @@ use crate::numeric::Interval;
 use crate::numeric::derivatives::{Cube, Dual, Jet};
 use crate::numeric::geometry::Rect;
 
+/// How much larger than what overlaps the rectangle is that must have material all over, so that rounding does not count.
+const BEYOND: f64 = 1.0 + 1e-6;
+
 impl Gap for Formula {
     fn gap(&self, x: f64, y: f64) -> f64 {
         match &self.region {
@@ -207,6 +210,14 @@ impl Gap for Formula {
             (Some(polyhedron), _) => polyhedron.growth(sector, from),
             (None, None) => far::growth(&self.tape, sector, from),
             (None, Some(region)) => Growth::ended(&region.bounds(), from),
+        }
+    }
+
+    fn without_end(&self, depth: f64) -> Option<AnyGap> {
+        let (region, whole) = (self.region.as_ref()?, self.endless()?);
+        match whole.reach(depth) {
+            Reach::Within(rect) if region.covers(&rect.scaled(BEYOND)) => Some(whole.clone().into_any()),
+            _ => None,
         }
     }
 

@@ -61,6 +61,8 @@ pub struct Formula {
     unit_reach: OnceLock<Reach>,
     /// Radii of kinks about the axis, where there is one.
     rings: OnceLock<Vec<f64>>,
+    /// The same without its region, where more is known of that.
+    endless: OnceLock<Option<Box<Self>>>,
 }
 
 impl Formula {
@@ -85,9 +87,10 @@ impl Formula {
         let (tree, smooth) = (Tree::new(&tape), Smooth::of(&tape));
         let polyhedron = if region.is_none() { planes::polyhedron(&tape) } else { None };
         let known = Known::nothing();
-        let (unit_reach, rings) = (OnceLock::new(), OnceLock::new());
+        let (unit_reach, rings, endless) = (OnceLock::new(), OnceLock::new(), OnceLock::new());
+        let expression_of = expression.to_owned();
         let mut formula =
-            Self { expression: expression.to_owned(), tape, smooth, region, polyhedron, known, unit_reach, rings };
+            Self { expression: expression_of, tape, smooth, region, polyhedron, known, unit_reach, rings, endless };
         formula.known = match &formula.polyhedron {
             Some(polyhedron) => polyhedron.describe(),
             None => formula.read(&tree),
@@ -263,6 +266,18 @@ impl Formula {
     #[must_use]
     pub fn region(&self) -> Option<&Outline> {
         self.region.as_ref()
+    }
+
+    /// Without its region, where that leaves a law, a form, an axis or planes to be known.
+    fn endless(&self) -> Option<&Self> {
+        let find = || {
+            let whole = Self::build(&self.expression, self.tape.clone(), None).ok()?;
+            let Known { law, quadratic, axis, .. } = &whole.known;
+            let tells = law.is_some() || quadratic.is_some() || axis.is_some() || whole.polyhedron.is_some();
+            tells.then(|| Box::new(whole))
+        };
+        self.region.as_ref()?;
+        self.endless.get_or_init(find).as_deref()
     }
 
     /// The same gap as planes, when the formula is a convex one made of planes (sums, multiples, max and abs of linear
