@@ -1,7 +1,7 @@
 //! Punches whose edges lie anyhow between the cells: the limit of many grids, and its error, against what is known.
 #![cfg(feature = "scene")]
 
-use contact_patch::gap::{AnyGap, Flat, Gap, Minimum, Outline, Paraboloid, Place};
+use contact_patch::gap::{AnyGap, Flat, Formula, Gap, Minimum, Outline, Paraboloid, Place, Sum};
 use contact_patch::{Contact, EffectiveModulus, Kernel, Load, Loading, Method, Settings, Solution, Unsolved, solve};
 
 /// Force of a flat square of half side 1 at depth 1, E* = 1 (data/reference: flat polygons).
@@ -155,4 +155,61 @@ fn half_lifted_a_tilted_square_leaves_one_edge() {
     let allowed = rough.force_error.unwrap() + fine.force_error.unwrap();
     assert!((rough.force / fine.force - 1.0).abs() <= allowed, "{} and {}, {allowed:e}", rough.force, fine.force);
     assert!(fine.patch.area < 3.0, "{}", fine.patch.area);
+}
+
+#[test]
+fn an_end_of_the_material_beyond_the_contact_changes_nothing() {
+    let square = || Outline::polygon(&[[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]).unwrap();
+    let outlines = [square(), Outline::disc(0.9).unwrap(), Outline::ellipse([1.0, 0.7]).unwrap()];
+    // Forms, powers, planes, one of revolution without a power, and one without any law but its mirrors.
+    let expressions = [
+        "x^2/2 + y^2/8",
+        "x^2/2 + y^2/8 + x*y/10",
+        "0.3*r",
+        "0.2*r^3",
+        "max(abs(x), 2*abs(y))",
+        "x^4 + y^4",
+        "1 - sqrt(1 - r^2) + 0.1*r^2",
+    ];
+    let set = |gap: Formula| gap.placed([3.0, -2.0], 0.6).unwrap();
+    let at = |gap: AnyGap, depth: f64| solved(gap, Load::Depth(depth), Settings::default()).unwrap();
+    for expression in expressions {
+        let whole = || set(Formula::new(expression).unwrap());
+        for outline in &outlines {
+            let ended = || set(Formula::within(expression, outline.clone()).unwrap());
+            let (free, inside) = (at(whole(), 0.01), at(ended(), 0.01));
+            assert_eq!(free.force, inside.force, "{expression} {outline:?}");
+            assert_eq!(free.method, inside.method, "{expression} {outline:?}");
+            assert!(inside.touches_edge.is_none() && inside.force_error <= free.force_error);
+            // With another body, or as the one of two tips that reaches so deep.
+            let round = || Paraboloid::new([5.0, 5.0]).unwrap().placed([3.0, -2.0], 0.0).unwrap();
+            let both = |gap: AnyGap| AnyGap::new(Sum::new(vec![gap, round()]).unwrap());
+            let (free, inside) = (at(both(whole()), 0.01), at(both(ended()), 0.01));
+            let error = free.force_error.unwrap() + inside.force_error.unwrap();
+            assert!((free.force / inside.force - 1.0).abs() <= error, "{expression} {outline:?}");
+            let raised = || Formula::new("0.5 + r^2").unwrap().placed([3.0, -2.0], 0.0).unwrap();
+            let tips = AnyGap::new(Minimum::new(vec![ended(), raised()]).unwrap());
+            assert_eq!(at(whole(), 0.01).force, at(tips, 0.01).force, "{expression} {outline:?}");
+        }
+    }
+}
+
+#[test]
+fn an_end_of_the_material_that_the_contact_reaches_counts() {
+    let form = "x^2/8 + y^2/2";
+    let force = |outline: Option<[f64; 2]>| {
+        let gap = match outline {
+            Some(axes) => Formula::within(form, Outline::ellipse(axes).unwrap()).unwrap(),
+            None => Formula::new(form).unwrap(),
+        };
+        solved(AnyGap::from(&gap), Load::Depth(0.2), Settings::default()).unwrap()
+    };
+    let free = force(None);
+    let [a, b] = free.patch.semi_axes.unwrap();
+    // Beyond the contact, inside of where the bodies overlap.
+    let near = force(Some([1.01 * a, 1.01 * b]));
+    assert!(1.01 * a < (8.0f64 * 0.2).sqrt() && near.force == free.force && near.method == Method::ClosedForm);
+    let cut = force(Some([0.97 * a, 0.97 * b]));
+    assert!(cut.method != Method::ClosedForm && cut.touches_edge.is_some());
+    assert!(cut.force * (1.0 - cut.force_error.unwrap()) < free.force, "{} {}", cut.force, free.force);
 }

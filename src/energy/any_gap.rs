@@ -6,7 +6,7 @@
 //! P <= (d - g0) K(A'), K the force of a flat punch on all that may touch, A', at unit depth.
 
 use super::bracket::{Trial, lower};
-use super::expected::{Sought, is_rough, left_by, seen_beyond_hope};
+use super::expected::{NoBounds, Sought, expected, is_rough, seen_beyond_hope};
 use super::functional::{Contact, Cut};
 use super::of_gap::GapOverlap;
 use super::on_cells::OnCells;
@@ -19,8 +19,8 @@ use super::virial::Virial;
 pub(super) enum Missing {
     /// What lies beyond the grid, or beyond the displacement that is known.
     Beyond,
-    /// Nothing narrow enough to be worth its time, on a larger grid either: so many times as wide as enough, where that can be told.
-    TooWide(f64),
+    /// Nothing narrow enough to be worth its time, on a larger grid either.
+    TooWide(NoBounds),
 }
 
 /// Bounds of the integrals of p (c_0 + c_1 x + c_2 y) (E* = 1) of any gap at this depth, by a pressure on a grid.
@@ -56,16 +56,16 @@ fn by_field<const N: usize>(
     sought: Sought,
     wanted: [[f64; 3]; N],
 ) -> Result<[[f64; 2]; N], Missing> {
-    let (field, halves) = trial.field(cells, known).ok_or(Missing::TooWide(f64::INFINITY))?;
+    let (field, halves) = trial.field(cells, known).ok_or(Missing::TooWide(NoBounds::NONE))?;
     let residual = &Residual { field: &field, overlap: cells, halves };
     // Where the displacement is known everywhere a larger grid tells no more of what has no bound.
-    let unbounded = if known { Missing::Beyond } else { Missing::TooWide(f64::INFINITY) };
+    let unbounded = if known { Missing::Beyond } else { Missing::TooWide(NoBounds::NONE) };
     let enough = sought.enough;
     let pressed = &residual.pressed();
     if enough > 0.0 && !sought.is_judged {
-        let rough = is_rough(residual, pressed).then_some(f64::INFINITY);
-        if let Some(times) = rough.or_else(|| seen_beyond_hope(residual, pressed, parts, sought)) {
-            return Err(Missing::TooWide(times));
+        let rough = is_rough(residual, pressed).then_some(NoBounds::NONE);
+        if let Some(expected) = rough.or_else(|| seen_beyond_hope(residual, pressed, parts, sought)) {
+            return Err(Missing::TooWide(expected));
         }
     }
     let set = residual.admissible().ok_or(Missing::Beyond)?;
@@ -78,16 +78,16 @@ fn by_field<const N: usize>(
     let loaded = pressed.count();
     let most = if enough > 0.0 { loaded } else { f64::INFINITY };
     let (touch, cells) = residual.may_touch(residual.deepest_dip(&dips), most).ok_or(Missing::Beyond)?;
-    if cells > most {
-        return Err(Missing::TooWide(f64::INFINITY));
-    }
     let (touch, ring) = (&touch[..], cells / loaded);
     let virials = wanted.map(|c| Virial::fitted(pressed, parts, c, touch));
     // What is expected of the others is not told.
     let left = virials.iter().map(|virial| virial.left).fold(0.0, f64::max);
-    let expected = left_by(pressed.disc(), left, ring, 0.5 * of_residual) / (enough * pressed.force());
-    if let Some(times) = sought.beyond_hope(expected) {
-        return Err(Missing::TooWide(times));
+    let expected = expected(pressed, left, [ring; 2], 0.5 * of_residual, sought);
+    if cells > most {
+        return Err(Missing::TooWide(expected.likely()));
+    }
+    if let Some(expected) = sought.beyond_hope(expected) {
+        return Err(Missing::TooWide(expected));
     }
     // Means may be dear: not before they are known to be needed.
     let mut means = vec![[0.0; 2]; field.grid.len()];

@@ -2,7 +2,7 @@
 
 use super::any_gap::{self, Missing};
 use super::bracket::{Trial, energy_bracket};
-use super::expected::Sought;
+use super::expected::{NoBounds, Sought};
 use super::of_gap::GapOverlap;
 use super::on_cells::OnCells;
 use crate::clock::Deadline;
@@ -39,17 +39,6 @@ pub fn force_bracket(gap: &AnyGap, depth: f64, trial: &Trial) -> Option<[f64; 2]
     let above_least = depth - gap.known().floor;
     let (overlap, degree) = (GapOverlap::new(gap, depth), law.map(|law| law.degree));
     bounds(&overlap, degree, above_lowest, above_least, trial, Sought::NARROWEST).ok()
-}
-
-/// That no bounds were had.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct NoBounds {
-    /// How many times as wide as the tolerance those of this grid are expected to be; infinite where that cannot be told.
-    pub times: f64,
-}
-
-impl NoBounds {
-    const NONE: Self = Self { times: f64::INFINITY };
 }
 
 /// How narrow bounds are wanted.
@@ -129,7 +118,7 @@ fn of_any_gap<const N: usize>(
     // Only contact beyond the grid is a reason to enlarge it.
     let found = trial.first_that(overlap, |trial| Some(bounds(trial)).filter(|found| *found != Err(Missing::Beyond)));
     found.unwrap_or(Err(Missing::Beyond)).map_err(|missing| match missing {
-        Missing::TooWide(times) => NoBounds { times },
+        Missing::TooWide(expected) => expected,
         Missing::Beyond => NoBounds::NONE,
     })
 }

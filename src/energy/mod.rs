@@ -66,8 +66,9 @@ mod virial;
 mod whole;
 
 pub use bracket::{EnergyBracket, Padded, Trial, energy_bracket};
+pub(crate) use expected::NoBounds;
 pub use force::force_bracket;
-pub(crate) use force::{NoBounds, Wanted, force_bounds, moment_bounds};
+pub(crate) use force::{Wanted, force_bounds, moment_bounds};
 pub use of_gap::GapOverlap;
 pub use overlap::{Interval, Jet, OverlapBounds};
 pub(crate) use stiffness::stiffness;

@@ -251,18 +251,18 @@ impl Residual<'_> {
         Norms { gradient: gradient * two, value: value * four, cells }
     }
 
-    /// What `count` rows of cells side by side tell, spread over all; `None` where there are not several times as many.
-    pub fn seen(&self, count: usize) -> Option<Seen> {
+    /// What at most `count` rows of cells side by side tell, spread over all; `None` where there are not several times the fewest.
+    pub fn seen(&self, count: usize, fewest: usize) -> Option<Seen> {
         let (field, shape) = (self.field, self.field.grid.shape.map(|n| n as isize));
         let set = Extension::of_cells(field.grid.shape, |i, j| field.pressure(i as isize, j as isize) > 0.0);
         let first = self.first().map(|n| n.max(0));
         let rows = (first[1]..shape[1]).flat_map(|j| (first[0]..shape[0]).step_by(LANES).map(move |i| (i, j)));
         let lanes = |i: isize| LANES.min((shape[0] - i) as usize);
         let all: Vec<_> = rows.filter(|(i, j)| (0..lanes(*i)).any(|k| set.touches(i + k as isize, *j))).collect();
-        let step = all.len() / count;
-        if step < SEVERAL {
+        if all.len() < SEVERAL * fewest {
             return None;
         }
+        let step = (all.len() / count).max(SEVERAL);
         let (mut total, mut room, mut cells, mut divided) = ([0.0; 2], Workspace::new(), 0, 0);
         for &(i, j) in all.iter().step_by(step) {
             let (found, in_parts) = self.lanes(&set, i, j, lanes(i), &mut room, None);

@@ -135,8 +135,8 @@ struct Refinement<'a> {
     energies: Vec<f64>,
     /// Cells along a side of the last grid that had bounds, and how many times too wide those were.
     times: Option<(usize, f64)>,
-    /// The same of the last grid whose bounds were not worked out: how many times too wide they were expected to be.
-    expected: Option<(usize, f64)>,
+    /// The same of the last grid whose bounds were not worked out: what was expected of them.
+    expected: Option<(usize, NoBounds)>,
     /// Iterations and products of all grids so far.
     spent: (usize, usize),
 }
@@ -154,11 +154,11 @@ const FEWEST_BOUNDED: usize = 32;
 const FARTHEST: usize = 6;
 const MORE: f64 = 1.03;
 
-/// The least and the largest order with which bounds are expected to narrow, the latter where none is seen: roots of gamma and of the ring
-/// that may touch, which have the orders 2 to 3 and 1 (1.45 is seen beside kinks, 1.6 to 2 without).
-const ORDERS_OF_BOUNDS: [f64; 2] = [1.0, 1.5];
+/// The least and the largest order with which bounds are taken to narrow: roots of gamma and of the ring that may touch, which have the
+/// orders 2 to 3 and 1 (1.3 to 1.7 are seen beside kinks, 1.9 to 3 without).
+const ORDERS_OF_BOUNDS: [f64; 2] = [1.3, 2.2];
 
-/// How many times as wide as there is hope for bounds are expected to be, from a coarser grid, that are not tried.
+/// How many times as wide as is within reach bounds are expected to be, from a coarser grid, that are not tried.
 const LEEWAY: f64 = 1.5;
 
 /// The same of a force by its energy: gamma is a square.
@@ -292,18 +292,15 @@ impl Refinement<'_> {
             let finer = (MORE * cells as f64 * times.powf(1.0 / order) / 8.0).ceil() * 8.0;
             (finer <= finest as f64).then_some(finer as usize)
         };
-        // Where no finer grid follows, or none is fine enough, bounds are of use as they are or not at all.
-        let hope = |cells: usize| {
-            let reach = if good { finest as f64 / (MORE * cells as f64) } else { 0.0 };
-            reach.powf(ORDERS_OF_BOUNDS[1]).max(AS_THEY_ARE)
-        };
+        // How many times as many cells along a side there may be.
+        let reach = |cells: usize| if good { finest as f64 / (MORE * cells as f64) } else { 0.0 };
         let expected = short / (tolerance * found.force);
         let mut next = finer(cells, expected, ORDER_OF_ENERGY).filter(|_| expected > 1.0);
         // Should there be no time for the next grid, this one stands by its energy and by its pressures.
         let mut alone = found.error.max(short).max((found.state.force() - found.force).abs());
         loop {
             if next.is_none() {
-                let (times, order) = match self.bounds_within(&found.state, cells, hope(cells)) {
+                let (times, order) = match self.bounds_within(&found.state, cells, reach(cells)) {
                     Some(Ok(bounds)) => {
                         found = found.bounded_by(bounds, tolerance);
                         let times = (bounds[1] - bounds[0]) / (tolerance * (bounds[1] + bounds[0]));
@@ -312,8 +309,7 @@ impl Refinement<'_> {
                         }
                         (times, if lawful { ORDER_OF_ENERGY } else { self.order_of_bounds(cells, times) })
                     }
-                    // What is expected tells no order.
-                    Some(Err(NoBounds { times })) if !lawful => (times, ORDERS_OF_BOUNDS[1]),
+                    Some(Err(NoBounds { times, order })) if !lawful => (times, order),
                     // An estimate stands without bounds on a fine grid.
                     _ => return step(found, good && (!lawful || cells >= FINE_ENOUGH)),
                 };
@@ -333,25 +329,30 @@ impl Refinement<'_> {
         }
     }
 
-    /// [`Refinement::proved`], unless what was expected of a coarser grid leaves no hope of this one.
-    fn bounds_within(&mut self, state: &GridState, cells: usize, hope: f64) -> Option<Result<[f64; 2], NoBounds>> {
-        let narrowed = |(n, times): (usize, f64)| times * (n as f64 / cells as f64).powf(ORDERS_OF_BOUNDS[1]);
-        if let Some(times) = self.expected.map(narrowed).filter(|times| *times > LEEWAY * hope) {
-            return Some(Err(NoBounds { times }));
+    /// [`Refinement::proved`] where bounds are of use as they are, unless what was expected of a coarser grid leaves no hope that this one or
+    /// any of up to `reach` times as many cells along a side is enough.
+    fn bounds_within(&mut self, state: &GridState, cells: usize, reach: f64) -> Option<Result<[f64; 2], NoBounds>> {
+        let narrowed = |(n, NoBounds { times, order }): (usize, NoBounds)| NoBounds {
+            times: times * (n as f64 / cells as f64).powf(order),
+            order,
+        };
+        let hopeless = |NoBounds { times, order }: &NoBounds| *times > LEEWAY * reach.powf(*order).max(AS_THEY_ARE);
+        if let Some(expected) = self.expected.map(narrowed).filter(hopeless) {
+            return Some(Err(expected));
         }
-        let found = self.proved(state, hope);
-        if let Some(Err(NoBounds { times })) = &found {
-            self.expected = Some((cells, *times)).filter(|_| times.is_finite());
+        let found = self.proved(state, AS_THEY_ARE);
+        if let Some(Err(expected)) = &found {
+            self.expected = Some((cells, *expected)).filter(|(_, expected)| expected.times.is_finite());
         }
         found
     }
 
-    /// The order that bounds are seen to narrow with from grid to grid.
+    /// The order that bounds are seen to narrow with from grid to grid, or that was expected of a coarser one.
     fn order_of_bounds(&mut self, cells: usize, times: f64) -> f64 {
         let before = self.times.replace((cells, times));
         let seen = before.map(|(n, t)| (t / times).ln() / (cells as f64 / n as f64).ln());
-        seen.filter(|order| order.is_finite())
-            .map_or(ORDERS_OF_BOUNDS[1], |order| order.clamp(ORDERS_OF_BOUNDS[0], ORDERS_OF_BOUNDS[1]))
+        let expected = || self.expected.map_or(ORDERS_OF_BOUNDS[0], |(_, expected)| expected.order);
+        seen.filter(|order| order.is_finite()).unwrap_or_else(expected).clamp(ORDERS_OF_BOUNDS[0], ORDERS_OF_BOUNDS[1])
     }
 
     /// The next grid, with what all took so far, from a coarser one where its cells are quarters of that.
