@@ -59,7 +59,9 @@ impl fmt::Display for Plan {
 /// `Unbounded` when the overlap has no end.
 pub fn plan(contact: &Contact, settings: &Settings) -> Result<Plan, Unsolved> {
     let Some(axes) = Axes::of(contact, settings) else { return along(contact, settings, Vec::new()) };
-    along(&axes.inward(contact), settings, vec![axes.found()])
+    let turned = along(&axes.inward(contact), settings, vec![axes.found()])?;
+    // A closed form has axes of its own.
+    if turned.method == Some(Method::ClosedForm) { along(contact, settings, Vec::new()) } else { Ok(turned) }
 }
 
 /// The plan along the axes of the contact, after these steps.

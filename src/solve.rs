@@ -13,7 +13,7 @@ use crate::loading::equilibrium;
 use crate::loading::respond;
 use crate::loading::tilting;
 use crate::overlap::{Overlap, least};
-use crate::problem::{Contact, ErrorBar, Load, Outputs, Settings};
+use crate::problem::{Contact, ErrorBar, Load, Method, Outputs, Settings};
 use crate::solution::{Solution, Unsolved, Verdict};
 
 /// Solves every state of the loading, in order.
@@ -33,9 +33,13 @@ pub fn solve(contact: &Contact, settings: &Settings) -> Vec<Result<Solution, Uns
     let Some(axes) = Axes::of(contact, settings) else {
         return loads.iter().map(|&load| within_memory(at(contact, load, settings, &mut similar), &mut held)).collect();
     };
-    let (turned, own) = (axes.inward(contact), Axes::settings_inward(settings));
+    let (turned, own, mut as_given) = (axes.inward(contact), Axes::settings_inward(settings), None);
     let states = turned.loading().loads().iter().zip(loads).map(|(&inward, &load)| {
-        let answer = axes.outward(at(&turned, inward, &own, &mut similar), load, settings);
+        let answer = match at(&turned, inward, &own, &mut similar) {
+            // A closed form has axes of its own.
+            Ok(state) if state.method == Method::ClosedForm => at(contact, load, settings, &mut as_given),
+            answer => axes.outward(answer, load, settings),
+        };
         within_memory(answer, &mut held)
     });
     states.collect()

@@ -160,8 +160,8 @@ fn crowned_punches_are_those_of_a_grid() {
     let round = Outline::ellipse([1.0, 0.6]).unwrap();
     let polygon = |corners: Vec<[f64; 2]>| Outline::polygon(&corners).unwrap();
     let cases = [
-        (polygon(regular(6)), [1.0, 2.0], 0.4, 0.99),
-        (polygon(star), [0.8, 1.5], 0.3, 0.99),
+        (polygon(regular(6)), [1.0, 2.0], 0.6, 0.99),
+        (polygon(star), [0.8, 1.5], 0.45, 0.99),
         (polygon(L.to_vec()), [2.0, f64::INFINITY], 0.5, 1.0),
         (round, [1.5, 4.0], 0.8, 1.0),
     ];

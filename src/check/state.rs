@@ -8,7 +8,7 @@ use crate::bracket::{self, DepthBracket};
 use crate::error::InputError;
 use crate::gap::{AnyGap, Gap};
 use crate::grid::Pressure;
-use crate::overlap::least;
+use crate::overlap::{least, touching};
 use crate::problem::Load;
 use crate::result;
 use crate::scene::Scene;
@@ -23,14 +23,16 @@ impl State<'_> {
     /// Names the path of what is missing or has another type.
     pub fn check(&self, scene: &Scene, load: Load) -> Result<Verification, InputError> {
         let mut found = Verification::default();
-        let gap = scene.contact.tilted_gap(self.tilt);
+        let whole = scene.contact.tilted_gap(self.tilt);
+        // Without what the bodies do not reach at this depth.
+        let gap = touching(&whole, self.depth);
         self.as_loaded(load, &mut found);
         self.error_is_allowed(scene, load, &mut found);
         if let Some(field) = &self.field {
             found.require(sound(field), "the pressure is finite and nowhere tensile");
         }
         match self.origin.as_str() {
-            "no_contact" => self.apart(&gap, &mut found),
+            "no_contact" => self.apart(&whole, &mut found),
             "one_grid" | "many_grids" if !self.is_turned() => self.on_grid(scene, &gap, load, &mut found)?,
             "closed_form" | "approximate" | "edge_fitted" | "one_grid" | "many_grids" | "separate_contacts" => {
                 self.applied_again(scene, &gap, load, &mut found);
@@ -47,7 +49,7 @@ impl State<'_> {
             let under_force = matches!(load, Load::Force(_));
             self.bracketed(claimed, &gap, scene, load, &mut found);
             if under_force {
-                self.depth_bracketed(claimed, &gap, &mut found);
+                self.depth_bracketed(claimed, &whole, &mut found);
             }
         }
         found.unchecked = self.unused();

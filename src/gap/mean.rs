@@ -64,7 +64,7 @@ const NODES: [(f64, f64); 3] =
     [(-0.774_596_669_241_483_4, 5.0 / 18.0), (0.0, 8.0 / 18.0), (0.774_596_669_241_483_4, 5.0 / 18.0)];
 
 /// Halvings of a cell that a kink runs through: the error of its mean falls at least fourfold with each.
-const DEEPEST: u32 = 2;
+const DEEPEST: u32 = 3;
 
 /// Two rules that agree to this share of the variation in the cell are taken as exact.
 const AGREEMENT: f64 = 1e-7;

@@ -110,7 +110,7 @@ pub struct Settings {
     pub boundary: BoundaryFamily,
     /// What to compute besides.
     pub outputs: Outputs,
-    /// Threads that the fft method and cells fitted to edges may use; no number depends on them.
+    /// Threads that the fft method, on grids of 2^16 cells and more, and cells fitted to edges may use; no number depends on them.
     pub threads: usize,
     /// CPU seconds that one state of loading may take; 0: no limit.
     pub seconds: f64,
