@@ -10,7 +10,7 @@ use super::unresolved;
 use crate::discrete::{Discrete, DiscreteSolution};
 use crate::grid::{Grid, shape};
 use crate::matrix_free;
-use crate::overlap::{Overlap, Scaled};
+use crate::overlap::{Overlap, Scaled, touches_alike};
 use crate::patch;
 use crate::problem::{Contact, ErrorBar, Method, Settings};
 use crate::solution::{Solution, Unsolved};
@@ -171,6 +171,10 @@ impl WarmStart {
         }
         let depth = (self.scaled.depth + deeper) * units.height;
         let Some(overlap) = Overlap::of(contact.gap(), depth)? else { return Ok(None) };
+        // Tips, and ends of the material, that were left out may be reached.
+        if !touches_alike(contact.gap(), [self.scaled.depth * units.height, depth]) {
+            return Ok(None);
+        }
         // A smaller reach takes no cell away.
         let reach = units.rect_inward(&overlap.reach).union(&self.scaled.reach);
         let certain = overlap.certain && self.scaled.certain;

@@ -47,6 +47,19 @@ pub(crate) fn touching(gap: &AnyGap, depth: f64) -> AnyGap {
     }
 }
 
+/// Whether [`touching`] is the same gap at both depths.
+pub(crate) fn touches_alike(gap: &AnyGap, depths: [f64; 2]) -> bool {
+    let ends_alike = |gap: &AnyGap| {
+        let [a, b] = depths.map(|depth| gap.without_end(depth).is_some());
+        a == b
+    };
+    let Some(parts) = gap.alternatives() else { return ends_alike(gap) };
+    parts.iter().all(|part| {
+        let [a, b] = depths.map(|depth| part.reach(depth) != Reach::Nowhere);
+        a == b && ends_alike(part)
+    })
+}
+
 /// Points a side at which the deepest overlap is looked for.
 const LOOKS: usize = 33;
 
