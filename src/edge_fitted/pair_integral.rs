@@ -57,15 +57,12 @@ pub(crate) fn rectangles(a: [Point; 2], b: [Point; 2]) -> Integral {
     Integral { value, error: ROUNDING * size }
 }
 
-/// int_f |x - y| dt over the segment from `a` to `b`.
-fn distances(x: Point, a: Point, b: Point) -> f64 {
-    let v = minus(b, a);
-    let length = norm(v);
-    let e = v.map(|c| c / length);
-    let t1 = dot(minus(a, x), e);
-    let t2 = t1 + length;
-    let d = cross(e, minus(x, a)).abs();
-    let (r1, r2) = (norm(minus(a, x)), norm(minus(b, x)));
+/// int_f |x - y| dt over a side, for x at these distances from its ends.
+fn distances(x: Point, side: &Side, [r1, r2]: [f64; 2]) -> f64 {
+    let from = minus(side.from, x);
+    let t1 = dot(from, side.along);
+    let t2 = t1 + side.length;
+    let d = cross(side.along, from).abs();
     let mut sum = t2 * r2 - t1 * r1;
     if d > 0.0 {
         // asinh(t2/d) - asinh(t1/d) as one logarithm.
@@ -83,10 +80,10 @@ fn distances(x: Point, a: Point, b: Point) -> f64 {
     0.5 * sum
 }
 
-/// K(v), even in v.
+/// K(v), even in v. Beside r^3 the last digits of the logarithm are nothing.
 fn parallel(v: f64, h: f64) -> f64 {
-    let r = v.hypot(h);
-    let log = if h > 0.0 { v * (v / h).asinh() - r } else { 0.0 };
+    let (v, r) = (v.abs(), (v * v + h * h).sqrt());
+    let log = if h > 0.0 { v * ((v + r) / h).ln() - r } else { 0.0 };
     r * r * r / 6.0 + 0.5 * h * h * log
 }
 
@@ -94,52 +91,95 @@ fn parallel(v: f64, h: f64) -> f64 {
 /// the angle changes.
 const PARALLEL: f64 = 1e-7;
 
-/// int_e int_f |x - y| ds dt and a size such that its error is at most ROUNDING times it.
-fn segments(e: [Point; 2], f: [Point; 2]) -> (f64, f64) {
-    let (v, w) = (minus(e[1], e[0]), minus(f[1], f[0]));
-    let (le, lf) = (norm(v), norm(w));
-    let (v, w) = (v.map(|c| c / le), w.map(|c| c / lf));
-    let sine = cross(v, w);
-    let across = minus(f[0], e[0]);
-    if sine.abs() < PARALLEL {
-        let sign = dot(v, w).signum();
-        let middle = minus([f[0][0] + 0.5 * lf * w[0], f[0][1] + 0.5 * lf * w[1]], e[0]);
-        let h = cross(v, middle).abs();
-        let (t0, t1) = (dot(v, across), dot(v, across) + sign * lf);
-        let (t0, t1) = (t0.min(t1), t0.max(t1));
-        let terms = [parallel(le - t0, h), -parallel(le - t1, h), -parallel(-t0, h), parallel(-t1, h)];
-        // Turning f about its middle by the angle moves its points by half its length times the angle at most.
-        let turned = 0.5 * sine.abs() * lf * lf * le / ROUNDING;
-        return (terms.iter().sum(), terms.iter().map(|t| t.abs()).sum::<f64>() + turned);
-    }
-    // The lines meet at e[0] + s v = f[0] + t w.
-    let s = cross(across, w) / sine;
-    let t = cross(across, v) / sine;
-    let (s1, s2, t1, t2) = (-s, le - s, -t, lf - t);
-    let terms = [
-        s2 * distances(e[1], f[0], f[1]),
-        -s1 * distances(e[0], f[0], f[1]),
-        t2 * distances(f[1], e[0], e[1]),
-        -t1 * distances(f[0], e[0], e[1]),
-    ];
-    (terms.iter().sum::<f64>() / 3.0, terms.iter().map(|t| t.abs()).sum::<f64>() / 3.0)
+/// Most corners of a cell.
+const CORNERS: usize = 4;
+
+/// A side of a cell.
+#[derive(Debug, Clone, Copy)]
+struct Side {
+    from: Point,
+    /// Of length 1.
+    along: Point,
+    length: f64,
 }
 
-/// Two convex polygons, counter-clockwise; sides without length are left out.
+/// The sides of a cell one after the other, but for those without length, and how many there are.
+fn sides(corners: &[Point]) -> ([Side; CORNERS], usize) {
+    let mut sides = [Side { from: [0.0; 2], along: [0.0; 2], length: 0.0 }; CORNERS];
+    let mut count = 0;
+    for (i, &from) in corners.iter().enumerate() {
+        let v = minus(corners[(i + 1) % corners.len()], from);
+        let length = norm(v);
+        if length > 0.0 {
+            sides[count] = Side { from, along: v.map(|c| c / length), length };
+            count += 1;
+        }
+    }
+    (sides, count)
+}
+
+/// int_e int_f |x - y| ds dt of parallel sides, and a size such that its error is at most ROUNDING times it.
+fn parallel_sides(e: &Side, f: &Side, sine: f64) -> (f64, f64) {
+    let sign = dot(e.along, f.along).signum();
+    let middle = minus([0, 1].map(|m| f.from[m] + 0.5 * f.length * f.along[m]), e.from);
+    let h = cross(e.along, middle).abs();
+    let across = minus(f.from, e.from);
+    let (t0, t1) = (dot(e.along, across), dot(e.along, across) + sign * f.length);
+    let (t0, t1) = (t0.min(t1), t0.max(t1));
+    let terms = [parallel(e.length - t0, h), -parallel(e.length - t1, h), -parallel(-t0, h), parallel(-t1, h)];
+    // Turning f about its middle by the angle moves its points by half its length times the angle at most.
+    let turned = 0.5 * sine.abs() * f.length * f.length * e.length / ROUNDING;
+    (terms.iter().sum(), terms.iter().map(|t| t.abs()).sum::<f64>() + turned)
+}
+
+/// A number that is found once; NaN before.
+fn kept(number: &mut f64, find: impl FnOnce() -> f64) -> f64 {
+    if number.is_nan() {
+        *number = find();
+    }
+    *number
+}
+
+/// Two convex cells of at most [`CORNERS`] corners, counter-clockwise; sides without length are left out.
+///
+/// A corner and a side have one I, which the two sides that meet in the corner share.
 pub(crate) fn polygons(a: &[Point], b: &[Point]) -> Integral {
-    let sides = |p: &[Point]| -> Vec<[Point; 2]> {
-        (0..p.len()).map(|i| [p[i], p[(i + 1) % p.len()]]).filter(|s| s[0] != s[1]).collect()
-    };
-    let (sa, sb) = (sides(a), sides(b));
+    let ((sa, na), (sb, nb)) = (sides(a), sides(b));
+    let mut between = [[0.0; CORNERS]; CORNERS];
+    for (row, e) in between.iter_mut().zip(&sa[..na]) {
+        for (r, f) in row.iter_mut().zip(&sb[..nb]) {
+            *r = norm(minus(e.from, f.from));
+        }
+    }
+    // I of corner i of a along side k of b, and of corner k of b along side i of a, where they are asked for.
+    let (mut along_b, mut along_a) = ([[f64::NAN; CORNERS]; CORNERS], [[f64::NAN; CORNERS]; CORNERS]);
     let (mut value, mut size) = (0.0, 0.0);
-    for e in &sa {
-        for f in &sb {
-            let (v, w) = (minus(e[1], e[0]), minus(f[1], f[0]));
-            let cosine = dot(v, w) / (norm(v) * norm(w));
+    for (i, e) in sa[..na].iter().enumerate() {
+        let next_i = (i + 1) % na;
+        for (k, f) in sb[..nb].iter().enumerate() {
+            let next_k = (k + 1) % nb;
+            let cosine = dot(e.along, f.along);
             if cosine.abs() < 1e-15 {
                 continue;
             }
-            let (term, magnitude) = segments(*e, *f);
+            let sine = cross(e.along, f.along);
+            let (term, magnitude) = if sine.abs() < PARALLEL {
+                parallel_sides(e, f, sine)
+            } else {
+                let mut of_a = |i: usize| {
+                    let ends = [between[i][k], between[i][next_k]];
+                    kept(&mut along_b[i][k], || distances(sa[i].from, f, ends))
+                };
+                let mut of_b = |k: usize| {
+                    let ends = [between[i][k], between[next_i][k]];
+                    kept(&mut along_a[k][i], || distances(sb[k].from, e, ends))
+                };
+                // The lines meet at e(0) + s v = f(0) + t w.
+                let across = minus(f.from, e.from);
+                let (s, t) = (cross(across, f.along) / sine, cross(across, e.along) / sine);
+                let terms = [(e.length - s) * of_a(next_i), s * of_a(i), (f.length - t) * of_b(next_k), t * of_b(k)];
+                (terms.iter().sum::<f64>() / 3.0, terms.iter().map(|t| t.abs()).sum::<f64>() / 3.0)
+            };
             value -= cosine * term;
             size += cosine.abs() * magnitude;
         }
