@@ -119,28 +119,28 @@ pub(crate) fn flanked(flat: &Flat, limits: &Limits) -> Option<Estimated> {
         ];
         let others: Option<Vec<State>> = others.into_iter().map(|counts| solved(flat, counts, width, limits)).collect();
         let (Some(others), State { solved: own, .. }) = (others, &fine) else { return best };
-        let change =
-            |of: fn(&Solved) -> f64| others.iter().map(|other| (of(&other.solved) / of(own) - 1.0).abs()).sum::<f64>();
+        let changes = others.iter().map(|other| (other.solved.area / own.area - 1.0).abs());
         // The cells of the flat and those along its edges fall short as they are graded; of the strip it is chance where the contact ends
         // in a cell.
         let ratios = [counts.inside as f64 / fewer.inside as f64, counts.along as f64 / fewer.along as f64];
         let rest = |of: fn(&Solved) -> f64| [0, 1].map(|m| Rest::new(of(own), of(&others[m].solved), ratios[m]));
-        let (force, energy) = (rest(|s| s.force), rest(|s| s.energy));
+        let (force, energy, stiffness) = (rest(|s| s.force), rest(|s| s.energy), rest(|s| s.stiffness));
         let corrected = |rest: [Rest; 2]| 1.0 + rest[0].correction + rest[1].correction;
         // The end of the contact is known to half a cell of the strip.
         let cell = 0.5 * flat.growth * fine.thickness_at_end();
-        let of_rows =
-            if strip > 1 { SCATTER * (others[2].solved.force / own.force - 1.0).abs() } else { width * flat.growth };
-        let of_strip = of_rows + OF_END * cell * cell;
+        let of_rows = |of: fn(&Solved) -> f64| {
+            if strip > 1 { SCATTER * (of(&others[2].solved) / of(own) - 1.0).abs() } else { width * flat.growth }
+        };
+        let of_strip = of_rows(|s| s.force) + OF_END * cell * cell;
         let left = [force[0].error.max(energy[0].error), force[1].error.max(energy[1].error), of_strip];
         let found = Estimated {
             force: own.force * corrected(force),
             error: left.iter().sum(),
             energy: own.energy * corrected(energy),
-            stiffness: own.stiffness,
-            stiffness_error: change(|s| s.stiffness) + cell,
+            stiffness: own.stiffness * corrected(stiffness),
+            stiffness_error: stiffness[0].error + stiffness[1].error + of_rows(|s| s.stiffness) + cell,
             area: own.area,
-            area_error: change(|s| s.area) + 2.0 * cell,
+            area_error: changes.sum::<f64>() + 2.0 * cell,
             max_error: None,
             ends: vec![fine.end()],
             cells: own.cells_times(corrected(force), Touching::Some),
