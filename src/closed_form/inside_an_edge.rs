@@ -4,7 +4,7 @@
 
 use super::Ellipse;
 use crate::gap::Crown;
-use crate::numeric::geometry::{cross, dot, minus, norm};
+use crate::numeric::geometry::{distance_to_segment, minus, norm};
 
 /// Room between the contact and the edge, over the size of the contact.
 const ROOM: f64 = 1e-9;
@@ -41,23 +41,10 @@ pub(super) fn holds(crown: &Crown, patch: &Ellipse) -> bool {
     };
     let corners: Vec<[f64; 2]> = outline.corners().iter().map(|c| outward(*c)).collect();
     (0..corners.len()).all(|k| {
-        let side = [corners[k], corners[(k + 1) % corners.len()]];
-        let rounding = ROUNDINGS * side.map(|p| norm(p) + norm(patch.centre)).into_iter().fold(0.0, f64::max) / b;
-        from_origin(side.map(unit)) >= 1.0 + ROOM + rounding
+        let [p, q] = [corners[k], corners[(k + 1) % corners.len()]];
+        let rounding = ROUNDINGS * (norm(p).max(norm(q)) + norm(patch.centre)) / b;
+        distance_to_segment([0.0; 2], unit(p), unit(q)) >= 1.0 + ROOM + rounding
     })
-}
-
-/// The distance of a segment from the origin.
-fn from_origin([p, q]: [[f64; 2]; 2]) -> f64 {
-    let along = minus(q, p);
-    let length = norm(along);
-    if dot(p, along) >= 0.0 {
-        norm(p)
-    } else if dot(q, along) <= 0.0 {
-        norm(q)
-    } else {
-        (cross(p, along) / length).abs()
-    }
 }
 
 /// Of a matrix by its columns.

@@ -4,6 +4,7 @@ use super::compliance::Around;
 use super::gauss::Touch;
 use super::line_potential::{Lines, abscissa};
 use super::mesh::{Bilinear, Mesh, Point, cross, dot, minus, norm};
+use crate::numeric::geometry::distance_to_segment;
 
 /// Part of the reference square of a cell. Side k runs from corner k to k + 1; corners (-,-), (+,-), (+,+), (-,+).
 #[derive(Debug, Clone, Copy)]
@@ -231,14 +232,6 @@ impl Hull {
     pub fn distance(&self, p: Point) -> f64 {
         self.sides.iter().map(|(n, c)| dot(*n, p) - c).fold(self.around.distance(p), f64::max)
     }
-}
-
-/// Distance of a point from a segment.
-pub(crate) fn distance_to_segment(p: Point, a: Point, b: Point) -> f64 {
-    let v = minus(b, a);
-    let length = dot(v, v);
-    let t = if length > 0.0 { (dot(minus(p, a), v) / length).clamp(0.0, 1.0) } else { 0.0 };
-    norm(minus(p, [a[0] + t * v[0], a[1] + t * v[1]]))
 }
 
 /// Signed distances and abscissae of the corners of a subcell from a near edge.

@@ -60,6 +60,11 @@ impl Known {
         }
     }
 
+    /// Whether a law, a form or an axis is known, from which force and pressure follow sooner than from values.
+    pub(super) fn is_telling(&self) -> bool {
+        self.law.is_some() || self.quadratic.is_some() || self.axis.is_some()
+    }
+
     /// The degree of a law whose least value is 0: then P ~ d^(1 + 1/k).
     #[must_use]
     pub fn degree(&self) -> Option<Degree> {

@@ -1,7 +1,7 @@
 //! A punch with several tips: the least of several gaps.
 
 use super::left_open::joined;
-use super::sum::{common_axis, common_mirrors, drawn_along, tips_of};
+use super::of_parts::{common_axis, common_mirrors, drawn_along, tips_of};
 use super::{AnyGap, Cubic, Gap, Generatrix, Growth, Known, LeftOpen, Material, Reach, Taylor, enclosure};
 use crate::error::InputError;
 use crate::numeric::Interval;

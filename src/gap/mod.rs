@@ -23,6 +23,7 @@ pub(crate) mod lattice;
 mod left_open;
 mod mean;
 mod minimum;
+mod of_parts;
 mod outline;
 mod paraboloid;
 mod polyhedron;

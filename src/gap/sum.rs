@@ -1,9 +1,10 @@
 //! Two curved bodies: the sum of several gaps.
 
 use super::left_open::joined;
+use super::of_parts::{common_axis, common_mirrors, drawn_along, tips_of};
 use super::{
-    AnyGap, Axis, Crown, Cubic, Degree, Face, Gap, Generatrix, Growth, Known, Law, LeftOpen, Material, Quadratic,
-    Reach, Taylor, enclosure, growth,
+    AnyGap, Crown, Cubic, Degree, Face, Gap, Generatrix, Growth, Known, Law, LeftOpen, Material, Quadratic, Reach,
+    Taylor, enclosure, growth,
 };
 use crate::error::InputError;
 use crate::numeric::Interval;
@@ -45,11 +46,12 @@ impl Sum {
         &self.parts
     }
 
-    /// Least values of all parts but one, added up.
-    fn floor_of_others(&self, but: usize) -> f64 {
-        let others = self.parts.iter().enumerate().filter(|(k, _)| *k != but);
+    /// What a part is less than where the sum is less than the depth, by the least values of the others; `None` where these have none.
+    fn left_of(&self, depth: f64, of: usize) -> Option<f64> {
+        let others = self.parts.iter().enumerate().filter(|(k, _)| *k != of);
         let sum = others.map(|(_, part)| Interval::new(part.known().floor, part.known().floor));
-        sum.fold(Interval::ZERO, |sum, floor| sum + floor).lo
+        let floor = sum.fold(Interval::ZERO, |sum, floor| sum + floor).lo;
+        (floor > f64::NEG_INFINITY).then(|| (depth - floor).next_up())
     }
 
     /// A rectangle that holds {g < depth}, from what the parts know: each is less than the depth less the least values of the
@@ -66,11 +68,8 @@ impl Sum {
             {
                 return Reach::Nowhere;
             }
-            let others = self.floor_of_others(k);
-            if others == f64::NEG_INFINITY {
-                continue;
-            }
-            match part.reach((depth - others).next_up()) {
+            let Some(left) = self.left_of(depth, k) else { continue };
+            match part.reach(left) {
                 Reach::Nowhere => return Reach::Nowhere,
                 Reach::Within(rect) if cut(rect).is_none() => return Reach::Nowhere,
                 _ => {}
@@ -156,40 +155,6 @@ pub(super) fn law_of(quadratic: Quadratic) -> Option<Law> {
     Some(Law { degree: Degree::Power(2.0), lowest })
 }
 
-/// The tips of a part, or the point that it is drawn about.
-pub(super) fn tips_of(part: &AnyGap) -> Vec<[f64; 2]> {
-    let known = part.known();
-    if known.tips.is_empty() { vec![known.centre] } else { known.tips.clone() }
-}
-
-/// The mirrors through this point that all parts have.
-pub(super) fn common_mirrors(parts: &[AnyGap], centre: [f64; 2]) -> [bool; 2] {
-    parts
-        .iter()
-        .map(AnyGap::known)
-        .fold([true; 2], |all, known| [0, 1].map(|m| all[m] && known.mirrors[m] && known.centre[m] == centre[m]))
-}
-
-/// The axes that a gap of several parts is drawn along: those of a part with straight edges, else of the first that has a direction.
-pub(super) fn drawn_along(parts: &[AnyGap]) -> f64 {
-    let all = || parts.iter().map(AnyGap::known);
-    let ended = all().find(|known| known.ends.is_some());
-    ended.or_else(|| all().find(|known| known.axis.is_none())).map_or(0.0, |known| known.drawn_along)
-}
-
-/// The axis that all parts share, and what becomes of their generatrices.
-pub(super) fn common_axis(
-    parts: &[AnyGap],
-    together: &mut dyn FnMut(&Generatrix, &Generatrix) -> Generatrix,
-) -> Option<Axis> {
-    let axes = parts.iter().map(|part| part.known().axis);
-    axes.reduce(|a, b| {
-        let (a, b) = a.zip(b)?;
-        (a.at == b.at).then(|| Axis { at: a.at, generatrix: together(&a.generatrix, &b.generatrix) })
-    })
-    .flatten()
-}
-
 #[warn(clippy::missing_trait_methods)]
 impl Gap for Sum {
     fn gap(&self, x: f64, y: f64) -> f64 {
@@ -240,11 +205,7 @@ impl Gap for Sum {
         // Every piece lies in a piece of each part, at the depth that the others leave to it.
         let mut found = vec![all];
         for (k, part) in self.parts.iter().enumerate() {
-            let others = self.floor_of_others(k);
-            if others == f64::NEG_INFINITY {
-                continue;
-            }
-            let Some(own) = part.components((depth - others).next_up()) else { continue };
+            let Some(own) = self.left_of(depth, k).and_then(|left| part.components(left)) else { continue };
             if found.len() * own.len() <= MOST_PAIRS {
                 found = found.iter().flat_map(|a| own.iter().filter_map(|b| a.intersection(b))).collect();
             }
@@ -367,22 +328,14 @@ impl Gap for Sum {
     }
 
     fn without_end(&self, depth: f64) -> Option<AnyGap> {
-        // Where the sum is below the depth, a part is below what the least of the others leaves of it, rounding counted.
-        let left = |k: usize| {
-            let others = self.parts.iter().enumerate().filter(|(n, _)| *n != k).map(|(_, part)| part.known().floor);
-            let (sum, size) = others.fold((0.0, depth.abs()), |(sum, size), floor| (sum + floor, size + floor.abs()));
-            depth - sum + (self.parts.len() + 1) as f64 * f64::EPSILON * size
-        };
-        let whole =
-            |k: usize| Some(left(k)).filter(|depth| depth.is_finite()).and_then(|d| self.parts[k].without_end(d));
-        let whole: Vec<Option<AnyGap>> = (0..self.parts.len()).map(whole).collect();
+        let whole: Vec<Option<AnyGap>> =
+            (0..self.parts.len()).map(|k| self.parts[k].without_end(self.left_of(depth, k)?)).collect();
         if whole.iter().all(Option::is_none) {
             return None;
         }
         let parts = whole.into_iter().zip(&self.parts).map(|(whole, part)| whole.unwrap_or_else(|| part.clone()));
         let sum = Self::new(parts.collect()).ok()?;
-        let tells = sum.known.law.is_some() || sum.known.quadratic.is_some() || sum.known.axis.is_some();
-        tells.then(|| AnyGap::new(sum))
+        sum.known.is_telling().then(|| AnyGap::new(sum))
     }
 
     fn ray_kinks(&self, from: [f64; 2], direction: [f64; 2], kinks: &mut Vec<f64>) {

@@ -187,6 +187,14 @@ pub(crate) fn left_of(a: [f64; 2], b: [f64; 2], p: [f64; 2]) -> f64 {
     cross([b[0] - a[0], b[1] - a[1]], [p[0] - a[0], p[1] - a[1]])
 }
 
+/// Distance of a point from a segment.
+pub(crate) fn distance_to_segment(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
+    let v = minus(b, a);
+    let length = dot(v, v);
+    let t = if length > 0.0 { (dot(minus(p, a), v) / length).clamp(0.0, 1.0) } else { 0.0 };
+    norm(minus(p, [a[0] + t * v[0], a[1] + t * v[1]]))
+}
+
 /// The area that a polygon, counter-clockwise, shares with the disc of radius `r` about the origin: side by side, the triangle
 /// with the origin cut by the circle.
 pub(crate) fn disc_in_polygon(corners: &[[f64; 2]], r: f64) -> f64 {

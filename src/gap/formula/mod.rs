@@ -272,9 +272,7 @@ impl Formula {
     fn endless(&self) -> Option<&Self> {
         let find = || {
             let whole = Self::build(&self.expression, self.tape.clone(), None).ok()?;
-            let Known { law, quadratic, axis, .. } = &whole.known;
-            let tells = law.is_some() || quadratic.is_some() || axis.is_some() || whole.polyhedron.is_some();
-            tells.then(|| Box::new(whole))
+            (whole.known.is_telling() || whole.polyhedron.is_some()).then(|| Box::new(whole))
         };
         self.region.as_ref()?;
         self.endless.get_or_init(find).as_deref()
