@@ -83,6 +83,7 @@ pub(crate) use outline::Outline;
 pub(crate) use oval::oval;
 pub(crate) use region::Region;
 pub(crate) use roller::{Roller, roller};
+pub(crate) use rows::width_of_line_contact;
 pub(crate) use symmetry::mirrors;
 pub(crate) use tilted::tilted;
 pub(crate) use tilted_bounds::Tilted;

@@ -61,6 +61,12 @@ impl Strip for Quarters<'_> {
         &self.mirrors
     }
 
+    /// That of a ring of this radius: the potential on it is 2 ln(8 r/c), that of a line in its middle 2 ln(2 s/c).
+    fn reaches(&self, along: f64) -> [f64; 2] {
+        let r = self.overlap(along).map_or(0.0, |[a, b]| 0.5 * (a + b));
+        [4.0 * r; 2]
+    }
+
     fn length(&self, _: usize, _: usize) -> f64 {
         1.0
     }

@@ -129,6 +129,11 @@ impl Strip for Ended<'_> {
         &self.roller.group
     }
 
+    fn reaches(&self, along: f64) -> [f64; 2] {
+        let ([first, last], y) = (self.roller.ends, self.along(along));
+        [y - first, last - y]
+    }
+
     fn length(&self, row: usize, rows: usize) -> f64 {
         let own = |k: usize| self.station(k + 1, rows) - self.station(k, rows);
         own(row) / own(rows / 2)

@@ -20,8 +20,11 @@ use super::symmetry::Isometry;
 /// Grading of the cells towards ends that move: p is bounded there; and towards those of the material.
 const EXPONENTS: [f64; 2] = [2.0, 4.0];
 
-/// The contact as a share of the strip in which the bodies overlap, to begin with: that of a paraboloid.
+/// The contact as a share of the strip in which the bodies overlap, to begin with, where one of its ends is an edge: that of a paraboloid.
 const FIRST: [f64; 2] = [0.15, 0.85];
+
+/// The least and the largest of what a line contact is taken to have, to begin with.
+const LINE: [f64; 2] = [0.2, 0.8];
 
 /// Moves of the ends on one mesh, at most.
 const MOVES: usize = 10;
@@ -71,6 +74,9 @@ pub(super) trait Strip {
     /// Symmetries of strip and overlap: a group.
     fn group(&self) -> &[Isometry];
 
+    /// How far a straight strip of as much displacement goes on to both sides.
+    fn reaches(&self, along: f64) -> [f64; 2];
+
     /// The length of a row over that of the longest.
     fn length(&self, row: usize, rows: usize) -> f64;
 }
@@ -100,9 +106,7 @@ pub(super) fn refined(
     (mut rows, mut half): (usize, usize),
     limits: &Limits,
 ) -> Option<Estimated> {
-    let moves = strip.moves();
-    let first = [0, 1].map(|m| if moves[m] { FIRST[m] } else { m as f64 });
-    let mut ends = Ends(vec![first; rows + 1]);
+    let mut ends = Ends::first(strip, rows)?;
     let mut best: Option<Estimated> = None;
     let problem = Problem { f, strip, limits };
     let finer_than = |half: usize| half + 2.max((FINER * half as f64).ceil() as usize);
@@ -258,6 +262,21 @@ fn shares(moves: [bool; 2], half: usize) -> Vec<f64> {
 const NEAREST: f64 = 1e-6;
 
 impl Ends {
+    /// To begin with.
+    fn first(strip: &dyn Strip, rows: usize) -> Option<Self> {
+        let moves = strip.moves();
+        let ends = |k: usize| {
+            let along = k as f64 / rows as f64;
+            let [a, b] = strip.overlap(along)?;
+            if moves == [true; 2] {
+                let share = width_of_line_contact(strip.reaches(along), 0.5 * (b - a));
+                return Some([0.5 - 0.5 * share, 0.5 + 0.5 * share]);
+            }
+            Some([0, 1].map(|m| if moves[m] { FIRST[m] } else { m as f64 }))
+        };
+        (0..=rows).map(ends).collect::<Option<_>>().map(Self)
+    }
+
     /// Those that move, by the mean of the rows on both sides of each station, which are mirrored at the first and the last.
     fn moved(&mut self, moves: &[[f64; 2]], free: [bool; 2]) {
         let rows = moves.len();
@@ -289,6 +308,21 @@ impl Ends {
         };
         Self((0..=rows).map(at).collect())
     }
+}
+
+/// The half width b of the contact of a cylinder over that of its overlap, w, at distances s and t from its ends. A line load that is a
+/// semi-ellipse across displaces its middle as one on a line at distance c = b/(2 e^(1/2)) does, so that
+///
+/// ```text
+/// w^2 = b^2 (asinh(s/c) + asinh(t/c))/2.
+/// ```
+pub(crate) fn width_of_line_contact([s, t]: [f64; 2], w: f64) -> f64 {
+    let mut share: f64 = 0.5;
+    for _ in 0..3 {
+        let c = share * w / (2.0 * 0.5f64.exp());
+        share = (0.5 * ((s / c).asinh() + (t / c).asinh())).powf(-0.5).clamp(LINE[0], LINE[1]);
+    }
+    share
 }
 
 /// The share of the way from one end to the other.

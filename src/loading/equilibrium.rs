@@ -5,9 +5,12 @@
 //! convex function of (d, ax, ay) whose gradient is (P, int p x, int p y) and whose Hessian the stiffness of a flat punch on the
 //! contact: Newton's method on U less the work of the load.
 
+use std::f64::consts::PI;
+
 use nalgebra::{Matrix3, Vector3};
 
 use crate::clock::Deadline;
+use crate::edge_fitted::width_of_line_contact;
 use crate::gap::{AnyGap, Reach};
 use crate::overlap::{least, reach_of};
 use crate::problem::Method;
@@ -17,7 +20,10 @@ use crate::solution::{Solution, Unsolved, Verdict};
 const MOST_STEPS: usize = 60;
 
 /// How well the quick search meets the force before the full solves begin.
-const QUICK: f64 = 0.03;
+const QUICK: f64 = 0.15;
+
+/// Change of its logarithm with which the overlap to begin with is as good as it can be.
+const NEAR: f64 = 0.03;
 
 /// Full solves after the quick search.
 const MOST_FULL_STEPS: usize = 8;
@@ -57,7 +63,15 @@ fn usable(answer: Result<Solution, Unsolved>) -> Result<(Solution, Option<Unsolv
     }
 }
 
-/// An overlap whose force is of this size: P = 2 E* a d on half the width a of {f > 0}; rougher where there is no time for more.
+/// P/(E* d) of an overlap within a rectangle of this size, roughly: as a line contact along it has it, pi a (b/w)^2 with a half the length,
+/// less what ellipses have less, 2^(3/2)/3 a for a sphere.
+fn of_size([u, v]: [f64; 2]) -> f64 {
+    const OF_ELLIPSES: f64 = 0.3;
+    let (a, w) = (0.5 * u.max(v), 0.5 * u.min(v));
+    PI * a * width_of_line_contact([a; 2], w).powi(2) * (1.0 - OF_ELLIPSES * w / a)
+}
+
+/// An overlap whose force is of this size; rougher where there is no time for more.
 pub(crate) fn overlap_of_size(gap: &AnyGap, e_star: f64, force: f64, deadline: Deadline) -> f64 {
     let (_, least) = least(gap);
     // Forces are of the size E* times length squared: begin with that length.
@@ -68,12 +82,11 @@ pub(crate) fn overlap_of_size(gap: &AnyGap, e_star: f64, force: f64, deadline: D
         }
         match reach_of(gap, least + overlap) {
             Reach::Within(reach) => {
-                let half = 0.25 * (reach.size()[0] + reach.size()[1]);
-                let next = (overlap * force.abs() / (2.0 * e_star * half)).sqrt();
+                let next = (overlap * force.abs() / (e_star * of_size(reach.size()))).sqrt();
                 if !(next > 0.0 && next.is_finite()) {
                     break;
                 }
-                let close = (next / overlap).ln().abs() < 0.1;
+                let close = (next / overlap).ln().abs() < NEAR;
                 overlap = next;
                 if close {
                     break;
