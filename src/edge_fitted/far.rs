@@ -133,14 +133,20 @@ impl Source {
             } else {
                 f64::INFINITY
             };
+            let (inverse, of_ends) = (1.0 / delta, r.map(f64::recip));
+            let (mut plain_power, mut end_powers, mut line_power) = (1.0, [1.0; 2], 1.0);
             for m in 1..ORDERS {
-                let n = m as i32;
-                let plain = (e.length / delta).min(2.0 * B[m]) / delta.powi(n);
-                let structured = B[m] * (r[0].powi(-n) + r[1].powi(-n)) + 2.0 / m as f64 * logarithmic.powi(n);
+                plain_power *= inverse;
+                line_power *= logarithmic;
+                end_powers = [0, 1].map(|i| end_powers[i] * of_ends[i]);
+                let plain = (e.length * inverse).min(2.0 * B[m]) * plain_power;
+                let structured = B[m] * (end_powers[0] + end_powers[1]) + 2.0 / m as f64 * line_power;
                 source.slope[k][m] = plain.min(structured);
             }
+            end_powers = [1.0; 2];
             for m in 2..ORDERS {
-                let ends = (0..2).map(|i| sideways[i] * r[i].powi(1 - m as i32)).sum::<f64>();
+                end_powers = [0, 1].map(|i| end_powers[i] * of_ends[i]);
+                let ends = sideways[0] * end_powers[0] + sideways[1] * end_powers[1];
                 source.value[k][m] = (lean.min(1.0) * source.slope[k][m - 1] + ends) / m as f64;
             }
         }

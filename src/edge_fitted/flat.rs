@@ -39,6 +39,11 @@ fn usually_enough(corners: usize, tolerance: f64) -> f64 {
     (usual_width(corners) / (2.0 * AIM * tolerance)).cbrt().round()
 }
 
+/// The same of a polygon of few corners, or of a convex one, by c (perimeter^2/(4 pi area))^p: slender ones take more. A mesh too many costs
+/// less than one that just misses the tolerance.
+const OF_SHAPE: [f64; 2] = [5.5, 0.25];
+const FEW_CORNERS: usize = 8;
+
 /// Corners of outlines whose width differs from the usual one by more than a coarse mesh costs: stars.
 const UNUSUAL: std::ops::RangeInclusive<usize> = 9..=20;
 
@@ -65,8 +70,13 @@ fn first(outline: &Outline, limits: &Limits) -> usize {
     }
     let fits = |n: &usize| outline.mesh(*n).is_some_and(|fitted| fitted.is_within(limits, 1));
     let corners = outline.corners().len();
-    let seen = if UNUSUAL.contains(&corners) { seen_enough(outline, limits) } else { None };
-    let wanted = seen.unwrap_or_else(|| usually_enough(corners, limits.tolerance)).min(FINEST as f64) as usize;
+    let of_shape = || {
+        let slender = outline.slenderness().filter(|_| corners <= FEW_CORNERS || outline.is_convex())?;
+        Some((OF_SHAPE[0] * slender.powf(OF_SHAPE[1]) * (1e-3 / limits.tolerance).cbrt()).ceil())
+    };
+    let seen = || if UNUSUAL.contains(&corners) { seen_enough(outline, limits) } else { None };
+    let usual = || usually_enough(corners, limits.tolerance);
+    let wanted = of_shape().or_else(seen).unwrap_or_else(usual).min(FINEST as f64) as usize;
     (COARSEST..=wanted).rev().find(fits).unwrap_or(COARSEST)
 }
 

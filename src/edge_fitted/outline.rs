@@ -170,6 +170,18 @@ impl Outline {
         range(0).max(range(1))
     }
 
+    /// perimeter^2/(4 pi area), 1 for a circle; `None` where its sides lie along two perpendicular lines.
+    pub(crate) fn slenderness(&self) -> Option<f64> {
+        let side = |k: usize| norm(minus(self.corners[(k + 1) % self.corners.len()], self.corners[k]));
+        let perimeter: f64 = (0..self.corners.len()).map(side).sum();
+        self.frame.is_none().then(|| perimeter.powi(2) / (4.0 * std::f64::consts::PI * area(&self.corners)))
+    }
+
+    /// Whether it is one convex piece.
+    pub(crate) fn is_convex(&self) -> bool {
+        self.pieces.len() == 1
+    }
+
     /// The part where f = plane . (1, x, y) is positive; `None` where that is all of it, nothing, or in several pieces, and where cells
     /// cannot be fitted to it.
     pub(crate) fn part(&self, plane: [f64; 3]) -> Option<Self> {
