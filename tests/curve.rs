@@ -490,6 +490,38 @@ fn the_command_follows_forces_and_refuses_what_it_cannot_do() {
     }
 }
 
+/// A slender body at an angle takes the grid of an upright one, and answers as that one does.
+#[test]
+fn a_warm_contact_lies_along_the_body() {
+    let angle = 0.65_f64;
+    let (sin, cos) = angle.sin_cos();
+    let outward = |[x, y]: [f64; 2]| [cos * x - sin * y, sin * x + cos * y];
+    let upright = AnyGap::new(Paraboloid::new([40.0, 0.5]).unwrap());
+    let at_an_angle = upright.placed([0.0; 2], angle).unwrap();
+    let settings = Settings { tolerance: 2e-3, ..Settings::default() };
+    let warm = |gap: AnyGap| WarmContact::new(&contact(gap, Loading::depth(1.0)), &settings);
+    let (mut one, mut other) = (warm(upright), warm(at_an_angle));
+    for k in 0..12 {
+        let t = 0.3 * f64::from(k);
+        let pose =
+            Pose { depth: 0.01 * (1.0 + 0.2 * t.sin()), tilt: [1e-3 * t.cos(), 2e-3 * t.sin()], at: [0.1 * t, -0.05] };
+        let turned = Pose { tilt: outward(pose.tilt), at: outward(pose.at), ..pose };
+        let (a, b) = (one.reaction(pose).unwrap(), other.reaction(turned).unwrap());
+        let off = |a: f64, b: f64, unit: f64| assert!((a - b).abs() <= 1e-6 * unit, "{k}: {a} {b}");
+        off(a.force, b.force, a.force);
+        off(a.area, b.area, a.area);
+        (0..2).for_each(|n| off(outward(a.moment)[n], b.moment[n], a.force));
+        // Along the body, as the upright one has it.
+        let along = |v: [f64; 2]| {
+            let k = |i: usize, j: usize| b.stiffness[i + 1][j + 1];
+            (0..2).map(|i| (0..2).map(|j| v[i] * k(i, j) * v[j]).sum::<f64>()).sum::<f64>()
+        };
+        off(a.stiffness[0][0], b.stiffness[0][0], a.stiffness[0][0]);
+        off(a.stiffness[1][1], along([cos, sin]), a.stiffness[1][1]);
+    }
+    assert_eq!(one.cost(), other.cost());
+}
+
 #[test]
 fn a_warm_contact_is_the_contact_and_tells_its_error() {
     let gap = AnyGap::new(Paraboloid::new([1.0, 3.0]).unwrap());

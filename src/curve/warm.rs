@@ -2,12 +2,13 @@
 //!
 //! The bodies keep their shapes and move as a whole: by (x, y) along the surface, by tilts, by depth. On one grid that moves along, force
 //! and moments are then the exact derivatives of one convex energy, and each step starts from the pressure of the last one
-//! ([`matrix_free::Solver`]). The stiffness against depth and tilts is that of a flat punch on the patch, as for [`crate::solve`].
+//! ([`matrix_free::Solver`]); it lies along the axes that the gap was drawn along. The stiffness against depth and tilts is that of a flat punch on the patch, as for [`crate::solve`].
 
 use crate::discrete::{Discrete, DiscreteSolution};
 use crate::error::{InputError, finite};
 use crate::gap::{AnyGap, Reach};
 use crate::grid::{Grid, Kernel, shape};
+use crate::loading::axes::Axes;
 use crate::matrix_free::{self, Solver};
 use crate::numeric::geometry::Rect;
 use crate::overlap::{Overlap, Units, reach_of};
@@ -74,6 +75,8 @@ pub struct Reaction {
 /// ```
 #[derive(Debug)]
 pub struct WarmContact {
+    /// Where they are not the user's, the axes of all that is held here.
+    axes: Option<Axes>,
     gap: AnyGap,
     e_star: f64,
     tolerance: f64,
@@ -103,8 +106,11 @@ impl WarmContact {
     /// The contact of these bodies; its loading is not used, of the settings tolerance, kernel, threads and seconds are. Nothing is solved yet.
     #[must_use]
     pub fn new(contact: &Contact, settings: &Settings) -> Self {
+        let gap = contact.gap();
+        let axes = Axes::along(gap).filter(|_| gap.known().axis.is_none());
         Self {
-            gap: contact.gap().clone(),
+            gap: axes.map_or_else(|| gap.clone(), |axes| axes.gap_inward(gap)),
+            axes,
             e_star: contact.modulus().e_star(),
             tolerance: settings.tolerance,
             kernel: settings.kernel,
@@ -141,6 +147,19 @@ impl WarmContact {
     fn step(&mut self, pose: Pose, with_stiffness: bool) -> Result<Reaction, Unsolved> {
         pose.checked().map_err(|e| Unsolved::new(Verdict::NotApplicable, e.to_string()))?;
         self.solves += 1;
+        match self.axes {
+            None => self.step_along(pose, with_stiffness),
+            Some(axes) => {
+                let [tilt, at] = [pose.tilt, pose.at].map(|v| axes.vector_inward(v));
+                let reaction = self.step_along(Pose { tilt, at, ..pose }, with_stiffness)?;
+                let moment = axes.vector_outward(reaction.moment);
+                Ok(Reaction { moment, stiffness: axes.matrix_outward(reaction.stiffness), ..reaction })
+            }
+        }
+    }
+
+    /// A step in a pose of the own axes.
+    fn step_along(&mut self, pose: Pose, with_stiffness: bool) -> Result<Reaction, Unsolved> {
         // The depth where the body is now: f = depth + a (X + r) - gap(r) at r from it.
         let [x, y] = pose.at;
         let depth = pose.depth + pose.tilt[0] * x + pose.tilt[1] * y;

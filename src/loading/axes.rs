@@ -7,6 +7,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use crate::edge_fitted::resample;
+use crate::gap::AnyGap;
 use crate::grid::{Grid, Pressure, shape};
 use crate::numeric::geometry::Rect;
 use crate::problem::{Contact, Load, Loading, Method, Outputs, Settings};
@@ -38,9 +39,20 @@ impl Axes {
         if known.axis.is_some() || known.face.is_some() || known.quadratic.is_some() {
             return None;
         }
-        let quarters = (known.drawn_along / FRAC_PI_2).round();
-        let angle = known.drawn_along - quarters * FRAC_PI_2;
+        Self::along(contact.gap())
+    }
+
+    /// Those that a gap was drawn along; `None` where these are the user's.
+    pub fn along(gap: &AnyGap) -> Option<Self> {
+        let drawn_along = gap.known().drawn_along;
+        let quarters = (drawn_along / FRAC_PI_2).round();
+        let angle = drawn_along - quarters * FRAC_PI_2;
         (angle.abs() > NONE).then(|| Self { angle, sin: angle.sin(), cos: angle.cos() })
+    }
+
+    /// A gap in these axes.
+    pub fn gap_inward(&self, gap: &AnyGap) -> AnyGap {
+        gap.turned(-self.angle)
     }
 
     /// In words.
@@ -59,7 +71,7 @@ impl Axes {
             Loading::Single(single) => Loading::Single(load(single)),
             Loading::Steps(steps) => Loading::Steps(steps.iter().map(load).collect()),
         };
-        contact.of_gap(contact.gap().turned(-self.angle), loading)
+        contact.of_gap(self.gap_inward(contact.gap()), loading)
     }
 
     /// What to ask for in these axes: boxes of the user's axes around the pieces take their boundaries.
@@ -67,7 +79,8 @@ impl Axes {
         Settings { outputs: Outputs { patch: true, ..settings.outputs }, ..*settings }
     }
 
-    fn vector_inward(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+    /// A vector of the user's axes in these.
+    pub fn vector_inward(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         [self.cos * x + self.sin * y, self.cos * y - self.sin * x]
     }
 
@@ -126,8 +139,8 @@ impl Axes {
         state
     }
 
-    /// Rows and columns belong to (d, ax, ay).
-    fn matrix_outward(&self, k: [[f64; 3]; 3]) -> [[f64; 3]; 3] {
+    /// A stiffness whose rows and columns belong to (d, ax, ay) of these axes, in the user's.
+    pub fn matrix_outward(&self, k: [[f64; 3]; 3]) -> [[f64; 3]; 3] {
         let rows = k.map(|[d, x, y]| {
             let [x, y] = self.vector_outward([x, y]);
             [d, x, y]
