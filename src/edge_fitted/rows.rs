@@ -39,8 +39,8 @@ const BESIDE_END: f64 = 0.05;
 /// ends never rest, and what they leave is no square of a move.
 const UNSETTLED: f64 = 1.5;
 
-/// Width of a contact at an end of its strip, over that of the widest row, below which it may come to a point. Of 120 rollers with
-/// logarithmic ends those below were off by up to 3.2 times what was stated.
+/// Width of a contact at an end of its strip, over that of the widest row, below which it may come to a point. Two rollers with logarithmic
+/// ends of 1400 by lot were off by 1.02 and 1.1 times what was stated.
 const NARROW: f64 = 0.5;
 
 /// Rounds of more cells.

@@ -25,6 +25,15 @@ const QUICK: f64 = 0.15;
 /// Change of its logarithm with which the overlap to begin with is as good as it can be.
 const NEAR: f64 = 0.03;
 
+/// The same of two overlaps that tell how the size grows, and change of the power of that.
+const APART: f64 = 0.01;
+const SETTLED: f64 = 0.1;
+
+/// Of an overlap, one at which only what is flat has a size; of a size, what tells how it grows, and a share that may be that of a ring.
+const AT_ONCE: f64 = 1e-6;
+const GROWS: f64 = 1e-4;
+const OF_RINGS: f64 = 0.95;
+
 /// Full solves after the quick search.
 const MOST_FULL_STEPS: usize = 8;
 
@@ -64,11 +73,16 @@ fn usable(answer: Result<Solution, Unsolved>) -> Result<(Solution, Option<Unsolv
 }
 
 /// P/(E* d) of an overlap within a rectangle of this size, roughly: as a line contact along it has it, pi a (b/w)^2 with a half the length,
-/// less what ellipses have less, 2^(3/2)/3 a for a sphere.
-fn of_size([u, v]: [f64; 2]) -> f64 {
+/// less what ellipses have less, 2^(3/2)/3 a for a sphere, times `of_law`.
+fn of_size([x, y]: [f64; 2], of_law: f64) -> f64 {
     const OF_ELLIPSES: f64 = 0.3;
-    let (a, w) = (0.5 * u.max(v), 0.5 * u.min(v));
-    PI * a * width_of_line_contact([a; 2], w).powi(2) * (1.0 - OF_ELLIPSES * w / a)
+    let (a, w) = (0.5 * x.max(y), 0.5 * x.min(y));
+    PI * a * width_of_line_contact([a; 2], w).powi(2) * (1.0 - OF_ELLIPSES * (w / a).powi(2)) * of_law
+}
+
+/// The same over that of a sphere where the size grows as d^u: gaps c r^(1/u) have (2, 2^(3/2)/3, 2/pi) a for u = 0, 1/2, 1.
+fn of_law(u: f64) -> f64 {
+    2.121 / (1.0 + 2.344 * u - 0.204 * u * u)
 }
 
 /// An overlap whose force is of this size; rougher where there is no time for more.
@@ -76,17 +90,40 @@ pub(crate) fn overlap_of_size(gap: &AnyGap, e_star: f64, force: f64, deadline: D
     let (_, least) = least(gap);
     // Forces are of the size E* times length squared: begin with that length.
     let mut overlap = (force.abs() / e_star).sqrt();
+    let (mut before, mut u): (Option<(f64, [f64; 2])>, _) = (None, 0.5);
     for _ in 0..24 {
         if deadline.has_passed() {
             break;
         }
         match reach_of(gap, least + overlap) {
             Reach::Within(reach) => {
-                let next = (overlap * force.abs() / (e_star * of_size(reach.size()))).sqrt();
+                let size = reach.size();
+                // What overlaps at any depth, and how the rest grows.
+                let flat = match reach_of(gap, least + AT_ONCE * overlap) {
+                    Reach::Within(tip) => [0, 1].map(|k| tip.size()[k].min(size[k])),
+                    _ => [0.0; 2],
+                };
+                let told = u;
+                if let Some((other, sides)) = before
+                    && f64::abs((overlap / other).ln()) > APART
+                {
+                    let rest = |k: usize| [size[k] - flat[k], sides[k] - flat[k]];
+                    let grows = (0..2).map(rest).filter(|rest| rest[0].min(rest[1]) > GROWS * size[0].max(size[1]));
+                    let most = grows.map(|[now, then]| (now / then).ln() / (overlap / other).ln()).reduce(f64::max);
+                    u = most.map_or(u, |most| most.clamp(0.0, 1.0));
+                }
+                before = Some((overlap, size));
+                // Of a ring all is there at once, but for its width.
+                let share = (flat[0] / size[0]).min(flat[1] / size[1]);
+                let share = if share < OF_RINGS { share } else { 0.0 };
+                let law = share * of_law(0.0) + (1.0 - share) * of_law(u);
+                // P ~ d^(1 + u) of what is not flat.
+                let power = 1.0 + u * (1.0 - share);
+                let next = overlap * (force.abs() / (e_star * overlap * of_size(size, law))).powf(1.0 / power);
                 if !(next > 0.0 && next.is_finite()) {
                     break;
                 }
-                let close = (next / overlap).ln().abs() < NEAR;
+                let close = (next / overlap).ln().abs() < NEAR && (u - told).abs() < SETTLED;
                 overlap = next;
                 if close {
                     break;
