@@ -25,13 +25,8 @@ const QUICK: f64 = 0.15;
 /// Change of its logarithm with which the overlap to begin with is as good as it can be.
 const NEAR: f64 = 0.03;
 
-/// The same of two overlaps that tell how the size grows, and change of the power of that.
-const APART: f64 = 0.01;
-const SETTLED: f64 = 0.1;
-
-/// Of an overlap, one at which only what is flat has a size; of a size, what tells how it grows, and a share that may be that of a ring.
+/// Of an overlap, one at which only what is flat has a size; and a share of a size that may be that of a ring.
 const AT_ONCE: f64 = 1e-6;
-const GROWS: f64 = 1e-4;
 const OF_RINGS: f64 = 0.95;
 
 /// Full solves after the quick search.
@@ -73,16 +68,12 @@ fn usable(answer: Result<Solution, Unsolved>) -> Result<(Solution, Option<Unsolv
 }
 
 /// P/(E* d) of an overlap within a rectangle of this size, roughly: as a line contact along it has it, pi a (b/w)^2 with a half the length,
-/// less what ellipses have less, 2^(3/2)/3 a for a sphere, times `of_law`.
-fn of_size([x, y]: [f64; 2], of_law: f64) -> f64 {
+/// less what ellipses have less, 2^(3/2)/3 a for a sphere; more where a share of it is flat, up to 2 a.
+fn of_size([x, y]: [f64; 2], flat: f64) -> f64 {
     const OF_ELLIPSES: f64 = 0.3;
     let (a, w) = (0.5 * x.max(y), 0.5 * x.min(y));
-    PI * a * width_of_line_contact([a; 2], w).powi(2) * (1.0 - OF_ELLIPSES * (w / a).powi(2)) * of_law
-}
-
-/// The same over that of a sphere where the size grows as d^u: gaps c r^(1/u) have (2, 2^(3/2)/3, 2/pi) a for u = 0, 1/2, 1.
-fn of_law(u: f64) -> f64 {
-    2.121 / (1.0 + 2.344 * u - 0.204 * u * u)
+    let more = 1.0 + flat * (std::f64::consts::SQRT_2 * 1.5 - 1.0);
+    PI * a * width_of_line_contact([a; 2], w).powi(2) * (1.0 - OF_ELLIPSES * (w / a).powi(2)) * more
 }
 
 /// An overlap whose force is of this size; rougher where there is no time for more.
@@ -90,7 +81,6 @@ pub(crate) fn overlap_of_size(gap: &AnyGap, e_star: f64, force: f64, deadline: D
     let (_, least) = least(gap);
     // Forces are of the size E* times length squared: begin with that length.
     let mut overlap = (force.abs() / e_star).sqrt();
-    let (mut before, mut u): (Option<(f64, [f64; 2])>, _) = (None, 0.5);
     for _ in 0..24 {
         if deadline.has_passed() {
             break;
@@ -98,32 +88,17 @@ pub(crate) fn overlap_of_size(gap: &AnyGap, e_star: f64, force: f64, deadline: D
         match reach_of(gap, least + overlap) {
             Reach::Within(reach) => {
                 let size = reach.size();
-                // What overlaps at any depth, and how the rest grows.
+                // What overlaps at any depth is flat, or all but the width of a ring.
                 let flat = match reach_of(gap, least + AT_ONCE * overlap) {
-                    Reach::Within(tip) => [0, 1].map(|k| tip.size()[k].min(size[k])),
-                    _ => [0.0; 2],
+                    Reach::Within(tip) => (0..2).map(|k| tip.size()[k] / size[k]).fold(1.0, f64::min),
+                    _ => 0.0,
                 };
-                let told = u;
-                if let Some((other, sides)) = before
-                    && f64::abs((overlap / other).ln()) > APART
-                {
-                    let rest = |k: usize| [size[k] - flat[k], sides[k] - flat[k]];
-                    let grows = (0..2).map(rest).filter(|rest| rest[0].min(rest[1]) > GROWS * size[0].max(size[1]));
-                    let most = grows.map(|[now, then]| (now / then).ln() / (overlap / other).ln()).reduce(f64::max);
-                    u = most.map_or(u, |most| most.clamp(0.0, 1.0));
-                }
-                before = Some((overlap, size));
-                // Of a ring all is there at once, but for its width.
-                let share = (flat[0] / size[0]).min(flat[1] / size[1]);
-                let share = if share < OF_RINGS { share } else { 0.0 };
-                let law = share * of_law(0.0) + (1.0 - share) * of_law(u);
-                // P ~ d^(1 + u) of what is not flat.
-                let power = 1.0 + u * (1.0 - share);
-                let next = overlap * (force.abs() / (e_star * overlap * of_size(size, law))).powf(1.0 / power);
+                let flat = if flat < OF_RINGS { flat } else { 0.0 };
+                let next = (overlap * force.abs() / (e_star * of_size(size, flat))).sqrt();
                 if !(next > 0.0 && next.is_finite()) {
                     break;
                 }
-                let close = (next / overlap).ln().abs() < NEAR && (u - told).abs() < SETTLED;
+                let close = (next / overlap).ln().abs() < NEAR;
                 overlap = next;
                 if close {
                     break;
