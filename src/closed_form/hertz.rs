@@ -83,10 +83,9 @@ impl Quadratic {
         ([smaller, larger], angle)
     }
 
-    /// What rounding of the factors leaves of the force, relative: they hold A where xx yy and (xy/2)^2 all but cancel, and P ~ A^(-1/2).
-    fn rounding(&self) -> f64 {
+    /// What rounding of the factors leaves of the force of these A <= B, relative: they hold A where xx yy and (xy/2)^2 all but cancel, and P ~ A^(-1/2).
+    fn rounding(&self, [smaller, larger]: [f64; 2]) -> f64 {
         let Self { xx, xy, yy } = *self;
-        let ([smaller, larger], _) = self.principal();
         let cancelled = (xx * yy).abs() + 0.25 * xy * xy - smaller * larger;
         2.0 * f64::EPSILON * (cancelled / smaller / larger).max(0.0)
     }
@@ -161,7 +160,8 @@ impl Hertz {
         let ratio = axis_ratio(target);
         let k2 = ratio * ratio;
         let (k, rd) = (r_f(0.0, k2, 1.0), r_d(0.0, k2, 1.0));
-        Ok(Self { e_star: modulus.e_star(), curvatures, orientation, ratio, k, rd, error: ROUNDING + gap.rounding() })
+        let error = ROUNDING + gap.rounding(curvatures);
+        Ok(Self { e_star: modulus.e_star(), curvatures, orientation, ratio, k, rd, error })
     }
 
     /// b/a of the contact, at any load.

@@ -2,7 +2,8 @@
 //!
 //! The bodies keep their shapes and move as a whole: by (x, y) along the surface, by tilts, by depth. On one grid that moves along, force
 //! and moments are then the exact derivatives of one convex energy, and each step starts from the pressure of the last one
-//! ([`matrix_free::Solver`]); it lies along the axes that the gap was drawn along. The stiffness against depth and tilts is that of a flat punch on the patch, as for [`crate::solve`].
+//! ([`matrix_free::Solver`]); it lies along the axes that the gap was drawn along. The stiffness against depth and tilts is that of a flat
+//! punch on the patch, as for [`crate::solve`].
 
 use crate::discrete::{Discrete, DiscreteSolution};
 use crate::error::{InputError, finite};

@@ -49,6 +49,7 @@ const SAFE_ON_FEW: f64 = 1.8;
 
 /// Fewer rows than this are few.
 const FEW: usize = 16;
+
 /// With 1.0 four areas of 224 were off by up to 1.1 times what is stated.
 const SAFE_AREA: f64 = 1.25;
 

@@ -226,7 +226,7 @@ impl Outline {
     /// Whether every line of these meshes has more cells where n is larger: else only [`Outline::mesh_within`] tells what finer ones leave.
     #[must_use]
     pub fn is_graded_everywhere(&self) -> bool {
-        self.semi_axes.is_some() || self.frame.is_some() || self.pieces.len() == 1
+        self.semi_axes.is_some() || self.frame.is_some() || self.is_convex()
     }
 
     /// The same with cells no longer than about `most`.
