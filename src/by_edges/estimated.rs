@@ -1,7 +1,7 @@
 //! What is estimated on cells that are fitted to a contact, in the user's units.
 
 use super::flat::middle;
-use super::{Found, field_grid};
+use super::{Found, Moments, field_grid};
 use crate::edge_fitted::{Estimated, resample};
 use crate::numeric::geometry::{Rect, farthest};
 use crate::overlap::Units;
@@ -22,6 +22,7 @@ pub(super) fn in_users_units(
         energy,
         stiffness,
         stiffness_error,
+        stiffness_matrix,
         area,
         area_error,
         max_error,
@@ -34,6 +35,7 @@ pub(super) fn in_users_units(
     let unit_force = e_star * height * length;
     let unit_pressure = e_star * height / length;
     let outward = |p: [f64; 2]| units.outward(p);
+    let [x, y] = outward(centre);
     let boundary: Vec<Vec<[f64; 2]>> = ends.into_iter().map(|line| line.into_iter().map(outward).collect()).collect();
     let reference = contact.gap().known().reference;
     let (strongest, largest) = cells.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
@@ -62,11 +64,15 @@ pub(super) fn in_users_units(
             boundary: Some(boundary),
             ..Patch::default()
         },
-        centre: outward(centre),
+        centre: [x, y],
         unknowns,
         how: String::new(),
         left_out: "",
         proved: false,
-        tilting: None,
+        tilting: stiffness_matrix.map(|own| Moments {
+            moment: [force * unit_force * y, -force * unit_force * x],
+            bounds: None,
+            matrix: own.in_axes(outward).rows(e_star * length),
+        }),
     })
 }

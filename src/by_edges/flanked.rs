@@ -134,6 +134,7 @@ impl FlankedTip {
             energy: middle(bounds.energy),
             stiffness: middle(stiffness),
             stiffness_error: half(stiffness) + error,
+            stiffness_matrix: None,
             area: middle(area),
             area_error: half(area),
             max_error: None,

@@ -98,8 +98,9 @@ impl Route {
             }
             return flat::Flat::of(face).map(Self::Flat);
         }
+        // Of those below, rollers alone tell what tilts them.
         if with_matrix {
-            return None;
+            return roller::Roller::of(overlap).map(|roller| Self::Roller { roller: Box::new(roller), otherwise: None });
         }
         if let Some(tip) = layer::FlatTip::of(overlap) {
             let flanked = flanked::FlankedTip::of(&tip);
@@ -164,30 +165,30 @@ impl Route {
         }
     }
 
-    fn solve(&self, contact: &Contact, depth: f64, settings: &Settings) -> Option<Found> {
+    fn solve(&self, contact: &Contact, depth: f64, settings: &Settings, tilts: bool) -> Option<Found> {
         // Nothing of these takes long enough for more than one.
         let threads = if matches!(self, Self::Layer(_) | Self::Rings(_)) { 1 } else { settings.threads };
-        with(threads, || self.solve_with(threads, contact, depth, settings))
+        let limits = Limits { tilts, ..limits(settings, threads) };
+        with(threads, || self.solve_within(&limits, contact, depth, settings))
     }
 
-    fn solve_with(&self, threads: usize, contact: &Contact, depth: f64, settings: &Settings) -> Option<Found> {
-        let limits = limits(settings, threads);
+    fn solve_within(&self, limits: &Limits, contact: &Contact, depth: f64, settings: &Settings) -> Option<Found> {
         match self {
-            Self::Flat(flat) => flat.solve(contact, depth, settings, &limits),
-            Self::Tilted(tilting) => tilting.at(contact, depth, settings, &limits),
-            Self::Layer(layer) => layer.solve(contact, depth, settings, &limits),
+            Self::Flat(flat) => flat.solve(contact, depth, settings, limits),
+            Self::Tilted(tilting) => tilting.at(contact, depth, settings, limits),
+            Self::Layer(layer) => layer.solve(contact, depth, settings, limits),
             Self::Flanked { tip, tolerance, flat } => {
-                let by_bounds = || layer::Layer::up_to(flat, BELOW_CELLS)?.solve(contact, depth, settings, &limits);
-                let nearest = Limits { tolerance: limits.tolerance.max(*tolerance), ..limits };
+                let by_bounds = || layer::Layer::up_to(flat, BELOW_CELLS)?.solve(contact, depth, settings, limits);
+                let nearest = Limits { tolerance: limits.tolerance.max(*tolerance), ..*limits };
                 tip.solve(contact, settings, &nearest).or_else(by_bounds)
             }
-            Self::Rings(section) => section.solve(contact, settings, &limits),
-            Self::Oval(strip) => strip.solve(contact, settings, &limits),
+            Self::Rings(section) => section.solve(contact, settings, limits),
+            Self::Oval(strip) => strip.solve(contact, settings, limits),
             Self::Roller { roller, otherwise } => {
-                let otherwise = || otherwise.as_ref()?.solve(contact, settings, &limits);
-                roller.solve(contact, settings, &limits).or_else(otherwise)
+                let otherwise = || otherwise.as_ref()?.solve(contact, settings, limits);
+                roller.solve(contact, settings, limits).or_else(otherwise)
             }
-            Self::Crowned(crowning) => crowning.solve(contact, settings, &limits),
+            Self::Crowned(crowning) => crowning.solve(contact, settings, limits),
         }
     }
 }
@@ -255,7 +256,7 @@ pub(crate) fn solution(
     with_matrix: bool,
 ) -> Option<Result<Solution, Unsolved>> {
     let depth = overlap.depth;
-    let found = Route::of(overlap, settings, with_matrix)?.solve(contact, depth, settings)?;
+    let found = Route::of(overlap, settings, with_matrix)?.solve(contact, depth, settings, with_matrix)?;
     Some(judged(in_users_units(contact, &overlap.gap, found, (depth, tilt), settings), settings))
 }
 

@@ -49,6 +49,13 @@ const LINES: usize = 128;
 const BESIDE: f64 = 1.0 / 64.0;
 const STEEP: f64 = 0.6;
 
+/// Share of the width in the middle from which a line is about as wide.
+const WIDE: f64 = 0.7;
+
+/// The same at the other end where a tilt lifts it, a third less than where a strip ends in a parabola; and how long that is over its width.
+const POINTED: f64 = 0.12;
+const LONG: f64 = 3.0;
+
 /// What may overlap beyond the ends that were found, over the width in the middle.
 const BEYOND: f64 = 0.025;
 
@@ -62,26 +69,35 @@ fn inward(along: usize, Rect { min, max }: &Rect) -> Rect {
     if along == 1 { Rect { min: *min, max: *max } } else { Rect { min: [-max[1], min[0]], max: [-min[1], max[0]] } }
 }
 
+/// The rectangle that these are the corners of, where they are.
+fn rectangle(corners: &[[f64; 2]]) -> Option<Rect> {
+    let rect = Rect::holding(corners.iter().copied())?;
+    let [w, h] = rect.size();
+    (corners.len() == 4 && (area(corners) / (w * h)).abs() >= 1.0 - ROUNDING).then_some(rect)
+}
+
 impl Roller {
     /// `None` where the overlap is no such strip, or is not known to be nowhere else.
     pub fn of(overlap: &Overlap) -> Option<Self> {
         let known = overlap.known();
-        let corners = known.ends.as_ref().filter(|corners| corners.len() == 4 && overlap.certain)?;
-        let rect = Rect::holding(corners.iter().copied())?;
-        let [w, h] = rect.size();
-        if !((area(corners) / (w * h)).abs() >= 1.0 - ROUNDING) {
+        if !overlap.certain {
             return None;
         }
         let Scaled { gap, depth, reach, units, .. } = overlap.scaled();
-        let material = units.rect_inward(&rect);
-        let inset = INSET * material.longer_side();
-        let material = Rect { min: material.min.map(|a| a + inset), max: material.max.map(|b| b - inset) };
-        let reach = reach.intersection(&material)?;
-        // All of it is material.
-        gap.bounds(&reach, [0.0; 2]).filter(|[_, high]| *high < f64::INFINITY)?;
+        let (reach, material) = match known.ends.as_deref().and_then(rectangle) {
+            Some(rect) => {
+                let material = units.rect_inward(&rect);
+                let inset = INSET * material.longer_side();
+                let material = Rect { min: material.min.map(|a| a + inset), max: material.max.map(|b| b - inset) };
+                (reach.intersection(&material)?, Some(material))
+            }
+            None => (reach, None),
+        };
+        let all = material.as_ref().unwrap_or(&reach);
+        let [w, h] = all.size();
         let longer = usize::from(h >= w);
         [longer, 1 - longer].into_iter().find_map(|along| {
-            let (ends, across) = ([material.min[along], material.max[along]], 1 - along);
+            let (ends, across) = ([all.min[along], all.max[along]], 1 - along);
             let inner = inward(along, &reach);
             let sides = [inner.min[0], inner.max[0]];
             let mirrors = [known.mirrors[across], known.mirrors[along]];
@@ -101,7 +117,7 @@ impl Roller {
                 mirrors,
                 centre,
             };
-            let whole = reach.min[along] <= ends[0] && ends[1] <= reach.max[along];
+            let whole = material.is_some() && reach.min[along] <= ends[0] && ends[1] <= reach.max[along];
             let whole = whole && ends.iter().all(|v| strip.across(*v, None).is_some());
             // Wide all along, or at least a little away from its ends.
             let checked = |strip: Option<Self>| strip?.checked(&reach);
@@ -128,12 +144,23 @@ impl Roller {
         });
         let ends = nearly.map(|[inside, _]| inside);
         Self { ends, ..self.clone() }.steep(NEARLY_STEEP)?;
-        self.ends = nearly.map(|[a, b]| if a == b { a } else { bisected(overlaps, [a, b], HALVINGS - NEARLY)[0] });
-        self.edges = edges;
+        let ends = nearly.map(|[a, b]| if a == b { a } else { bisected(overlaps, [a, b], HALVINGS - NEARLY)[0] });
+        // The last that overlaps may be the last of the material.
+        let inset = INSET * (ends[1] - ends[0]);
+        let ended = [(0, -inset), (1, inset)].map(|(m, out)| !edges[m] && !self.is_material(ends[m] + out));
+        self.edges = [0, 1].map(|m| edges[m] || ended[m]);
+        self.ends = [(0, inset), (1, -inset)].map(|(m, back)| if ended[m] { ends[m] + back } else { ends[m] });
         self.widening()
     }
 
-    /// Taken to be as wide beside its ends as a little further in; `None` where that is much less than in the middle.
+    /// Whether there is material in the middle of a line across, beside which the bodies overlap.
+    fn is_material(&self, v: f64) -> bool {
+        let beside = self.across(middle(self.ends), None).map_or(0.0, middle);
+        let [x, y] = self.outward([beside, v]);
+        self.gap.gap(x, y).is_finite()
+    }
+
+    /// Taken to be as wide beside its ends as a little further in; `None` where that is much less than in the middle at both of them.
     fn widening(self) -> Option<Self> {
         self.steep(STEEP)
     }
@@ -143,16 +170,31 @@ impl Roller {
         let [first, last] = self.ends;
         let [a, b] = self.across(middle(self.ends), None)?;
         self.beside = BESIDE * (last - first);
-        let wide = |v: f64| self.across(v, None).is_some_and(|[c, d]| d - c >= share * (b - a));
+        let wide = |v: f64| self.across(v, None).map_or(0.0, |[c, d]| (d - c) / (b - a));
         let inside = a > self.sides[0] && b < self.sides[1];
-        let steep = wide(first + self.beside) && wide(last - self.beside);
-        (last - first > b - a && inside && steep).then_some(self)
+        let wide = [wide(first + self.beside), wide(last - self.beside)];
+        let (less, more) = (wide[0].min(wide[1]), wide[0].max(wide[1]));
+        let long = (last - first) / (b - a);
+        let steep = if less >= share { long > 1.0 } else { more >= share && less >= POINTED && long > LONG };
+        (inside && steep).then_some(self)
     }
 
     /// Where the bodies overlap across; where they cease to along, as a little further in.
     fn widened(&self, v: f64, inside: Option<f64>) -> Option<[f64; 2]> {
         let [first, last] = self.ends;
         self.across(v.clamp(first + self.beside, last - self.beside), inside)
+    }
+
+    /// How far from the nearer of its ends, by that, the strip is about as wide as in the middle; 0 at an edge.
+    fn rise(&self) -> f64 {
+        let [first, last] = self.ends;
+        let width = |v: f64| self.across(v, Some(self.inside)).map_or(0.0, |[a, b]| b - a);
+        let enough = WIDE * width(middle(self.ends));
+        let distance = |end: f64, inward: f64| {
+            let narrow = |s: f64| width(end + inward * s) < enough;
+            if narrow(0.0) { bisected(narrow, [0.0, 0.5 * (last - first)], 2 * NEARLY)[1] } else { 0.0 }
+        };
+        distance(first, 1.0).min(distance(last, -1.0))
     }
 
     fn outward(&self, [u, v]: [f64; 2]) -> [f64; 2] {
@@ -178,6 +220,9 @@ impl Roller {
         let [a, b] = lines[LINES / 2];
         let room = if self.beside > 0.0 { BEYOND * (b - a) } else { f64::INFINITY };
         let [first, last] = self.ends;
+        // All of it is material.
+        let Rect { min, max } = Rect::holding(lines.iter().flatten().flat_map(|u| self.ends.map(|v| self.outward([*u, v]))))?;
+        self.gap.bounds(&Rect { min, max }, [0.0; 2]).filter(|[_, high]| *high < f64::INFINITY)?;
         let lines = Lines(lines);
         let share = |v: f64| (v - self.ends[0]) / (self.ends[1] - self.ends[0]);
         let only = lines.hold_all(&self.gap, self.depth, *reach, |own| {
@@ -206,7 +251,7 @@ impl Roller {
         let by_rows = || {
             let steep = if self.beside > 0.0 { self.clone() } else { self.clone().widening()? };
             let across = |v: f64| steep.widened(v, Some(self.inside));
-            let line = LineContact { overlap: &across, ends: self.ends, group: group.clone() };
+            let line = LineContact { overlap: &across, ends: self.ends, rise: steep.rise(), group: group.clone() };
             line_contact(&overlap, &line, limits)
         };
         let with = |moves: [bool; 2]| {

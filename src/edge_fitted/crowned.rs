@@ -161,6 +161,7 @@ impl State {
             stiffness: own.stiffness,
             // It follows the end of the contact, which is known to a cell.
             stiffness_error: error.max(change(|s| s.stiffness, 1.0)).max(0.5 * area_error),
+            stiffness_matrix: None,
             area,
             area_error,
             max_error: None,

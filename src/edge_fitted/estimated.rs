@@ -1,7 +1,9 @@
 //! Contacts on cells that are fitted to them: what one mesh finds, and what several tell of its errors.
 
+use nalgebra::Matrix3;
+
 use super::Limits;
-use super::active_set::{factor, solve, solve_on};
+use super::active_set::{Planes, factor, solve, solve_on};
 use super::discrete::Discretisation;
 use super::mesh::{Bilinear, Mesh, Point};
 use super::symmetry::Isometry;
@@ -17,6 +19,8 @@ pub(crate) struct Estimated {
     /// dP/dd, and an estimate of its relative error.
     pub stiffness: f64,
     pub stiffness_error: f64,
+    /// Against depth and tilts, where that was asked for.
+    pub stiffness_matrix: Option<StiffnessMatrix>,
     /// Area, and an estimate of its relative error.
     pub area: f64,
     pub area_error: f64,
@@ -35,7 +39,16 @@ impl Estimated {
     pub fn in_axes(mut self, outward: impl Fn(Point) -> Point) -> Self {
         self.cells.iter_mut().for_each(|(corners, _)| *corners = corners.map(&outward));
         self.ends.iter_mut().flatten().for_each(|p| *p = outward(*p));
+        self.stiffness_matrix = self.stiffness_matrix.map(|matrix| matrix.in_axes(&outward));
         self
+    }
+
+    /// With the stiffness against tilts, of the mesh that it was found on, where that is asked for and can be had.
+    pub(super) fn with_tilts(self, solved: &Solved, touching: Touching, limits: &Limits) -> Option<Self> {
+        if !limits.tilts {
+            return Some(self);
+        }
+        Some(Self { stiffness_matrix: Some(solved.stiffness_matrix(touching, limits)?), ..self })
     }
 
     /// Where the resultant of the pressure acts.
@@ -45,6 +58,24 @@ impl Estimated {
             [0, 1, 2].map(|k| sums[k] + p * own[k])
         });
         [sums[1] / sums[0], sums[2] / sums[0]]
+    }
+}
+
+/// K_ij of a contact of stiffness E* K: the integral of (1, x, y)_i over the pressure that displaces it by (1, x, y)_j.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct StiffnessMatrix(Matrix3<f64>);
+
+impl StiffnessMatrix {
+    /// In other axes, (1, x, y) of which are linear in the old ones, and in their unit of length.
+    pub fn in_axes(&self, outward: impl Fn(Point) -> Point) -> Self {
+        let [o, u, v] = [[0.0; 2], [1.0, 0.0], [0.0, 1.0]].map(outward);
+        let basis = Matrix3::new(1.0, 0.0, 0.0, o[0], u[0] - o[0], v[0] - o[0], o[1], u[1] - o[1], v[1] - o[1]);
+        Self(basis * self.0 * basis.transpose())
+    }
+
+    /// Its rows, times a unit.
+    pub fn rows(&self, unit: f64) -> [[f64; 3]; 3] {
+        [0, 1, 2].map(|i| [0, 1, 2].map(|j| unit * self.0[(i, j)]))
     }
 }
 
@@ -69,6 +100,9 @@ impl Rest {
         Self { correction, error: (slower - correction).abs() }
     }
 }
+
+/// Unknowns of a stiffness against tilts over those that a contact with its symmetries may have.
+const WITHOUT_SYMMETRY: usize = 2;
 
 /// A mesh with its pressure, E* = 1.
 pub(super) struct Solved {
@@ -129,6 +163,17 @@ impl Solved {
             mesh,
             unknowns: orbits.loaded,
         })
+    }
+
+    /// The stiffness against depth and tilts, which do not share the symmetries of the contact. `None` with more unknowns than allowed, and
+    /// once the time is used up.
+    pub fn stiffness_matrix(&self, touching: Touching, limits: &Limits) -> Option<StiffnessMatrix> {
+        let unknowns = WITHOUT_SYMMETRY * limits.unknowns;
+        let all = Discretisation::within(self.mesh.clone(), &[], unknowns, limits.means())?;
+        let own: Vec<[f64; 3]> = (0..all.mesh.loaded).map(|k| Bilinear::new(all.mesh.corners(k)).moments()).collect();
+        let weights = [0, 1, 2].map(|i| own.iter().map(|moments| moments[i]).collect::<Vec<f64>>());
+        let contact: Vec<bool> = self.pressure.iter().map(|p| touching == Touching::All || *p > 0.0).collect();
+        Some(StiffnessMatrix(Planes::on(&all.compliance, &weights, &contact)?.stiffness(&weights)))
     }
 
     /// Corners and pressure of the cells in contact.

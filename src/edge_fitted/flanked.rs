@@ -139,6 +139,7 @@ pub(crate) fn flanked(flat: &Flat, limits: &Limits) -> Option<Estimated> {
             energy: own.energy * corrected(energy),
             stiffness: own.stiffness * corrected(stiffness),
             stiffness_error: stiffness[0].error + stiffness[1].error + of_rows(|s| s.stiffness) + cell,
+            stiffness_matrix: None,
             area: own.area,
             area_error: changes.sum::<f64>() + 2.0 * cell,
             max_error: None,

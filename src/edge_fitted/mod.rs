@@ -104,6 +104,8 @@ pub(crate) struct Limits {
     pub cells: usize,
     /// Whether the force of a flat punch is to be proved where it can be: most of the time goes there.
     pub proof: bool,
+    /// Whether the stiffness against tilts is wanted, too.
+    pub tilts: bool,
     /// The mesh that is being solved is finished; none is begun that would last longer.
     pub deadline: Deadline,
     /// Threads of the pool that this is called in, or 1.
@@ -145,6 +147,7 @@ impl Default for Limits {
             worth: 400,
             cells: 12_000,
             proof: true,
+            tilts: false,
             deadline: Deadline::NEVER,
             threads: 1,
         }

@@ -33,23 +33,28 @@ const ACROSS: [usize; 2] = [3, 4];
 pub(crate) fn roller(f: &dyn Fn(Point) -> f64, roller: &Roller, limits: &Limits) -> Option<Estimated> {
     let width = |y: f64| (roller.overlap)(y).map(|[a, b]| b - a);
     let [first, last] = roller.ends;
-    let strip = Ended { roller, grading: Grading::new(0.5 * (last - first), width(first)?.min(width(last)?)) };
+    let strip = Ended { roller, grading: Grading::new(0.5 * (last - first), width(first)?.min(width(last)?), TO_EDGE) };
     let finer = (1e-3 / limits.tolerance).max(1.0).cbrt();
     let rows = 2 * (AT_END * finer * strip.grading.all).ceil() as usize;
     let half = ACROSS[usize::from(roller.moves != [true; 2])];
     rows::refined(f, &strip, (rows, half), limits)
 }
 
+/// m towards an edge.
+pub(super) const TO_EDGE: f64 = 4.0;
+
 /// Distances s from the end of a length L that rows are laid by, n(s) of them in units of those of the graded part, up to a:
 ///
 /// ```text
-/// n = (s/a)^(1/4) for s < a,     1 + ln(1 + (s - a)/(2 a))/2 beyond it, while ds/dn = 4 a + 2 (s - a) < c L.
+/// n = (s/a)^(1/m) for s < a,     1 + ln(1 + 2 (s - a)/(m a))/2 beyond it, while ds/dn = m a + 2 (s - a) < c L.
 /// ```
 pub(super) struct Grading {
     /// L.
     length: f64,
     /// a.
     graded: f64,
+    /// m.
+    power: f64,
     /// s and n where ds/dn = c L.
     even: [f64; 2],
     /// n(L).
@@ -60,23 +65,23 @@ pub(super) struct Grading {
 const LONGEST: f64 = 1.5;
 
 impl Grading {
-    pub fn new(length: f64, width: f64) -> Self {
+    pub fn new(length: f64, width: f64, power: f64) -> Self {
         let graded = width.min(length);
-        let even = (graded + 0.5 * (LONGEST * length - 4.0 * graded)).clamp(graded, length);
-        let growing = 1.0 + 0.5 * (1.0 + (even - graded) / (2.0 * graded)).ln();
-        let step = 4.0 * graded + 2.0 * (even - graded);
-        Self { length, graded, even: [even, growing], all: growing + (length - even) / step }
+        let even = (graded + 0.5 * (LONGEST * length - power * graded)).clamp(graded, length);
+        let growing = 1.0 + 0.5 * (1.0 + 2.0 * (even - graded) / (power * graded)).ln();
+        let step = power * graded + 2.0 * (even - graded);
+        Self { length, graded, power, even: [even, growing], all: growing + (length - even) / step }
     }
 
     /// s at a share of n(L).
     pub fn distance(&self, share: f64) -> f64 {
-        let (n, a, [even, growing]) = (share * self.all, self.graded, self.even);
+        let (n, a, m, [even, growing]) = (share * self.all, self.graded, self.power, self.even);
         if n <= 1.0 {
-            a * n.powi(4)
+            a * n.powf(m)
         } else if n <= growing {
-            a + 2.0 * a * (2.0 * (n - 1.0)).exp_m1()
+            a + 0.5 * m * a * (2.0 * (n - 1.0)).exp_m1()
         } else {
-            let step = 4.0 * a + 2.0 * (even - a);
+            let step = m * a + 2.0 * (even - a);
             (even + (n - growing) * step).min(self.length)
         }
     }
@@ -149,8 +154,9 @@ mod tests {
 
     #[test]
     fn rows_reach_the_middle_and_grow_on_the_way() {
-        for (length, width) in [(1.0, 3.0), (1.0, 0.9), (1.0, 0.3), (1.0, 1e-3), (2.0, 0.01)] {
-            let grading = Grading::new(length, width);
+        let cases = [(1.0, 3.0, 4.0), (1.0, 0.9, 2.0), (1.0, 0.3, 4.0), (1.0, 1e-3, 2.5), (2.0, 0.01, 4.0)];
+        for (length, width, power) in cases {
+            let grading = Grading::new(length, width, power);
             let at: Vec<f64> = (0..=24).map(|k| grading.distance(f64::from(k) / 24.0)).collect();
             assert!(at[0] == 0.0 && (at[24] / length - 1.0).abs() < 1e-12, "{at:?}");
             let steps: Vec<f64> = at.windows(2).map(|p| p[1] - p[0]).collect();

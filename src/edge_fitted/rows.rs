@@ -108,11 +108,22 @@ struct State {
 pub(super) fn refined(
     f: &dyn Fn(Point) -> f64,
     strip: &dyn Strip,
-    (mut rows, mut half): (usize, usize),
+    counts: (usize, usize),
     limits: &Limits,
 ) -> Option<Estimated> {
+    let (found, finest) = estimated(f, strip, counts, limits)?;
+    found.with_tilts(&finest, Touching::All, limits)
+}
+
+/// The same with the finest mesh.
+fn estimated(
+    f: &dyn Fn(Point) -> f64,
+    strip: &dyn Strip,
+    (mut rows, mut half): (usize, usize),
+    limits: &Limits,
+) -> Option<(Estimated, Solved)> {
     let mut ends = Ends::first(strip, rows)?;
-    let mut best: Option<Estimated> = None;
+    let mut best: Option<(Estimated, Solved)> = None;
     let problem = Problem { f, strip, limits };
     let finer_than = |half: usize| half + 2.max((FINER * half as f64).ceil() as usize);
     let unknowns = |rows: usize, half: usize| strip.all_rows(rows) * 2 * finer_than(half) / strip.group().len();
@@ -147,6 +158,7 @@ pub(super) fn refined(
             energy: own.energy * corrected(energy),
             stiffness: own.stiffness,
             stiffness_error: change(|s| s.stiffness) + off,
+            stiffness_matrix: None,
             area: own.area,
             area_error: change(|s| s.area) + 2.0 * off,
             max_error: Some(change(Solved::largest)),
@@ -155,7 +167,7 @@ pub(super) fn refined(
             unknowns: own.unknowns,
         };
         let done = found.error <= limits.tolerance;
-        best = Some(found);
+        best = Some((found, fine.solved));
         if done {
             break;
         }

@@ -172,6 +172,9 @@ impl Growth {
     /// The lesser of both.
     #[must_use]
     pub fn lesser(&self, other: &Self) -> Self {
+        if let Some([lesser, _]) = self.in_order(other) {
+            return lesser;
+        }
         let (k, a, b) = self.alike(other);
         Self::power(k, a.min(b), self.from.max(other.from))
     }
@@ -179,8 +182,24 @@ impl Growth {
     /// The greater of both.
     #[must_use]
     pub fn greater(&self, other: &Self) -> Self {
+        if let Some([_, greater]) = self.in_order(other) {
+            return greater;
+        }
         let (k, a, b) = self.alike(other);
         Self::power(k, a.max(b), self.from.max(other.from))
+    }
+
+    /// The lesser and the greater where one is so all along: it keeps all of its terms.
+    fn in_order(&self, other: &Self) -> Option<[Self; 2]> {
+        let rise = other.plus(&self.times(Interval::point(-1.0)));
+        let from = rise.from;
+        let [a, b] = [self, other].map(|own| Self { from, ..*own });
+        match rise.range() {
+            rise if !rise.defined || rise.is_empty() => None,
+            rise if rise.lo >= 0.0 => Some([a, b]),
+            rise if rise.hi <= 0.0 => Some([b, a]),
+            _ => None,
+        }
     }
 
     /// A function of the value that is not a power.

@@ -69,6 +69,10 @@ pub(crate) fn under_moment(
         found.map(|state| with_lawful_energy(contact, state))
     };
     let mut state = balance(&mut engine, untilted)?;
+    // Cells that are fitted anew at every tilt tell their own errors, which no other grid changes.
+    if state.origin == Origin::EdgeFitted {
+        return Ok(state);
+    }
     // What one grid tells of its error at sharp edges, whose cells err by the first power, may be small by chance.
     match (settings.cells, engine.shared.edge) {
         (Some(cells), Some(_)) => return as_given(&mut engine, cells, state, &mut balance),
