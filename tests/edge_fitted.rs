@@ -555,6 +555,93 @@ mod formulas {
         assert!(state.pressure.max.is_some_and(|p| p > 0.0));
     }
 
+    /// Rollers with rounded, logarithmic and flattening ends, which no material's end makes.
+    fn rollers() -> [AnyGap; 3] {
+        let rounded = "x^2/2 + 4*max(0, abs(y) - 0.8)^2";
+        let logarithmic = "x^2/2 - 2e-3*ln(1 - (y/0.9)^2)";
+        let flattening = "x^2/2 + 0.01*(y/0.8)^24";
+        [rounded, logarithmic, flattening].map(|text| AnyGap::new(Formula::new(text).unwrap()))
+    }
+
+    #[test]
+    fn rollers_that_no_material_ends_have_the_force_of_a_grid() {
+        let uniform = Settings { method: Method::Fft, ..Settings::default() };
+        for gap in rollers() {
+            for tilt in [[0.0; 2], [0.0, 2e-3], [0.02, -4e-3]] {
+                let placed = gap.placed([0.3, -0.2], 0.5).unwrap();
+                let about = |[a, b]: [f64; 2]| {
+                    let (sin, cos) = 0.5_f64.sin_cos();
+                    let turned = [cos * a - sin * b, sin * a + cos * b];
+                    (0.01 - 0.3 * turned[0] + 0.2 * turned[1], turned)
+                };
+                let load = |depth: f64, tilt: [f64; 2]| {
+                    if tilt == [0.0; 2] { Load::Depth(depth) } else { Load::Tilted { depth, tilt } }
+                };
+                let straight = fitted(1.0, gap.clone(), load(0.01, tilt), &Settings::default());
+                let (depth, turned) = about(tilt);
+                let turned = fitted(1.0, placed, load(depth, turned), &Settings::default());
+                let grid = solve(&contact(1.0, gap.clone(), Loading::Single(load(0.01, tilt))), &uniform).remove(0);
+                let grid = grid.unwrap_or_else(|unsolved| *unsolved.best.unwrap());
+                for other in [&turned, &grid] {
+                    let stated = straight.force_error.unwrap() + other.force_error.unwrap();
+                    assert!((other.force / straight.force - 1.0).abs() <= stated, "{tilt:?}");
+                }
+                assert!(straight.force_error.unwrap() <= 1e-3);
+                let (Some([mx, my]), Some([gx, gy])) = (straight.moment, grid.moment) else { panic!("moments") };
+                assert!((mx - gx).hypot(my - gy) < 2e-3 * straight.force, "{mx:e} {my:e} {gx:e} {gy:e}");
+            }
+        }
+    }
+
+    /// P, and the integrals of p x and p y, are the slopes of the energy, and their own slopes are the stiffness matrix.
+    #[test]
+    fn a_misaligned_roller_keeps_its_laws() {
+        let [gap, ..] = rollers();
+        let settings = Settings { tolerance: 2e-3, ..Settings::default() };
+        let at = |[depth, x, y]: [f64; 3]| fitted(1.0, gap.clone(), Load::Tilted { depth, tilt: [x, y] }, &settings);
+        let (place, steps) = ([0.01, 0.004, 3e-3], [1e-3, 0.015, 1.5e-3]);
+        let state = at(place);
+        let loads = |state: &Solution| {
+            let [mx, my] = state.moment.unwrap();
+            [state.force, -my, mx]
+        };
+        let (own, matrix) = (loads(&state), state.stiffness_matrix.unwrap());
+        let size = [state.force, 0.1 * state.force, 0.8 * state.force];
+        // The matrix is that of the patch that was found.
+        let wider = state.area_error.unwrap();
+        for j in 0..3 {
+            let [less, more] = [-1.0, 1.0].map(|sense| {
+                let mut there = place;
+                there[j] += sense * steps[j];
+                at(there)
+            });
+            let slope = (more.energy.unwrap() - less.energy.unwrap()) / (2.0 * steps[j]);
+            assert!((slope - own[j]).abs() < 0.02 * size[j], "{j}: {slope:e} {:e}", own[j]);
+            for i in 0..3 {
+                let slope = (loads(&more)[i] - loads(&less)[i]) / (2.0 * steps[j]);
+                let scale = (matrix[i][i] * matrix[j][j]).sqrt();
+                assert!((slope - matrix[i][j]).abs() < (0.02 + wider) * scale, "{i} {j}: {slope:e} {:e}", matrix[i][j]);
+            }
+        }
+    }
+
+    /// Under a force that passes beside its middle a roller leans until the pressure balances it, and its errors are its own.
+    #[test]
+    fn a_roller_free_to_tilt() {
+        let [gap, ..] = rollers();
+        let level = fitted(1.0, gap.clone(), Load::Depth(0.01), &Settings::default());
+        let (force, arm) = (level.force, 0.15);
+        let load = Load::ForceMoment { force, moment: [force * arm, 0.0] };
+        let state = fitted(1.0, gap.clone(), load, &Settings::default());
+        let Solution { depth, tilt, .. } = state;
+        let held = fitted(1.0, gap, Load::Tilted { depth, tilt }, &Settings::default());
+        let error = held.force_error.unwrap();
+        assert!((held.force / force - 1.0).abs() <= error && error <= 1e-3);
+        let [mx, my] = held.moment.unwrap();
+        assert!((mx / force - arm).hypot(my / force) < 2e-3, "{mx:e} {my:e}");
+        assert!(state.stiffness_error.is_some_and(|error| error > 1e-4) && tilt[1] > 0.0);
+    }
+
     /// (hypot(x, k y) - 1)^2/(2 w).
     fn oval(k: f64, w: f64) -> AnyGap {
         AnyGap::new(Formula::new(&format!("(hypot(x, {k}*y) - 1)^2/(2*{w})")).unwrap())

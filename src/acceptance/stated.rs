@@ -67,8 +67,8 @@ fn under_force(contact: &Contact, state: &mut Solution) {
     }
 }
 
-/// A punch free to tilt: the compliance takes the error of the force, wherever in the patch it acts, to the depth: an estimate, where its
-/// depth has no bounds of its own.
+/// A punch free to tilt: the compliance takes the error of the force, wherever in the patch it acts, to the depth, which is that at the
+/// origin, and to the overlap where the force acts: an estimate, where its depth has no bounds of its own.
 fn under_moment(contact: &Contact, state: &mut Solution) {
     let error = state.force_error;
     state.force_error = Some(0.0);
@@ -82,16 +82,24 @@ fn under_moment(contact: &Contact, state: &mut Solution) {
         let compliance = scale * (scale * matrix * scale).try_inverse()? * scale;
         let at = |[u, v]: [f64; 2]| {
             let load = nalgebra::Vector3::new(1.0, x + u * size, y + v * size) * (state.force * error?);
-            Some((compliance * load)[0].abs())
+            let moved = compliance * load;
+            Some([moved[0].abs(), (moved[0] + x * moved[1] + y * moved[2]).abs()])
         };
         let places = [[0.0, 0.0], [1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]];
-        places.into_iter().try_fold(0.0_f64, |most, place| Some(most.max(at(place)?)))
+        let most = |most: [f64; 2], place| {
+            let own = at(place)?;
+            Some([0, 1].map(|m| most[m].max(own[m])))
+        };
+        places.into_iter().try_fold([0.0_f64; 2], most)
     };
-    let deeper = deeper().filter(|deeper| deeper.is_finite());
+    let [at_origin, deeper] = match deeper().filter(|off| off.iter().all(|off| off.is_finite())) {
+        Some(off) => off.map(Some),
+        None => [None; 2],
+    };
     let overlap = state.depth - least(&contact.tilted_gap(state.tilt)).1;
     let bounds = state.depth_bracket.as_ref().and_then(DepthBracket::ends);
     let proved = bounds.map(|[lower, upper]| (upper - state.depth).max(state.depth - lower));
-    state.depth_error = proved.or(deeper).map(|off| (off / state.depth).abs()).filter(|error| error.is_finite());
+    state.depth_error = proved.or(at_origin).map(|off| (off / state.depth).abs()).filter(|error| error.is_finite());
     let work = deeper.zip(state.energy).map(|(deeper, energy)| deeper * state.force / energy);
     err_with_overlap(state, deeper.map(|deeper| deeper / overlap), work);
 }

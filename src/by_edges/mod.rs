@@ -10,7 +10,7 @@
 //! | an axis, bounds along the radius | rings | the bracket of the force, else an estimate |
 //! | two mirrors, one closed strip around them | cells along the strip | an estimate |
 //! | material in a rectangle, a strip from one side to the other | rows of cells across it | an estimate |
-//! | material in a rectangle, a strip with steep ends | cells graded to them, those in contact | an estimate |
+//! | a strip with a steep end, of the material or of the overlap alone | cells graded to both, those in contact | an estimate |
 //! | a polynomial of second degree in a polygon or an ellipse, up to its edge | the cells that stay in contact | an estimate |
 
 mod crowned;
@@ -100,7 +100,8 @@ impl Route {
         }
         // Of those below, rollers alone tell what tilts them.
         if with_matrix {
-            return roller::Roller::of(overlap).map(|roller| Self::Roller { roller: Box::new(roller), otherwise: None });
+            return roller::Roller::of(overlap)
+                .map(|roller| Self::Roller { roller: Box::new(roller), otherwise: None });
         }
         if let Some(tip) = layer::FlatTip::of(overlap) {
             let flanked = flanked::FlankedTip::of(&tip);
@@ -304,7 +305,7 @@ fn judged(state: Solution, settings: &Settings) -> Result<Solution, Unsolved> {
 
 /// The verdict where this method is prescribed and does not apply.
 pub(crate) fn not_applicable() -> Unsolved {
-    let reason = "the gap is not known to be a flat polygon or ellipse, planes with a level one among them, of revolution, upright, an oval ring, a roller with sharp or steep ends in a rectangle, or a polynomial of second degree in an outline whose edge it reaches";
+    let reason = "the gap is not known to be a flat polygon or ellipse, planes with a level one among them, of revolution, upright, an oval ring, a roller with sharp or steep ends, or a polynomial of second degree in an outline whose edge it reaches";
     Unsolved::new(Verdict::NotApplicable, reason)
 }
 

@@ -1,5 +1,5 @@
-//! Rollers with sharp or steep ends: material in a rectangle, the contact from one side of it to the other, or as far as the bodies overlap
-//! where that ends the contact all but as an edge would.
+//! Rollers with sharp or steep ends, straight or misaligned: material in a rectangle, the contact from one side of it to the other, or as far
+//! as the bodies overlap where that ends the contact all but as an edge would, at one end at least.
 
 use super::Found;
 use super::estimated::in_users_units;
@@ -221,7 +221,8 @@ impl Roller {
         let room = if self.beside > 0.0 { BEYOND * (b - a) } else { f64::INFINITY };
         let [first, last] = self.ends;
         // All of it is material.
-        let Rect { min, max } = Rect::holding(lines.iter().flatten().flat_map(|u| self.ends.map(|v| self.outward([*u, v]))))?;
+        let Rect { min, max } =
+            Rect::holding(lines.iter().flatten().flat_map(|u| self.ends.map(|v| self.outward([*u, v]))))?;
         self.gap.bounds(&Rect { min, max }, [0.0; 2]).filter(|[_, high]| *high < f64::INFINITY)?;
         let lines = Lines(lines);
         let share = |v: f64| (v - self.ends[0]) / (self.ends[1] - self.ends[0]);

@@ -194,6 +194,25 @@ mod tests {
     use super::*;
 
     #[test]
+    fn a_stiffness_against_tilts_moves_with_its_axes() {
+        let rows: [[usize; 4]; 2] = [[0, 1, 4, 3], [1, 2, 5, 4]];
+        let nodes = [[0.0, 0.0], [0.3, 0.1], [1.0, 0.0], [0.0, 1.0], [0.4, 1.2], [1.1, 0.9]];
+        let limits = Limits::default();
+        let matrix = |outward: &dyn Fn(Point) -> Point| {
+            let mesh = Mesh::new(nodes.map(outward).to_vec(), rows.to_vec(), Vec::new());
+            let solved = Solved::new(mesh, &[], &|_| 1.0, Touching::All, &limits).unwrap();
+            (solved.stiffness_matrix(Touching::All, &limits).unwrap(), solved.stiffness)
+        };
+        let (own, stiffness) = matrix(&|p| p);
+        assert!((own.rows(1.0)[0][0] / stiffness - 1.0).abs() < 1e-12);
+        // Turned by a right angle, three times as large and moved.
+        let outward = |[x, y]: Point| [2.0 - 3.0 * y, 3.0 * x - 1.0];
+        let (there, seen) = (matrix(&outward).0.rows(1.0), own.in_axes(outward).rows(3.0));
+        let size = |i: usize, j: usize| (there[i][i] * there[j][j]).sqrt();
+        assert!((0..9).all(|k| (there[k / 3][k % 3] - seen[k / 3][k % 3]).abs() < 1e-9 * size(k / 3, k % 3)));
+    }
+
+    #[test]
     fn both_orders_are_within_the_error() {
         for order in [2.0, 2.3, 3.0, 4.0] {
             for (n, fewer) in [(5.0, 3.0), (12.0, 8.0), (9.0, 6.0)] {

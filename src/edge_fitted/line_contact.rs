@@ -1,9 +1,9 @@
-//! Line contacts of finite length whose ends are steep: rollers with logarithmic ends, pressed until these all but end the contact as an
-//! edge would.
+//! Line contacts of finite length whose ends are steep: rollers with logarithmic or rounded ends, pressed until these all but end the
+//! contact as an edge would.
 //!
 //! Rows of cells across the strip in which the bodies overlap are graded to both of its ends as those of a roller with sharp ends are
 //! ([`super::roller`]), and which of their cells are in contact is found with the pressure: the corners of the contact are rounded by what
-//! the graded rows are small beside. Across, p ~ s^(1/2) ends among equal cells. Energy and force then fall with the second order of both
+//! the graded rows are small beside; the less steep an end, the less they are graded. Across, p ~ s^(1/2) ends among equal cells. Energy and force then fall with the second order of both
 //! (the discrete energy is a lower bound, and stationary), and what is left of them is told by fewer cells along and across.
 
 use super::Limits;
@@ -141,7 +141,8 @@ fn estimated(f: &dyn Fn(Point) -> f64, line: &LineContact, limits: &Limits) -> O
             stiffness_matrix: None,
             area: fine.area,
             area_error: SAFE_AREA * (both(|s| s.area) + (cells as f64).powf(-1.5)),
-            max_error: Some(both(|s| s.solved.largest()) + fine.drop),
+            // What is less beside a peak may be next to nothing by where two rows lie.
+            max_error: Some(both(|s| s.solved.largest()) + fine.drop.max(nearer.drop)),
             cells: own.cells(Touching::Some),
             ends: vec![fine.boundary()],
             unknowns: own.unknowns,

@@ -391,6 +391,22 @@ mod tests {
     }
 
     #[test]
+    fn the_greater_keeps_its_terms() {
+        // max(0, r - 1) + x/2: above 1 beyond r = 4. Of two that cross on every ray the bounds of both hold.
+        let worn = |sector: Interval, from: f64| {
+            let slope = Growth::power(1.0, Interval::point(1.0), from).plus(&Growth::constant(-1.0));
+            let tilt = Growth::power(1.0, sector.cos() * Interval::point(0.5), from);
+            Some(Growth::constant(0.0).greater(&slope).plus(&tilt))
+        };
+        let Reach::Within(rect) = reach(worn, 1.0, [false; 2]) else { panic!("bounded") };
+        assert!(rect.max[0] >= 4.0 && rect.max[0] <= 8.0, "{rect:?}");
+        let (line, level) = (Growth::power(1.0, Interval::point(1.0), 0.5), Growth::constant(1.0));
+        assert_eq!([line.greater(&level).range().lo, line.lesser(&level).range().lo], [1.0, 0.5]);
+        let ended = Growth::power(0.0, Interval::EMPTY, 0.5);
+        assert!(level.greater(&ended).is_ended() || level.greater(&ended).range().lo == f64::INFINITY);
+    }
+
+    #[test]
     fn a_quotient_keeps_its_limit() {
         // r^2/(1 + r^2) < 1.
         let growth = |_: Interval, from: f64| {
