@@ -22,8 +22,19 @@ pub(crate) struct Engine<'a> {
     separate: Option<Contacts>,
     /// Whether one grid has missed a contact.
     several_grids: bool,
+    /// What the tilts of a balance are solved on: one kind for all, as what differs between them would be noise to Newton's method.
+    pub cells_of_tilts: CellsOfTilts,
     /// Of all states so far.
     spent: Cost,
+}
+
+/// Cells of a punch that is free to tilt.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum CellsOfTilts {
+    /// The first state decides.
+    Open,
+    Fitted,
+    Grid,
 }
 
 impl<'a> Engine<'a> {
@@ -40,6 +51,7 @@ impl<'a> Engine<'a> {
             warm_start: None,
             separate: None,
             several_grids: false,
+            cells_of_tilts: CellsOfTilts::Open,
             spent: Cost::default(),
         }
     }
@@ -76,9 +88,17 @@ impl<'a> Engine<'a> {
                 };
                 let settings = if quick { &rough } else { settings };
                 let gap = self.contact.tilted_gap(tilt);
-                let answer = without_grid(self.contact, &gap, depth, tilt, settings, self.with_matrix)?;
+                let on_cells = self.cells_of_tilts != CellsOfTilts::Grid;
+                let answer = without_grid(self.contact, &gap, depth, tilt, settings, (self.with_matrix, on_cells));
+                let fitted = self.cells_of_tilts == CellsOfTilts::Fitted;
+                if fitted && answer.is_none() {
+                    let reason = format!("no cells can be fitted at depth {depth:e}, tilt ({:e}, {:e})", tilt[0], tilt[1]);
+                    return Some(Err(Unsolved::new(Verdict::NotApplicable, reason)));
+                }
+                let answer = answer?;
                 // A grid may do better.
-                (!answer.as_ref().is_err_and(|e| e.verdict == Verdict::ToleranceNotReached)).then_some(answer)
+                let short = answer.as_ref().is_err_and(|e| e.verdict == Verdict::ToleranceNotReached);
+                (fitted || !short).then_some(answer)
             }
             _ => None,
         }
@@ -182,10 +202,17 @@ impl Respond for Engine<'_> {
     fn respond(&mut self, depth: f64, tilt: [f64; 2], quick: bool) -> Result<Solution, Unsolved> {
         self.settings.deadline.check()?;
         let state = match self.without_grid(depth, tilt, quick) {
-            Some(answered) => answered?,
+            Some(answered) => {
+                let state = answered?;
+                if self.with_matrix && state.origin == Origin::EdgeFitted {
+                    self.cells_of_tilts = CellsOfTilts::Fitted;
+                }
+                state
+            }
             None if !self.with_matrix => self.untilted(depth, quick)?,
             None => {
-                // One grid for all tilts: what differs from one to the next would be noise to Newton's method.
+                // One grid for all tilts, for the same reason.
+                self.cells_of_tilts = CellsOfTilts::Grid;
                 let gap = self.contact.tilted_gap(tilt);
                 let shared = &mut self.shared;
                 match grid_method::separately(self.contact, &gap, depth, tilt, self.settings)? {

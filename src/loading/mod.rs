@@ -53,17 +53,18 @@ pub(crate) fn respond(
     }
 }
 
-/// The state without a grid: by a formula, else by cells fitted to edges; `None` where it takes a grid.
+/// The state without a grid: by a formula, else by cells fitted to edges where these may be; `None` where it takes a grid.
 pub(crate) fn without_grid(
     contact: &Contact,
     gap: &AnyGap,
     depth: f64,
     tilt: [f64; 2],
     settings: &Settings,
-    with_matrix: bool,
+    (with_matrix, on_cells): (bool, bool),
 ) -> Option<Result<Solution, Unsolved>> {
     match Overlap::of(gap, depth) {
-        Ok(Some(overlap)) => without_grid_at(contact, &overlap, tilt, settings, with_matrix),
+        Ok(Some(overlap)) if on_cells => without_grid_at(contact, &overlap, tilt, settings, with_matrix),
+        Ok(Some(overlap)) => by_formula(contact, &overlap, tilt, settings),
         Ok(None) => Some(Ok(Solution::apart(Method::ClosedForm, depth, tilt))),
         Err(unsolved) => Some(Err(unsolved)),
     }
@@ -77,12 +78,22 @@ fn without_grid_at(
     settings: &Settings,
     with_matrix: bool,
 ) -> Option<Result<Solution, Unsolved>> {
-    match select::solution(contact, overlap, tilt, settings) {
-        Err(e) if e.verdict == Verdict::NoClosedForm => {}
-        answered => return Some(answered),
-    }
-    let chosen = by_edges::chosen_by(settings);
-    if chosen { by_edges::solution(contact, overlap, tilt, settings, with_matrix || tilt != [0.0; 2]) } else { None }
+    let on_cells = || {
+        let tilts = with_matrix || tilt != [0.0; 2];
+        by_edges::chosen_by(settings).then(|| by_edges::solution(contact, overlap, tilt, settings, tilts)).flatten()
+    };
+    by_formula(contact, overlap, tilt, settings).or_else(on_cells)
+}
+
+/// The state by a formula, where one holds.
+fn by_formula(
+    contact: &Contact,
+    overlap: &Overlap,
+    tilt: [f64; 2],
+    settings: &Settings,
+) -> Option<Result<Solution, Unsolved>> {
+    let answered = select::solution(contact, overlap, tilt, settings);
+    Some(answered).filter(|answered| !answered.as_ref().is_err_and(|e| e.verdict == Verdict::NoClosedForm))
 }
 
 /// The state of the grid, where it is as good as asked for and within the bounds of the one that falls short.

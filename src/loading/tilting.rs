@@ -1,6 +1,6 @@
 //! A punch free to tilt: balanced on grids that become finer until the force is good enough.
 
-use super::engine::Engine;
+use super::engine::{CellsOfTilts, Engine};
 use super::equilibrium;
 use crate::gap::{AnyGap, Gap, Reach};
 use crate::grid_method::SharedGrid;
@@ -61,6 +61,8 @@ pub(crate) fn under_moment(
             let terms = state.depth.abs() + (state.tilt[0] * through[0]).abs() + (state.tilt[1] * through[1]).abs();
             equilibrium::CLOSED.max(DIGITS * terms * state.stiffness / state.force)
         }
+        // Fitted anew at every tilt, with a noise that no step gets below.
+        Method::EdgeFitted => 0.1 * settings.tolerance,
         _ => 0.01 * settings.tolerance,
     };
     let mut guess = lowest_at(contact.gap(), through, &untilted, size);
@@ -68,11 +70,16 @@ pub(crate) fn under_moment(
         let found = equilibrium::under_moment(engine, force, moment, start, guess.take(), size, close);
         found.map(|state| with_lawful_energy(contact, state))
     };
-    let mut state = balance(&mut engine, untilted)?;
-    // Cells that are fitted anew at every tilt tell their own errors, which no other grid changes.
-    if state.origin == Origin::EdgeFitted {
-        return Ok(state);
-    }
+    let start = untilted.clone();
+    let mut state = match balance(&mut engine, untilted) {
+        // Cells that are fitted anew at every tilt tell their own errors, which no other grid changes.
+        Ok(state) if state.origin == Origin::EdgeFitted => return Ok(state),
+        Err(short) if engine.cells_of_tilts == CellsOfTilts::Fitted && short.verdict != Verdict::TimeLimit => {
+            engine.cells_of_tilts = CellsOfTilts::Grid;
+            balance(&mut engine, start)?
+        }
+        answered => answered?,
+    };
     // What one grid tells of its error at sharp edges, whose cells err by the first power, may be small by chance.
     match (settings.cells, engine.shared.edge) {
         (Some(cells), Some(_)) => return as_given(&mut engine, cells, state, &mut balance),
