@@ -51,7 +51,8 @@ pub(crate) fn stiffness_of(scaled: &Scaled, refined: &Refined) -> Result<(f64, O
         let growing = single_grid::growth(state, &vec![1.0; state.problem.grid.len()])?;
         let own = growing.iter().sum::<f64>() * state.problem.grid.cell_area();
         let found = energy::stiffness(&scaled.gap, scaled.depth, &state.trial(), &growing, refined.force);
-        Ok::<_, Unsolved>(found.filter(|_| scaled.certain && refined.sequence.is_none()).unwrap_or([own, 1.0]))
+        let of_use = |[_, share]: &[f64; 2]| *share < 1.0 && scaled.certain && refined.sequence.is_none();
+        Ok::<_, Unsolved>(found.filter(of_use).unwrap_or([own, 1.0]))
     };
     let [(stiffness, change), (share, _)] = refined.estimated(by_force)?;
     let of_force = if share < 1.0 { refined.error / refined.force } else { 0.0 };
