@@ -99,7 +99,7 @@ impl<'a> Family<'a> {
         let mut tolerance = settings.tolerance;
         loop {
             let settings = Settings { tolerance, ..*settings };
-            match without_grid(self.contact, self.contact.gap(), depth, [0.0; 2], &settings, (false, true)) {
+            match without_grid(self.contact, self.contact.gap(), depth, [0.0; 2], &settings, false) {
                 None => {}
                 Some(Err(short)) if short.verdict == Verdict::ToleranceNotReached => {
                     let near = |state: &Solution| state.force_error.is_some_and(|error| error <= self.tolerance);

@@ -3,7 +3,7 @@
 use super::equilibrium::Respond;
 use crate::grid_method::warm_start::WarmStart;
 use crate::grid_method::{self, Contacts, SharedGrid};
-use crate::loading::{respond, without_grid};
+use crate::loading::{by_formula, respond, without_grid};
 use crate::overlap::Overlap;
 use crate::problem::{Contact, ErrorBar, Method, Outputs, Settings};
 use crate::solution::{Cost, Origin, Solution, Unsolved, Verdict};
@@ -88,11 +88,14 @@ impl<'a> Engine<'a> {
                 };
                 let settings = if quick { &rough } else { settings };
                 let gap = self.contact.tilted_gap(tilt);
-                let on_cells = self.cells_of_tilts != CellsOfTilts::Grid;
-                let answer = without_grid(self.contact, &gap, depth, tilt, settings, (self.with_matrix, on_cells));
+                let answer = match self.cells_of_tilts {
+                    CellsOfTilts::Grid => by_formula(self.contact, &gap, depth, tilt, settings),
+                    _ => without_grid(self.contact, &gap, depth, tilt, settings, self.with_matrix),
+                };
                 let fitted = self.cells_of_tilts == CellsOfTilts::Fitted;
                 if fitted && answer.is_none() {
-                    let reason = format!("no cells can be fitted at depth {depth:e}, tilt ({:e}, {:e})", tilt[0], tilt[1]);
+                    let reason =
+                        format!("no cells can be fitted at depth {depth:e}, tilt ({:e}, {:e})", tilt[0], tilt[1]);
                     return Some(Err(Unsolved::new(Verdict::NotApplicable, reason)));
                 }
                 let answer = answer?;

@@ -53,18 +53,38 @@ pub(crate) fn respond(
     }
 }
 
-/// The state without a grid: by a formula, else by cells fitted to edges where these may be; `None` where it takes a grid.
+/// The state without a grid: by a formula, else by cells fitted to edges; `None` where it takes a grid.
 pub(crate) fn without_grid(
     contact: &Contact,
     gap: &AnyGap,
     depth: f64,
     tilt: [f64; 2],
     settings: &Settings,
-    (with_matrix, on_cells): (bool, bool),
+    with_matrix: bool,
+) -> Option<Result<Solution, Unsolved>> {
+    let solved = |overlap: &Overlap| without_grid_at(contact, overlap, tilt, settings, with_matrix);
+    where_they_overlap(gap, depth, tilt, solved)
+}
+
+/// The state by a formula, where one holds.
+pub(crate) fn by_formula(
+    contact: &Contact,
+    gap: &AnyGap,
+    depth: f64,
+    tilt: [f64; 2],
+    settings: &Settings,
+) -> Option<Result<Solution, Unsolved>> {
+    where_they_overlap(gap, depth, tilt, |overlap| by_formula_at(contact, overlap, tilt, settings))
+}
+
+fn where_they_overlap(
+    gap: &AnyGap,
+    depth: f64,
+    tilt: [f64; 2],
+    solved: impl FnOnce(&Overlap) -> Option<Result<Solution, Unsolved>>,
 ) -> Option<Result<Solution, Unsolved>> {
     match Overlap::of(gap, depth) {
-        Ok(Some(overlap)) if on_cells => without_grid_at(contact, &overlap, tilt, settings, with_matrix),
-        Ok(Some(overlap)) => by_formula(contact, &overlap, tilt, settings),
+        Ok(Some(overlap)) => solved(&overlap),
         Ok(None) => Some(Ok(Solution::apart(Method::ClosedForm, depth, tilt))),
         Err(unsolved) => Some(Err(unsolved)),
     }
@@ -82,11 +102,11 @@ fn without_grid_at(
         let tilts = with_matrix || tilt != [0.0; 2];
         by_edges::chosen_by(settings).then(|| by_edges::solution(contact, overlap, tilt, settings, tilts)).flatten()
     };
-    by_formula(contact, overlap, tilt, settings).or_else(on_cells)
+    by_formula_at(contact, overlap, tilt, settings).or_else(on_cells)
 }
 
-/// The state by a formula, where one holds.
-fn by_formula(
+/// As [`by_formula`], where the overlap is known.
+fn by_formula_at(
     contact: &Contact,
     overlap: &Overlap,
     tilt: [f64; 2],
