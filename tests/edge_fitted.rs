@@ -555,41 +555,45 @@ mod formulas {
         assert!(state.pressure.max.is_some_and(|p| p > 0.0));
     }
 
-    /// Rollers with rounded, logarithmic and flattening ends, which no material's end makes.
-    fn rollers() -> [AnyGap; 3] {
-        let rounded = "x^2/2 + 4*max(0, abs(y) - 0.8)^2";
+    /// Rollers with rounded and with logarithmic ends, which no material's end makes.
+    fn rollers() -> [AnyGap; 2] {
+        let rounded = "x^2/2 + 1000*max(0, abs(y) - 0.8)^2";
         let logarithmic = "x^2/2 - 2e-3*ln(1 - (y/0.9)^2)";
-        let flattening = "x^2/2 + 0.01*(y/0.8)^24";
-        [rounded, logarithmic, flattening].map(|text| AnyGap::new(Formula::new(text).unwrap()))
+        [rounded, logarithmic].map(|text| AnyGap::new(Formula::new(text).unwrap()))
     }
 
     #[test]
     fn rollers_that_no_material_ends_have_the_force_of_a_grid() {
         let uniform = Settings { method: Method::Fft, ..Settings::default() };
-        for gap in rollers() {
-            for tilt in [[0.0; 2], [0.0, 2e-3], [0.02, -4e-3]] {
-                let placed = gap.placed([0.3, -0.2], 0.5).unwrap();
-                let about = |[a, b]: [f64; 2]| {
-                    let (sin, cos) = 0.5_f64.sin_cos();
-                    let turned = [cos * a - sin * b, sin * a + cos * b];
-                    (0.01 - 0.3 * turned[0] + 0.2 * turned[1], turned)
-                };
-                let load = |depth: f64, tilt: [f64; 2]| {
-                    if tilt == [0.0; 2] { Load::Depth(depth) } else { Load::Tilted { depth, tilt } }
-                };
-                let straight = fitted(1.0, gap.clone(), load(0.01, tilt), &Settings::default());
-                let (depth, turned) = about(tilt);
-                let turned = fitted(1.0, placed, load(depth, turned), &Settings::default());
-                let grid = solve(&contact(1.0, gap.clone(), Loading::Single(load(0.01, tilt))), &uniform).remove(0);
-                let grid = grid.unwrap_or_else(|unsolved| *unsolved.best.unwrap());
-                for other in [&turned, &grid] {
-                    let stated = straight.force_error.unwrap() + other.force_error.unwrap();
-                    assert!((other.force / straight.force - 1.0).abs() <= stated, "{tilt:?}");
-                }
-                assert!(straight.force_error.unwrap() <= 1e-3);
-                let (Some([mx, my]), Some([gx, gy])) = (straight.moment, grid.moment) else { panic!("moments") };
-                assert!((mx - gx).hypot(my - gy) < 2e-3 * straight.force, "{mx:e} {my:e} {gx:e} {gy:e}");
+        let [rounded, logarithmic] = rollers();
+        let states = [
+            (&rounded, [0.0; 2]),
+            (&rounded, [0.02, -4e-3]),
+            (&logarithmic, [0.0, 2e-3]),
+            (&logarithmic, [0.02, -4e-3]),
+        ];
+        for (gap, tilt) in states {
+            let placed = gap.placed([0.3, -0.2], 0.5).unwrap();
+            let about = |[a, b]: [f64; 2]| {
+                let (sin, cos) = 0.5_f64.sin_cos();
+                let turned = [cos * a - sin * b, sin * a + cos * b];
+                (0.01 - 0.3 * turned[0] + 0.2 * turned[1], turned)
+            };
+            let load = |depth: f64, tilt: [f64; 2]| {
+                if tilt == [0.0; 2] { Load::Depth(depth) } else { Load::Tilted { depth, tilt } }
+            };
+            let straight = fitted(1.0, gap.clone(), load(0.01, tilt), &Settings::default());
+            let (depth, turned) = about(tilt);
+            let turned = fitted(1.0, placed, load(depth, turned), &Settings::default());
+            let grid = solve(&contact(1.0, gap.clone(), Loading::Single(load(0.01, tilt))), &uniform).remove(0);
+            let grid = grid.unwrap_or_else(|unsolved| *unsolved.best.unwrap());
+            for other in [&turned, &grid] {
+                let stated = straight.force_error.unwrap() + other.force_error.unwrap();
+                assert!((other.force / straight.force - 1.0).abs() <= stated, "{tilt:?}");
             }
+            assert!(straight.force_error.unwrap() <= 1e-3);
+            let (Some([mx, my]), Some([gx, gy])) = (straight.moment, grid.moment) else { panic!("moments") };
+            assert!((mx - gx).hypot(my - gy) < 2e-3 * straight.force, "{mx:e} {my:e} {gx:e} {gy:e}");
         }
     }
 

@@ -19,6 +19,8 @@ pub(crate) struct Roller {
     units: Units,
     /// The direction that it runs along: 0 for x, 1 for y.
     along: usize,
+    /// Whether there is material in a rectangle.
+    in_rectangle: bool,
     /// Where the material ends, or the overlap does, along; where the material does at most across.
     ends: [f64; 2],
     sides: [f64; 2],
@@ -51,6 +53,10 @@ const STEEP: f64 = 0.6;
 
 /// Share of the width in the middle from which a line is about as wide.
 const WIDE: f64 = 0.7;
+
+/// How far from an end, over its length, the strip is as wide as that where the gap goes on beyond it: what takes longer to be wide a grid of
+/// 512 cells along resolves, unless the gap rises without end beyond it, as a logarithm does.
+const RESOLVED: f64 = 1.0 / 512.0;
 
 /// The same at the other end where a tilt lifts it, a third less than where a strip ends in a parabola; and how long that is over its width.
 const POINTED: f64 = 0.12;
@@ -108,6 +114,7 @@ impl Roller {
                 depth,
                 units,
                 along,
+                in_rectangle: material.is_some(),
                 ends,
                 sides,
                 beside: 0.0,
@@ -172,11 +179,19 @@ impl Roller {
         self.beside = BESIDE * (last - first);
         let wide = |v: f64| self.across(v, None).map_or(0.0, |[c, d]| (d - c) / (b - a));
         let inside = a > self.sides[0] && b < self.sides[1];
-        let wide = [wide(first + self.beside), wide(last - self.beside)];
-        let (less, more) = (wide[0].min(wide[1]), wide[0].max(wide[1]));
+        let steep = |end: f64, out: f64| {
+            let ended = self.in_rectangle || !self.is_material(end + out * self.beside);
+            let near = if ended { self.beside } else { RESOLVED * (last - first) };
+            wide(end - out * near) >= share
+        };
+        let wide_beside = || [first + self.beside, last - self.beside].into_iter().all(|v| wide(v) >= POINTED);
         let long = (last - first) / (b - a);
-        let steep = if less >= share { long > 1.0 } else { more >= share && less >= POINTED && long > LONG };
-        (inside && steep).then_some(self)
+        let fits = match [steep(first, -1.0), steep(last, 1.0)] {
+            [true, true] => long > 1.0,
+            [false, false] => false,
+            _ => long > LONG && wide_beside(),
+        };
+        (inside && fits).then_some(self)
     }
 
     /// Where the bodies overlap across; where they cease to along, as a little further in.
