@@ -35,7 +35,6 @@ pub(super) fn in_users_units(
     let unit_force = e_star * height * length;
     let unit_pressure = e_star * height / length;
     let outward = |p: [f64; 2]| units.outward(p);
-    let [x, y] = outward(centre);
     let boundary: Vec<Vec<[f64; 2]>> = ends.into_iter().map(|line| line.into_iter().map(outward).collect()).collect();
     let reference = contact.gap().known().reference;
     let (strongest, largest) = cells.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
@@ -64,13 +63,13 @@ pub(super) fn in_users_units(
             boundary: Some(boundary),
             ..Patch::default()
         },
-        centre: [x, y],
+        centre: outward(centre),
         unknowns,
         how: String::new(),
         left_out: "",
         proved: false,
         tilting: stiffness_matrix.map(|own| Moments {
-            moment: [force * unit_force * y, -force * unit_force * x],
+            moment: None,
             bounds: None,
             matrix: own.in_axes(outward).rows(e_star * length),
         }),

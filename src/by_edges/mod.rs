@@ -82,7 +82,8 @@ struct Found {
 
 /// What a tilted punch has beside the others.
 struct Moments {
-    moment: [f64; 2],
+    /// Where they are known nearer than by the force at its centre.
+    moment: Option<[f64; 2]>,
     /// Proved.
     bounds: Option<PairBracket>,
     matrix: [[f64; 3]; 3],
@@ -366,7 +367,7 @@ fn in_users_units(
         tilt_bracket: None,
         stiffness: found.stiffness,
         stiffness_matrix: found.tilting.as_ref().map(|tilting| tilting.matrix),
-        moment: Some(found.tilting.map_or([force * y, -force * x], |tilting| tilting.moment)),
+        moment: Some(found.tilting.and_then(|tilting| tilting.moment).unwrap_or([force * y, -force * x])),
         energy: Some(0.5 * (found.energy[0] + found.energy[1])),
         pressure: PressureSummary {
             max: found.max,

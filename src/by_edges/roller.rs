@@ -51,16 +51,17 @@ const LINES: usize = 128;
 const BESIDE: f64 = 1.0 / 64.0;
 const STEEP: f64 = 0.6;
 
-/// Share of the width in the middle from which a line is about as wide.
-const WIDE: f64 = 0.7;
-
-/// How far from an end, over its length, the strip is as wide as that where the gap goes on beyond it: what takes longer to be wide a grid of
-/// 512 cells along resolves, unless the gap rises without end beyond it, as a logarithm does.
-const RESOLVED: f64 = 1.0 / 512.0;
-
-/// The same at the other end where a tilt lifts it, a third less than where a strip ends in a parabola; and how long that is over its width.
+/// How wide it is there at least where the other end alone is steep, a third less than where a strip ends in a parabola, as one that a tilt
+/// lifts does; and how long such a strip is over its width.
 const POINTED: f64 = 0.12;
 const LONG: f64 = 3.0;
+
+/// How far from a steep end, over the length, where the gap goes on beyond it: what takes longer to be wide a grid of 512 cells along
+/// resolves, unless the gap rises without end, as a logarithm does.
+const RESOLVED: f64 = 1.0 / 512.0;
+
+/// Share of the width in the middle from which a line is about as wide.
+const WIDE: f64 = 0.7;
 
 /// What may overlap beyond the ends that were found, over the width in the middle.
 const BEYOND: f64 = 0.025;
@@ -139,7 +140,8 @@ impl Roller {
     /// With the ends of the overlap in place of those of the material; `None` where they are not steep.
     fn within(mut self, reach: Rect) -> Option<Self> {
         let middle = 0.5 * (reach.min[1] + reach.max[1]);
-        self.across(middle, None)?;
+        let [a, b] = self.across(middle, None)?;
+        let inside = 0.5 * (a + b);
         let overlaps = |v: f64| self.across(v, None).is_some();
         let edges = self.ends.map(overlaps);
         // Where each end is, first nearly: most strips are not steep there, and that tells.
@@ -154,16 +156,14 @@ impl Roller {
         let ends = nearly.map(|[a, b]| if a == b { a } else { bisected(overlaps, [a, b], HALVINGS - NEARLY)[0] });
         // The last that overlaps may be the last of the material.
         let inset = INSET * (ends[1] - ends[0]);
-        let ended = [(0, -inset), (1, inset)].map(|(m, out)| !edges[m] && !self.is_material(ends[m] + out));
+        let ended = [(0, -inset), (1, inset)].map(|(m, out)| !edges[m] && !self.is_material([inside, ends[m] + out]));
         self.edges = [0, 1].map(|m| edges[m] || ended[m]);
         self.ends = [(0, inset), (1, -inset)].map(|(m, back)| if ended[m] { ends[m] + back } else { ends[m] });
         self.widening()
     }
 
-    /// Whether there is material in the middle of a line across, beside which the bodies overlap.
-    fn is_material(&self, v: f64) -> bool {
-        let beside = self.across(middle(self.ends), None).map_or(0.0, middle);
-        let [x, y] = self.outward([beside, v]);
+    fn is_material(&self, p: [f64; 2]) -> bool {
+        let [x, y] = self.outward(p);
         self.gap.gap(x, y).is_finite()
     }
 
@@ -180,7 +180,7 @@ impl Roller {
         let wide = |v: f64| self.across(v, None).map_or(0.0, |[c, d]| (d - c) / (b - a));
         let inside = a > self.sides[0] && b < self.sides[1];
         let steep = |end: f64, out: f64| {
-            let ended = self.in_rectangle || !self.is_material(end + out * self.beside);
+            let ended = self.in_rectangle || !self.is_material([middle([a, b]), end + out * self.beside]);
             let near = if ended { self.beside } else { RESOLVED * (last - first) };
             wide(end - out * near) >= share
         };

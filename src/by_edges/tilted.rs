@@ -151,7 +151,11 @@ impl Tilting {
             how: format!("the gap is {}: {touch}", self.found()),
             left_out: "the surface grid: cells follow the edges of the material",
             proved: state.proved,
-            tilting: Some(Moments { moment, bounds, matrix: [0, 1, 2].map(|i| [0, 1, 2].map(|j| matrix[(i, j)])) }),
+            tilting: Some(Moments {
+                moment: Some(moment),
+                bounds,
+                matrix: [0, 1, 2].map(|i| [0, 1, 2].map(|j| matrix[(i, j)])),
+            }),
         }
     }
 }

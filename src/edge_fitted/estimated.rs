@@ -170,8 +170,7 @@ impl Solved {
     pub fn stiffness_matrix(&self, touching: Touching, limits: &Limits) -> Option<StiffnessMatrix> {
         let unknowns = WITHOUT_SYMMETRY * limits.unknowns;
         let all = Discretisation::within(self.mesh.clone(), &[], unknowns, limits.means())?;
-        let own: Vec<[f64; 3]> = (0..all.mesh.loaded).map(|k| Bilinear::new(all.mesh.corners(k)).moments()).collect();
-        let weights = [0, 1, 2].map(|i| own.iter().map(|moments| moments[i]).collect::<Vec<f64>>());
+        let weights = all.mesh.weights();
         let contact: Vec<bool> = self.pressure.iter().map(|p| touching == Touching::All || *p > 0.0).collect();
         Some(StiffnessMatrix(Planes::on(&all.compliance, &weights, &contact)?.stiffness(&weights)))
     }

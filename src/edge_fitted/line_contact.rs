@@ -3,8 +3,9 @@
 //!
 //! Rows of cells across the strip in which the bodies overlap are graded to both of its ends as those of a roller with sharp ends are
 //! ([`super::roller`]), and which of their cells are in contact is found with the pressure: the corners of the contact are rounded by what
-//! the graded rows are small beside; the less steep an end, the less they are graded. Across, p ~ s^(1/2) ends among equal cells. Energy and force then fall with the second order of both
-//! (the discrete energy is a lower bound, and stationary), and what is left of them is told by fewer cells along and across.
+//! the graded rows are small beside; the less steep an end, the less they are graded. Across, p ~ s^(1/2) ends among equal cells. Energy and
+//! force then fall with the second order of both (the discrete energy is a lower bound, and stationary), and what is left of them is told
+//! by fewer cells along and across.
 
 use super::Limits;
 use super::estimated::{Estimated, Solved, Touching};

@@ -75,6 +75,12 @@ impl Mesh {
         self.cells[cell].map(|n| self.nodes[n])
     }
 
+    /// The integrals of 1, x and y over each loaded cell.
+    pub(crate) fn weights(&self) -> [Vec<f64>; 3] {
+        let own: Vec<[f64; 3]> = (0..self.loaded).map(|k| Bilinear::new(self.corners(k)).moments()).collect();
+        [0, 1, 2].map(|i| own.iter().map(|moments| moments[i]).collect())
+    }
+
     /// The largest extent along an axis.
     pub(crate) fn extent(&self) -> f64 {
         let range = |k: usize| {

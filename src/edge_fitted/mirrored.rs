@@ -219,8 +219,7 @@ mod tests {
             let mirrored = Mirrored::new(mesh, &fitted.group);
             let plain = Mirrored::new(mesh, &[]);
             assert_eq!((mirrored.count, plain.count), (count, 0), "{corners:?}");
-            let moments: Vec<[f64; 3]> = (0..mesh.loaded).map(|i| Bilinear::new(mesh.corners(i)).moments()).collect();
-            let weights = [0, 1, 2].map(|k| moments.iter().map(|m| m[k]).collect::<Vec<f64>>());
+            let weights = mesh.weights();
             let asked = [Vector3::x(), Vector3::new(1.0, 0.2, -0.3), Vector3::new(-0.4, 0.1, 1.0)];
             let [own, other] = [&mirrored, &plain].map(|some| {
                 let s = Compliance::of_cells(mesh, &lines, &some.orbits, Means::PLAIN).unwrap();

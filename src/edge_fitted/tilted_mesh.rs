@@ -6,7 +6,7 @@ use super::Means;
 use super::active_set::{Planes, balance, solve, solve_from};
 use super::compliance::Compliance;
 use super::line_potential::Lines;
-use super::mesh::{Bilinear, Mesh, Point};
+use super::mesh::{Mesh, Point};
 use super::mirrored::Mirrored;
 use super::outline::{Fitted, Outline};
 
@@ -105,8 +105,7 @@ impl Punch {
         let lines = Lines::new(mesh);
         let mirrored = Mirrored::new(mesh, &fitted.group);
         let compliance = Compliance::of_cells(mesh, &lines, &mirrored.orbits, means)?;
-        let moments: Vec<[f64; 3]> = (0..mesh.loaded).map(|i| Bilinear::new(mesh.corners(i)).moments()).collect();
-        let weights = [0, 1, 2].map(|k| moments.iter().map(|m| m[k]).collect());
+        let weights = mesh.weights();
         Some(Self { fitted, mirrored, lines, compliance, weights, means })
     }
 
