@@ -5,6 +5,7 @@ use super::refined::Refined;
 use super::samples;
 use super::single_grid::{self, GridState};
 use super::unresolved;
+use crate::discrete::Discrete;
 use crate::energy;
 use crate::gap::{AnyGap, Law};
 use crate::grid::Pressure;
@@ -38,10 +39,19 @@ pub(crate) fn dimensional(
     in_users_units(contact, scaled, refined, stiffness, depth, tilt, settings)
 }
 
-/// An estimate of a relative error that rests on a boundary between cells: one step from grid to grid may be small by luck.
+/// An estimate of a relative error that rests on which cells are in contact: one step from grid to grid may be small by luck.
 pub(crate) fn at_least(refined: &Refined, change: f64) -> f64 {
-    let of_cells = || unresolved::end(&refined.state.problem, &refined.state.solution.pressure);
-    if refined.sequence.is_some() { change } else { change.max(of_cells()) }
+    no_less(refined, change, unresolved::end)
+}
+
+/// The same of an area.
+pub(crate) fn area_at_least(refined: &Refined, change: f64) -> f64 {
+    no_less(refined, change, unresolved::area)
+}
+
+fn no_less(refined: &Refined, change: f64, of_cells: impl Fn(&Discrete, &[f64]) -> f64) -> f64 {
+    let GridState { problem, solution, .. } = &refined.state;
+    if refined.sequence.is_some() { change } else { change.max(of_cells(problem, &solution.pressure)) }
 }
 
 /// dP/dd with an estimate of its relative error.
@@ -90,7 +100,7 @@ pub(crate) fn in_users_units(
     let coarser = |state: &GridState| Ok(sums(state, &patch::of(&state.problem, &state.solution, reference)));
     let [(energy, energy_error), (x, _), (y, _), (area, area_error), (max_radius, _), (_, peak_error)] =
         refined.estimated_beside(Some(finest), coarser)?;
-    let area_error = area_error.map(|change| at_least(refined, change));
+    let area_error = area_error.map(|change| area_at_least(refined, change));
     // U = P (d - g0)/(2 + 1/k), of the best force.
     let (energy, energy_error) = match scaled.gap.known().law {
         Some(law) => (force * scaled.above_lowest() / (2.0 + law.degree.inverse()), Some(error / force)),

@@ -1,6 +1,6 @@
 //! A solved grid that goes on from one depth to the next on the same cells: what a search for a depth asks for.
 
-use super::dimensional::{at_least, in_users_units, stiffness_of, strongest};
+use super::dimensional::{area_at_least, at_least, in_users_units, stiffness_of, strongest};
 use super::domain;
 use super::expansion::expanded;
 use super::refined::Refined;
@@ -56,7 +56,8 @@ impl Errors {
         let finest = numbers(&refined.state, stiffness);
         let coarser = |state: &GridState| Ok(numbers(state, single_grid::stiffness(state)?));
         let [(_, stiffness), (_, energy), (_, area), (_, peak)] = refined.estimated_beside(Some(finest), coarser)?;
-        let [stiffness, area] = [stiffness, area].map(|change| change.map(|change| at_least(refined, change)));
+        let stiffness = stiffness.map(|change| at_least(refined, change));
+        let area = area.map(|change| area_at_least(refined, change));
         let (grid, values) = (&refined.state.problem.grid, &refined.state.solution.pressure);
         let strongest = strongest(values);
         Ok(Self { stiffness, energy, area, peak: peak.map(|p| p.max(unresolved::peak(grid, values, strongest))) })

@@ -4,7 +4,7 @@ pub(crate) mod peak;
 mod pieces;
 
 use crate::discrete::{Discrete, DiscreteSolution};
-use crate::grid::Grid;
+use crate::grid::{Grid, Kernel};
 use crate::matrix_free;
 use crate::numeric::geometry::{area, centroid, farthest};
 use crate::numeric::scalar::root;
@@ -13,7 +13,8 @@ use crate::solution::Patch;
 /// The patch of a solved problem, with boundaries placed between cell centres.
 ///
 /// Near the edge of a smooth contact p = k sqrt(s) inside and gap = 4 k s^(3/2)/3 outside (E* = 1, s the distance to the
-/// edge), so p^2 and gap^(2/3) are linear in s: the pair of cells on either side places the edge between them.
+/// edge), so p^2 and gap^(2/3) are linear in s: the pair of cells on either side places the edge between them, by the
+/// distance of their centres in the direction in which p^2 falls.
 /// At a sharp edge (no material beyond) the edge is the border of the cell.
 ///
 /// ```
@@ -60,7 +61,6 @@ fn boundary(problem: &Discrete, solution: &DiscreteSolution) -> Vec<(usize, Vec<
     let grid = &problem.grid;
     let whole = displacement_around(problem, solution);
     let displacement = whole.as_deref().unwrap_or(&solution.displacement);
-    let spacing = 0.5 * (grid.spacing[0] + grid.spacing[1]);
     // Share of the way from the centre of the loaded cell to that of its free neighbour.
     let share = |inside: usize, outside: Option<usize>| {
         let Some(outside) = outside else { return 0.5 };
@@ -68,7 +68,14 @@ fn boundary(problem: &Discrete, solution: &DiscreteSolution) -> Vec<(usize, Vec<
         if f == f64::NEG_INFINITY {
             return 0.5;
         }
-        edge_between(solution.pressure[inside], displacement[outside] - f, spacing)
+        let along = usize::from(inside.abs_diff(outside) != 1);
+        let across_edge = outward(grid, &solution.pressure, inside).map_or(1.0, |normal| normal[along].abs());
+        edge_between(
+            solution.pressure[inside],
+            displacement[outside] - f,
+            grid.spacing[along] * across_edge,
+            problem.kernel,
+        )
     };
     march(grid, &solution.pressure.iter().map(|&p| p > 0.0).collect::<Vec<_>>(), share)
 }
@@ -92,12 +99,41 @@ fn displacement_around(problem: &Discrete, solution: &DiscreteSolution) -> Optio
     pressed.into_iter().any(beside).then(|| matrix_free::displacement(problem, &solution.pressure))
 }
 
-/// t = s/h with p^2 = k^2 s and (3 gap/4)^(2/3) = k^(2/3) (h - s): k eliminated, (1 - t)^3 = c t.
-fn edge_between(p: f64, gap: f64, h: f64) -> f64 {
+/// The direction in which p^2 falls at a loaded cell, by differences over three cells each way (Sobel).
+fn outward(grid: &Grid, pressure: &[f64], k: usize) -> Option<[f64; 2]> {
+    let [nx, ny] = grid.shape.map(|n| n as i64);
+    let [i, j] = [k as i64 % nx, k as i64 / nx];
+    let squared = |[a, b]: [i64; 2]| {
+        let on_grid = (0..nx).contains(&(i + a)) && (0..ny).contains(&(j + b));
+        if on_grid { pressure[((j + b) * nx + i + a) as usize].powi(2) } else { 0.0 }
+    };
+    let fall = [0, 1].map(|m| {
+        let pair = |across: i64| {
+            let [ahead, behind] = [1, -1].map(|along| squared(if m == 0 { [along, across] } else { [across, along] }));
+            behind - ahead
+        };
+        (pair(-1) + 2.0 * pair(0) + pair(1)) / grid.spacing[m]
+    });
+    let size = fall[0].hypot(fall[1]);
+    (size > 0.0).then(|| fall.map(|c| c / size))
+}
+
+/// (3 gap/(4 p d))^2 of p = k s^(1/2) and its gap at the centres over that of two cells: the least squares of 5900 pairs of them beside the
+/// edges of ellipses of 1 to 300, which they place to 0.02 and 0.04 of a cell.
+fn of_cells(kernel: Kernel) -> f64 {
+    match kernel {
+        Kernel::Galerkin => 0.47,
+        Kernel::Collocation => 0.85,
+    }
+}
+
+/// t = s/d with p^2 = k^2 s and (3 gap/4)^(2/3) = k^(2/3) (d - s), d the distance of the centres across the edge: k eliminated,
+/// (1 - t)^3 = c t.
+fn edge_between(p: f64, gap: f64, d: f64, kernel: Kernel) -> f64 {
     if gap <= 0.0 {
         return 0.5;
     }
-    let c = (0.75 * gap / (p * h)).powi(2);
+    let c = of_cells(kernel) * (0.75 * gap / (p * d)).powi(2);
     // The unknown k comes from a cell mean next to a square root: keep the edge between the two centres.
     let [nearest, farthest] = [0.05, 0.95];
     let excess = |t: f64| (1.0 - t).powi(3) - c * t;
@@ -203,5 +239,27 @@ mod tests {
     fn cells_that_meet_at_a_corner_are_one_region() {
         assert_eq!(loops_of(&["#.", ".#"]).len(), 1);
         assert_eq!(loops_of(&["#..", "...", "..#"]).len(), 2);
+    }
+
+    #[test]
+    fn the_edge_of_an_ellipse_lies_between_cells() {
+        use crate::closed_form::Hertz;
+        use crate::{EffectiveModulus, gap::Paraboloid, geometry::Rect};
+        let e_star = EffectiveModulus::from_e_star(1.0).unwrap();
+        for (flat, [nx, ny]) in [(1.0, [52, 52]), (30.0, [40, 60]), (1000.0, [36, 90])] {
+            let hertz = Hertz::new(e_star, [1.0, flat]).unwrap().at_depth(1.0).unwrap();
+            let [long, short] = hertz.patch.semi_axes;
+            for kernel in [Kernel::Galerkin, Kernel::Collocation] {
+                let grid = Grid::over(&Rect::around([0.0; 2], [1.08 * short, 1.08 * long]), [nx, ny]);
+                let gap = Paraboloid::new([1.0, flat]).unwrap();
+                let problem = Discrete::sample(&gap, 1.0, grid, kernel);
+                let solution = matrix_free::solve_nested(&problem, &matrix_free::Settings::default()).unwrap();
+                let found = of(&problem, &solution, [0.0; 2]);
+                // Over the rim and a mean width of the cells: how many of them it lies away from where it should.
+                let cells = [nx, ny].map(|n| n as f64 / 2.16);
+                let off = 0.5 * (found.area / hertz.patch.area() - 1.0) * cells[0].min(cells[1]);
+                assert!(off.abs() < 0.02, "{flat} {kernel:?} {off}");
+            }
+        }
     }
 }
