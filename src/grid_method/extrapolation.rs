@@ -234,6 +234,10 @@ const OF_BEND: f64 = 0.75;
 /// What is left over what the finer half shows of a bend h ln h: 1.17 is seen on 87 rollers with sharp ends.
 const OF_FINER: f64 = 1.4;
 
+/// What is left of a line over what jumps and bends together show of it: of 140 practitioners' scenes with sharp edges, each with four numbers,
+/// 5 were off by up to 1.37 times without it.
+const OF_LINE: f64 = 1.4;
+
 impl Intercept {
     /// Values that it takes.
     pub const LEAST: usize = 7;
@@ -267,7 +271,8 @@ impl Intercept {
             let (bent, deviation, left) = self.bent.intercept(&self.grids, values);
             let own = freedoms(self.bent.rank);
             if self.bent.rank == 4 && squares - left > shown_by(own).powi(2) * left / own {
-                return Estimate { value: bent, error: (times(own) * deviation).max(OF_BEND * (bent - v0).abs()) };
+                let error = OF_LINE * (times(own) * deviation).max(OF_BEND * (bent - v0).abs());
+                return Estimate { value: bent, error };
             }
         }
         let coarser = Self::coarser(values.len());
@@ -277,7 +282,8 @@ impl Intercept {
         } else {
             1.0
         };
-        Estimate { value: v0, error: (times(freedoms(self.all.rank)) * deviation).max((finer - v0).abs() / shown) }
+        let error = OF_LINE * (times(freedoms(self.all.rank)) * deviation).max((finer - v0).abs() / shown);
+        Estimate { value: v0, error }
     }
 }
 
