@@ -286,6 +286,8 @@ fn plan_and_solve_go_one_way() {
         ("abs(x)^1.5 + 2*y^2", 0.1, None),
         ("(r - 1)^2", 0.01, None),
         ("0.001*(1 - r^2)", 0.0005, Some(Verdict::Unbounded)),
+        ("x^2 + 1 - cos(3*y)", 0.1, Some(Verdict::Unbounded)),
+        ("cosh(x) + cos(y + 2*x)", 0.2, Some(Verdict::Unbounded)),
     ];
     for (expression, depth, refused) in cases {
         let modulus = EffectiveModulus::from_e_star(1.0).unwrap();

@@ -86,6 +86,7 @@ impl<F: Fn(f64, f64) -> f64 + Send + Sync> Declared<F> {
             law: None,
             axis: self.known.axis.filter(|axis| disc && axis.at == [0.0; 2]),
             mirrors: outline.mirrors_of(&self.known, centre),
+            recurs_along: None,
             material: Material::Within(outline.bounds()),
             centre,
             ..self.known

@@ -32,6 +32,9 @@ pub struct Known {
     pub material: Material,
     /// Whether the gap is its own image in the lines x = c and y = c through [`Known::centre`].
     pub mirrors: [bool; 2],
+    /// A direction, radians counter-clockwise from x, along which the gap falls below any depth again and again, without end, that it is below
+    /// anywhere: that of a row of waves.
+    pub recurs_along: Option<f64>,
     /// Corners of a polygon outside of which there is no material, where that is known of a gap that ends at straight edges.
     pub ends: Option<Arc<[[f64; 2]]>>,
     /// Angle of the axes that it was drawn along, radians counter-clockwise from x: those of its longest straight edge, else its own. Any
@@ -55,6 +58,7 @@ impl Known {
             crown: None,
             material: Material::Unknown,
             mirrors: [false; 2],
+            recurs_along: None,
             ends: None,
             drawn_along: 0.0,
         }

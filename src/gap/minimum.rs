@@ -140,6 +140,7 @@ fn known_of(parts: &[AnyGap]) -> Known {
         crown: None,
         material: material.unwrap_or(Material::Unknown),
         mirrors: common_mirrors(parts, centre),
+        recurs_along: None,
         ends: None,
         drawn_along: drawn_along(parts),
     }

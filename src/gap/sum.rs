@@ -131,6 +131,7 @@ fn known_of(parts: &[AnyGap]) -> Known {
         crown: crown.filter(|crown| crown.form.hessian != [0.0; 3]),
         material: material.unwrap_or(Material::Unknown),
         mirrors: common_mirrors(parts, centre),
+        recurs_along: None,
         ends: all().find_map(|k| k.ends.clone()),
         drawn_along: drawn_along(parts),
     }

@@ -318,6 +318,7 @@ impl Transform {
                 other => other,
             },
             mirrors: [0, 1].map(|m| mirrors[m] && self.plane[m] == 0.0),
+            recurs_along: own.recurs_along.filter(|_| !tilted).map(|along| along + self.angle()),
             ends: own.ends.as_ref().map(|corners| corners.iter().map(|&corner| self.outward(corner)).collect()),
             drawn_along: own.drawn_along + self.angle(),
         }

@@ -81,6 +81,7 @@ impl Overlap {
         let reach = match found {
             Reach::Within(rect) => rect,
             Reach::Nowhere => return Ok(None),
+            Reach::Unbounded { along, .. } if gap.known().recurs_along == Some(along) => return Err(row(depth, along)),
             Reach::Unbounded { from, along } if certain != Reach::Unknown => return Err(endless(depth, from, along)),
             _ => {
                 let reason = format!(
@@ -195,9 +196,14 @@ pub(crate) fn reach_of(gap: &AnyGap, depth: f64) -> Reach {
 }
 
 fn known_or_searched(known: Reach, gap: &AnyGap, depth: f64) -> Reach {
-    match known {
-        Reach::Unknown => search::search(&|x, y| gap.gap(x, y), depth, gap.known().centre),
-        known => known,
+    let (values, centre) = (|x: f64, y: f64| gap.gap(x, y), gap.known().centre);
+    match (known, gap.known().recurs_along) {
+        (Reach::Unknown, Some(along)) => match search::first_seed(&values, depth, centre) {
+            Some(from) => Reach::Unbounded { from, along },
+            None => Reach::Nowhere,
+        },
+        (Reach::Unknown, None) => search::search(&values, depth, centre),
+        (known, _) => known,
     }
 }
 
@@ -207,6 +213,16 @@ fn endless(depth: f64, [x, y]: [f64; 2], along: f64) -> Unsolved {
         "at depth {depth:e} the undeformed bodies overlap without end along the ray from ({x:.3e}, {y:.3e}) in the direction of {degrees:.1} degrees: \
          the contact is as long as one looks, and so is its force. So it is with line contacts: cylinders, wedges of two faces, \
          extruded profiles"
+    );
+    Unsolved::new(Verdict::Unbounded, reason).with_hint(ENDED)
+}
+
+/// A row of waves that overlap.
+fn row(depth: f64, along: f64) -> Unsolved {
+    let degrees = along.to_degrees();
+    let reason = format!(
+        "at depth {depth:e} the undeformed bodies overlap again and again, without end, in the direction of {degrees:.1} degrees: the gap is made of \
+         waves there, a row of contacts as long as one looks, and so is its force"
     );
     Unsolved::new(Verdict::Unbounded, reason).with_hint(ENDED)
 }

@@ -120,7 +120,7 @@ fn within(inner: &Rect, outer: &Rect) -> bool {
 }
 
 /// A point inside: the centre, or one seen from it, or the lowest place that can be slid to.
-fn first_seed(gap: &dyn Fn(f64, f64) -> f64, depth: f64, centre: [f64; 2]) -> Option<[f64; 2]> {
+pub(super) fn first_seed(gap: &dyn Fn(f64, f64) -> f64, depth: f64, centre: [f64; 2]) -> Option<[f64; 2]> {
     let mut best = (gap(centre[0], centre[1]), centre, 0.0);
     if best.0 < depth {
         return Some(centre);

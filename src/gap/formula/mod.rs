@@ -12,6 +12,7 @@ mod smooth;
 mod structure;
 mod tape;
 
+use std::f64::consts::FRAC_PI_2;
 use std::sync::OnceLock;
 
 use super::{
@@ -120,6 +121,10 @@ impl Formula {
             axis,
             material: Material::Everywhere,
             mirrors: tree.mirrors(),
+            recurs_along: [(0, 0.0), (1, FRAC_PI_2)]
+                .into_iter()
+                .find(|(m, _)| tree.recurs()[*m])
+                .map(|(_, along)| along),
             ..Known::nothing()
         };
         if let Some(lowest) = quadratic.and_then(|q| q.lowest()) {
@@ -158,6 +163,7 @@ impl Formula {
                 .map(|axis| Axis { generatrix: Generatrix::General, ..axis }),
             material: Material::Within(region.bounds()),
             mirrors: region.mirrors_of(&known, centre),
+            recurs_along: None,
             face,
             crown: crown.filter(|crown| crown.form.hessian != [0.0; 3]),
             ends: (round.is_none()).then(|| region.corners().into()),

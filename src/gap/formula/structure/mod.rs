@@ -7,11 +7,13 @@ mod homogeneous;
 mod parity;
 mod polynomial;
 mod radial;
+mod recurrence;
 
 use self::homogeneous::homogeneous;
 use self::parity::{Parity, parity};
 use self::polynomial::Polynomial;
 use self::radial::{Radial, radial};
+use self::recurrence::{Recurrence, recurrence};
 use super::functions::{Number, One, Two};
 use super::tape::{Op, Tape};
 use super::{R, THETA};
@@ -197,6 +199,11 @@ impl Tree {
         (round && radius > 0.0 && radius.is_finite()).then_some((radius, lowest))
     }
 
+    /// Along which of x and y the formula comes back to each of its values.
+    pub fn recurs(&self) -> [bool; 2] {
+        [0, 1].map(|axis| self.each(|node, of| recurrence(node, of, axis)) == Some(Recurrence::Recurrent))
+    }
+
     /// Whether the formula is its own image in x = a and in y = b with (a, b) = [`Tree::about`].
     pub fn mirrors(&self) -> [bool; 2] {
         [0, 1].map(|axis| self.each(|node, of: &[Parity]| Some(parity(node, of, axis))) == Some(Parity::Even))
@@ -274,6 +281,23 @@ mod tests {
         assert!(matches!(ball, Some(Generatrix::Sphere { radius, lowest: 0.0 }) if (radius - 0.02).abs() < 1e-16));
         let cone = tree("0.3*r").generatrix();
         assert_eq!(cone, Some(Generatrix::Power { coefficient: 0.3, exponent: 1.0, lowest: 0.0 }));
+    }
+
+    #[test]
+    fn waves_without_end_come_back() {
+        for (text, wanted) in [
+            ("x^2 + 1 - cos(3*y)", [false, true]),
+            ("cosh(x) - exp(sin(y - 2*x^2)/3) + abs(cos(pi*y))", [false, true]),
+            ("sin(x + y)^2 + max(0, cos(2*x - y))", [true, true]),
+            ("x^2 + y^2 + 0.1*cos(9*y)", [false, false]),
+            ("x^2 + sin(y^2)", [false, false]),
+            ("x^2 + floor(sin(y))", [false, false]),
+            ("x^2 + cos(3*theta)", [false, false]),
+            ("x^2 + y*cos(y)", [false, false]),
+            ("x^2", [false, false]),
+        ] {
+            assert_eq!(tree(text).recurs(), wanted, "{text}");
+        }
     }
 
     #[test]
