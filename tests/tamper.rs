@@ -95,6 +95,18 @@ fn numbers(value: &Value, path: &str, found: &mut Vec<String>) {
     }
 }
 
+/// What an error or a bracket may be said to be, weakest first.
+const STRENGTH: [&str; 4] = ["estimated", "sampled", "proved", "exact"];
+
+/// Paths of all such words, but for those of the scene.
+fn claims(value: &Value, path: &str, found: &mut Vec<String>) {
+    let Value::Object(entries) = value else { return };
+    for (key, value) in entries.iter().filter(|(key, _)| *key != "scene" && *key != "options") {
+        let path = format!("{path}/{key}");
+        if key == "evidence" && value.is_string() { found.push(path) } else { claims(value, &path, found) }
+    }
+}
+
 /// The accuracy to which a check can tell a number: a change below it makes no claim false that anybody could see.
 fn accuracy(path: &str, honest: &Value) -> f64 {
     let number = |path: &str| honest.pointer(path).and_then(Value::as_f64).unwrap_or(0.0);
@@ -178,6 +190,22 @@ fn a_changed_number_is_accepted_only_where_nothing_claimed_is_false() {
                 };
                 if !holds {
                     wrong.push(format!("{path}: {old:e} times {factor:e}"));
+                }
+            }
+        }
+        let mut words = Vec::new();
+        claims(&honest, "", &mut words);
+        for path in words {
+            let old = honest.pointer(&path).and_then(Value::as_str).unwrap();
+            let rank = |word: &str| STRENGTH.iter().position(|known| *known == word).unwrap();
+            for new in &STRENGTH[rank(old) + 1..] {
+                tried += 1;
+                let mut changed = honest.clone();
+                *changed.pointer_mut(&path).unwrap() = json!(new);
+                if checked(&scene, &changed.to_string()).is_some_and(|found| found.accepted()) {
+                    wrong.push(format!("{path}: {old} called {new}"));
+                } else {
+                    refused += 1;
                 }
             }
         }

@@ -1,10 +1,10 @@
 //! States that no field shows by itself - by a formula, an approximate method, fitted or turned cells, a limit of grids: what they rest on is
 //! applied again, and the field of a formula is checked by the displacement of its cells.
 
-use super::result::{Key, State, key};
+use super::result::{Key, Proof, State, key};
 use super::state::ROUNDING;
 use super::{Verification, close, formula};
-use crate::bracket::{self, DepthBracket};
+use crate::bracket::{self, DepthBracket, Evidence, Side};
 use crate::gap::AnyGap;
 use crate::grid_method::REPEATABLE;
 use crate::problem::{ErrorBar, Load, Loading, Method, Outputs, Settings};
@@ -173,6 +173,11 @@ impl State<'_> {
         let Some(own) = &own.bracket else {
             return found.require(false, format!("there is a bracket of {}", self.method));
         };
+        let proofs = [(&claimed.below, own.lower_side()), (&claimed.above, own.upper_side())];
+        let proved = |(claimed, own): &(&Option<Proof>, &Side)| {
+            claimed.as_ref().is_none_or(|claimed| !claimed.proved || own.evidence() == Evidence::Proved)
+        };
+        found.require(proofs.iter().all(proved), "what is proved of the bracket was proved again".to_owned());
         let (lower, upper) = (own.lower(), own.upper());
         let room = if other_cells { ABOUT * (upper - lower) } else { 0.0 };
         found.require(

@@ -108,6 +108,20 @@ impl State<'_> {
                 let known = matches!(word, "proved" | "sampled");
                 found.require(known, format!("a bracket is proved or sampled; it is said to be {word}"));
             }
+            let proved = |side: &Option<result::Side>| side.as_ref().is_some_and(|side| side.evidence == "proved");
+            let both = proved(&said.below) && proved(&said.above);
+            let own = &said.evidence;
+            found.require((own == "proved") == both, format!("a bracket is proved where both sides are: {own}"));
+            let of_error = if matches!(load, Load::Depth(_) | Load::Tilted { .. }) {
+                Some(own)
+            } else {
+                said.depth.as_ref().map(|depth| &depth.evidence)
+            };
+            if let (Some(word @ ("proved" | "sampled")), Some(own)) =
+                (self.said.evidence.one().map(AsRef::as_ref), of_error)
+            {
+                found.require(own == word, format!("the error is {word}: its bracket is {own}"));
+            }
         }
     }
 

@@ -21,7 +21,7 @@ const COARSEST: f64 = 32.0;
 const STEPS: f64 = 4.0;
 
 /// Cells along the longer side of the last grid that is tried.
-pub(crate) const FINEST: usize = 1024;
+pub(crate) const FINEST: usize = 1218;
 
 /// The same where no more than `allowed` are wanted: enough for a line in any case.
 pub(crate) fn finest(allowed: usize) -> usize {

@@ -193,7 +193,7 @@ fn at_sharp_edges(
     let mut limited: Option<Solution> = None;
     // A grid alone says nothing of its error.
     let untold = |state: &Solution| Solution { force_error: None, ..state.clone() };
-    for cells in (0..).map(sharp_edges::cells).take_while(|&n| n <= sharp_edges::FINEST / 2) {
+    for cells in (0..).map(sharp_edges::cells).take_while(|&n| n <= FINEST / 2) {
         engine.cells = cells;
         state = balance(engine, state.clone()).map_err(|e| match e.verdict {
             Verdict::TimeLimit => e.with_best(limited.take().unwrap_or_else(|| untold(&state))),
