@@ -127,7 +127,7 @@ impl FlankedTip {
         let middle = |[a, b]: [f64; 2]| 0.5 * (a + b);
         let half = |[a, b]: [f64; 2]| (b - a).abs() / (a + b);
         let error = bounded.width();
-        let Bounded { bounds, stiffness, area, end, cells, unknowns } = bounded;
+        let Bounded { bounds, stiffness, area, area_error, end, cells, unknowns } = bounded;
         let state = Estimated {
             force: middle(bounds.force),
             error,
@@ -135,8 +135,8 @@ impl FlankedTip {
             stiffness: middle(stiffness),
             stiffness_error: half(stiffness) + error,
             stiffness_matrix: None,
-            area: middle(area),
-            area_error: half(area),
+            area,
+            area_error,
             max_error: None,
             cells,
             ends: vec![end],
