@@ -173,11 +173,13 @@ impl State<'_> {
         let Some(own) = &own.bracket else {
             return found.require(false, format!("there is a bracket of {}", self.method));
         };
-        let proofs = [(&claimed.below, own.lower_side()), (&claimed.above, own.upper_side())];
-        let proved = |(claimed, own): &(&Option<Proof>, &Side)| {
+        let proved_again = |claimed: &Option<Proof>, own: &Side| {
             claimed.as_ref().is_none_or(|claimed| !claimed.proved || own.evidence() == Evidence::Proved)
         };
-        found.require(proofs.iter().all(proved), "what is proved of the bracket was proved again".to_owned());
+        found.require(
+            proved_again(&claimed.below, own.lower_side()) && proved_again(&claimed.above, own.upper_side()),
+            "what is said to be proved of the bracket was proved again",
+        );
         let (lower, upper) = (own.lower(), own.upper());
         let room = if other_cells { ABOUT * (upper - lower) } else { 0.0 };
         found.require(

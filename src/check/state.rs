@@ -85,17 +85,19 @@ impl State<'_> {
                     let room = error.unwrap_or(0.0) * value.abs() * (1.0 + ROUNDING);
                     upper - value <= room && value - lower <= room
                 };
-                let (what, holds) = if matches!(load, Load::Depth(_) | Load::Tilted { .. }) {
+                let said = self.said.bracket.one();
+                let (what, evidence, holds) = if matches!(load, Load::Depth(_) | Load::Tilted { .. }) {
                     let own = |b: &Bounds| within(self.force, self.force_error, [b.lower, b.upper]);
-                    ("force", self.bracket.as_ref().is_some_and(own))
+                    ("force", said.map(|said| &said.evidence), self.bracket.as_ref().is_some_and(own))
                 } else {
-                    let bounds = self.get(key!(bracket.depth)).and_then(|bounds| bounds.lower.zip(bounds.upper));
+                    let said = said.and_then(|said| said.depth.as_ref());
+                    let bounds = said.and_then(|depth| depth.lower.zip(depth.upper));
                     let own = |(lower, upper)| within(self.depth, self.depth_error, [lower, upper]);
-                    ("depth", bounds.is_some_and(own))
+                    ("depth", said.map(|depth| &depth.evidence), bounds.is_some_and(own))
                 };
                 found.require(
-                    holds,
-                    format!("the error is {word}: there is a bracket of the {what}, within the stated error"),
+                    holds && evidence.is_some_and(|own| own == word),
+                    format!("the error is {word}: so is a bracket of the {what}, within the stated error"),
                 );
             }
             Some("estimated") | None => {}
@@ -112,16 +114,6 @@ impl State<'_> {
             let both = proved(&said.below) && proved(&said.above);
             let own = &said.evidence;
             found.require((own == "proved") == both, format!("a bracket is proved where both sides are: {own}"));
-            let of_error = if matches!(load, Load::Depth(_) | Load::Tilted { .. }) {
-                Some(own)
-            } else {
-                said.depth.as_ref().map(|depth| &depth.evidence)
-            };
-            if let (Some(word @ ("proved" | "sampled")), Some(own)) =
-                (self.said.evidence.one().map(AsRef::as_ref), of_error)
-            {
-                found.require(own == word, format!("the error is {word}: its bracket is {own}"));
-            }
         }
     }
 

@@ -17,7 +17,7 @@ use super::line_potential::{BATCH, Points, Scratch};
 use super::mesh::{Bilinear, Mesh, Point, cross, dot, minus, norm};
 use super::rectilinear::{graded, graded_both};
 use super::residual_norm::decay_lengths;
-use crate::numeric::geometry::area as polygon_area;
+use crate::numeric::geometry::area;
 
 /// A contact with bounds of its force, E* = 1.
 pub(crate) struct Bounded {
@@ -254,16 +254,16 @@ impl Solved {
             let m = solve_on(&factor(&d.compliance, set)?, set, &d.areas);
             Some(m.iter().zip(&d.areas).map(|(m, a)| m * a).sum())
         };
-        let of = |set: &[bool]| d.areas.iter().zip(set).filter(|(_, on)| **on).map(|(area, _)| area).sum::<f64>();
-        let (within, wider) = (of(&contact), of(&set));
-        let area = 0.5 * (within + wider);
-        let of_strip = (OF_STRIP / flat.growth.sqrt()).min(1.0) * (area - polygon_area(flat.corners)).max(0.0);
+        let area_of = |set: &[bool]| d.areas.iter().zip(set).filter(|(_, on)| **on).map(|(area, _)| area).sum::<f64>();
+        let (within, wider) = (area_of(&contact), area_of(&set));
+        let middle = 0.5 * (within + wider);
+        let of_strip = (OF_STRIP / flat.growth.sqrt()).min(1.0) * (middle - area(flat.corners)).max(0.0);
         let of = |cell: usize| pressure[d.orbits.orbit[cell]];
         Some(Bounded {
             bounds,
             stiffness: [stiffness(&contact)?, stiffness(&set)?],
-            area,
-            area_error: (0.5 * (wider - within) + of_strip) / area,
+            area: middle,
+            area_error: (0.5 * (wider - within) + of_strip) / middle,
             end: self.end(&of),
             cells: (0..mesh.loaded).filter(|&cell| of(cell) > 0.0).map(|cell| (mesh.corners(cell), of(cell))).collect(),
             unknowns: d.orbits.loaded,

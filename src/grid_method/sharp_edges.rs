@@ -20,7 +20,7 @@ const COARSEST: f64 = 32.0;
 /// Grids to a doubling of the cells.
 const STEPS: f64 = 4.0;
 
-/// Cells along the longer side of the last grid that is tried.
+/// Cells along the longer side of the last grid that is tried: the 22nd.
 pub(crate) const FINEST: usize = 1218;
 
 /// The same where no more than `allowed` are wanted: enough for a line in any case.

@@ -91,9 +91,8 @@ pub(crate) fn end(problem: &Discrete, pressure: &[f64]) -> f64 {
     by_ends(problem, pressure, OF_END)
 }
 
-/// By [`rim`], that of a curved boundary; what a straight one
-/// along the cells is off by as a whole, on top of it where a line contact has straight sides and curved ends; and how steeply the overlap
-/// ends between cells.
+/// A share of [`rim`] for a curved boundary; what a straight one along the cells is off by as a whole, on top of it where a line contact has
+/// straight sides and curved ends; and how steeply the overlap ends between cells.
 fn by_ends(problem: &Discrete, pressure: &[f64], share: f64) -> f64 {
     let count = pressure.iter().filter(|p| **p > 0.0).count().max(1) as f64;
     let Rim { longest, falls } = Rim::of(problem, pressure);

@@ -81,8 +81,8 @@ impl Overlap {
         let reach = match found {
             Reach::Within(rect) => rect,
             Reach::Nowhere => return Ok(None),
-            Reach::Unbounded { along, .. } if gap.known().recurs_along == Some(along) => return Err(row(depth, along)),
             Reach::Unbounded { from, along } if certain != Reach::Unknown => return Err(endless(depth, from, along)),
+            Reach::Unbounded { along, .. } if gap.known().recurs_along.is_some() => return Err(row(depth, along)),
             _ => {
                 let reason = format!(
                     "the gap stays below the depth {depth:e} however far it was followed: the contact has no end"

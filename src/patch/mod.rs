@@ -255,7 +255,7 @@ mod tests {
                 let problem = Discrete::sample(&gap, 1.0, grid, kernel);
                 let solution = matrix_free::solve_nested(&problem, &matrix_free::Settings::default()).unwrap();
                 let found = of(&problem, &solution, [0.0; 2]);
-                // Over the rim and a mean width of the cells: how many of them it lies away from where it should.
+                // How far it lies from where it should, in cells of the axis that has fewer of them.
                 let cells = [nx, ny].map(|n| n as f64 / 2.16);
                 let off = 0.5 * (found.area / hertz.patch.area() - 1.0) * cells[0].min(cells[1]);
                 assert!(off.abs() < 0.02, "{flat} {kernel:?} {off}");

@@ -12,7 +12,6 @@ mod smooth;
 mod structure;
 mod tape;
 
-use std::f64::consts::FRAC_PI_2;
 use std::sync::OnceLock;
 
 use super::{
@@ -121,10 +120,7 @@ impl Formula {
             axis,
             material: Material::Everywhere,
             mirrors: tree.mirrors(),
-            recurs_along: [(0, 0.0), (1, FRAC_PI_2)]
-                .into_iter()
-                .find(|(m, _)| tree.recurs()[*m])
-                .map(|(_, along)| along),
+            recurs_along: tree.recurs_along(),
             ..Known::nothing()
         };
         if let Some(lowest) = quadratic.and_then(|q| q.lowest()) {

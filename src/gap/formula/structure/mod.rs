@@ -9,6 +9,8 @@ mod polynomial;
 mod radial;
 mod recurrence;
 
+use std::f64::consts::FRAC_PI_2;
+
 use self::homogeneous::homogeneous;
 use self::parity::{Parity, parity};
 use self::polynomial::Polynomial;
@@ -199,9 +201,10 @@ impl Tree {
         (round && radius > 0.0 && radius.is_finite()).then_some((radius, lowest))
     }
 
-    /// Along which of x and y the formula comes back to each of its values.
-    pub fn recurs(&self) -> [bool; 2] {
-        [0, 1].map(|axis| self.each(|node, of| recurrence(node, of, axis)) == Some(Recurrence::Recurrent))
+    /// The direction, that of x or of y, along which the formula comes back to each of its values.
+    pub fn recurs_along(&self) -> Option<f64> {
+        let recurs = |axis: usize| self.each(|node, of| recurrence(node, of, axis)) == Some(Recurrence::Recurrent);
+        [0.0, FRAC_PI_2].into_iter().enumerate().find(|(axis, _)| recurs(*axis)).map(|(_, along)| along)
     }
 
     /// Whether the formula is its own image in x = a and in y = b with (a, b) = [`Tree::about`].
@@ -286,17 +289,17 @@ mod tests {
     #[test]
     fn waves_without_end_come_back() {
         for (text, wanted) in [
-            ("x^2 + 1 - cos(3*y)", [false, true]),
-            ("cosh(x) - exp(sin(y - 2*x^2)/3) + abs(cos(pi*y))", [false, true]),
-            ("sin(x + y)^2 + max(0, cos(2*x - y))", [true, true]),
-            ("x^2 + y^2 + 0.1*cos(9*y)", [false, false]),
-            ("x^2 + sin(y^2)", [false, false]),
-            ("x^2 + floor(sin(y))", [false, false]),
-            ("x^2 + cos(3*theta)", [false, false]),
-            ("x^2 + y*cos(y)", [false, false]),
-            ("x^2", [false, false]),
+            ("x^2 + 1 - cos(3*y)", Some(FRAC_PI_2)),
+            ("cosh(x) - exp(sin(y - 2*x^2)/3) + abs(cos(pi*y))", Some(FRAC_PI_2)),
+            ("sin(x + y)^2 + max(0, cos(2*x - y))", Some(0.0)),
+            ("x^2 + y^2 + 0.1*cos(9*y)", None),
+            ("x^2 + sin(y^2)", None),
+            ("x^2 + floor(sin(y))", None),
+            ("x^2 + cos(3*theta)", None),
+            ("x^2 + y*cos(y)", None),
+            ("x^2", None),
         ] {
-            assert_eq!(tree(text).recurs(), wanted, "{text}");
+            assert_eq!(tree(text).recurs_along(), wanted, "{text}");
         }
     }
 
