@@ -1,10 +1,13 @@
 //! Flat punches: K = P/d from the bracket of the energy, P d = 2 U.
 
+use std::borrow::Cow;
+
 use super::Limits;
 use super::discrete::{Discretisation, Stiffness};
 use super::estimated::Rest;
+use super::first_mesh::{COARSE, first, usually_enough};
 use super::mesh::Point;
-use super::outline::{COARSEST, FINE, Fitted, Outline};
+use super::outline::{FINE, Fitted, Outline};
 use super::tilted_mesh::FINEST;
 
 /// The stiffness of a flat punch, E* = 1, and what it took.
@@ -29,55 +32,12 @@ impl FlatStiffness {
 /// Share of the tolerance that the next mesh is to meet: one that just misses it costs as much as the one that has to follow.
 pub(super) const AIM: f64 = 0.9;
 
-/// Twice the half width times n^3 of an outline of so many corners, as it chooses the first mesh, no more: the wider the fewer they are.
-pub(super) fn usual_width(corners: usize) -> f64 {
-    (0.08 + 1.6 / corners as f64).min(0.4)
-}
+/// Share of the tolerance that the place of the edges may take.
+const OF_EDGES: f64 = 0.04;
 
-/// The n that mostly meets a tolerance.
-fn usually_enough(corners: usize, tolerance: f64) -> f64 {
-    (usual_width(corners) / (2.0 * AIM * tolerance)).cbrt().round()
-}
-
-/// The same of a polygon of few corners, or of a convex one, by c (perimeter^2/(4 pi area))^p: slender ones take more. A mesh too many costs
-/// less than one that just misses the tolerance.
-const OF_SHAPE: [f64; 2] = [5.5, 0.25];
-const FEW_CORNERS: usize = 8;
-
-/// Corners of outlines whose width differs from the usual one by more than a coarse mesh costs: stars.
-const UNUSUAL: std::ops::RangeInclusive<usize> = 9..=20;
-
-/// The n of that mesh, how much of its half width times n^3 a finer one has, and of n what it may be short of.
-const COARSE: usize = 2;
-const GROWN: f64 = 1.33;
-const SHORT_OF: f64 = 0.02;
-
-/// The n that is enough by the width of a coarse mesh.
-fn seen_enough(outline: &Outline, limits: &Limits) -> Option<f64> {
-    let fitted = outline.mesh(COARSE)?;
-    let [low, high] = Discretisation::new(fitted.mesh, &fitted.group, limits.means())?.stiffness()?.bounds;
-    let width = (high - low) / (high + low);
-    Some((COARSE as f64 * (GROWN * width / limits.tolerance).cbrt() - SHORT_OF).ceil())
-}
-
-/// CPU seconds below which the coarsest mesh comes first, so that there is an answer at all.
-const SHORT: f64 = 2.0;
-
-/// The n of the first mesh: the coarsest where time is short, and no finer than what may be solved on.
-fn first(outline: &Outline, limits: &Limits) -> usize {
-    if limits.deadline.remaining() < SHORT {
-        return COARSEST;
-    }
-    let fits = |n: &usize| outline.mesh(*n).is_some_and(|fitted| fitted.is_within(limits, 1));
-    let corners = outline.corners().len();
-    let of_shape = || {
-        let slender = outline.slenderness().filter(|_| corners <= FEW_CORNERS || outline.is_convex())?;
-        Some((OF_SHAPE[0] * slender.powf(OF_SHAPE[1]) * (1e-3 / limits.tolerance).cbrt()).ceil())
-    };
-    let seen = || if UNUSUAL.contains(&corners) { seen_enough(outline, limits) } else { None };
-    let usual = || usually_enough(corners, limits.tolerance);
-    let wanted = of_shape().or_else(seen).unwrap_or_else(usual).min(FINEST as f64) as usize;
-    (COARSEST..=wanted).rev().find(fits).unwrap_or(COARSEST)
+/// The polygon that is meant, as far as the coordinates tell it.
+fn regular<'a>(outline: &'a Outline, limits: &Limits) -> Cow<'a, Outline> {
+    outline.regular(OF_EDGES * limits.tolerance).map_or(Cow::Borrowed(outline), Cow::Owned)
 }
 
 /// Bounds of K on meshes of rising n until the half width is within the tolerance. The width falls as n^-3 (see
@@ -85,6 +45,7 @@ fn first(outline: &Outline, limits: &Limits) -> usize {
 /// that can be solved on, and where the time ends before the first one is.
 #[must_use]
 pub(crate) fn flat_stiffness(outline: &Outline, limits: &Limits) -> Option<FlatStiffness> {
+    let outline = &regular(outline, limits);
     let mut n = first(outline, limits);
     let mut best: Option<FlatStiffness> = None;
     let mut before = limits.deadline.remaining();
@@ -133,6 +94,7 @@ const TOLD: f64 = 1.4;
 /// tolerance. `None` as of [`flat_stiffness`].
 #[must_use]
 pub(crate) fn estimated_stiffness(outline: &Outline, limits: &Limits) -> Option<FlatStiffness> {
+    let outline = &regular(outline, limits);
     let whole = if outline.is_graded_everywhere() { f64::INFINITY } else { 0.5 * FINE * outline.extent() };
     let on = |n: usize| {
         let fitted = outline.mesh_within(n, whole / n as f64).filter(|fitted| fitted.mesh.loaded <= limits.cells)?;
@@ -140,7 +102,7 @@ pub(crate) fn estimated_stiffness(outline: &Outline, limits: &Limits) -> Option<
         let (k, pressure) = d.stiffness_below()?;
         Some((k, cells(&fitted, &pressure), d.orbits.loaded))
     };
-    let wanted = usually_enough(outline.corners().len(), limits.tolerance / TOLD);
+    let wanted = usually_enough(outline, limits.tolerance / TOLD);
     let mut n = (wanted.min(FINEST as f64) as usize).max(LEAST);
     let coarser = ((BEFORE * n as f64) as usize).max(COARSE);
     let mut before = (coarser, on(coarser)?.0);

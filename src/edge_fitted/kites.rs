@@ -9,8 +9,9 @@ use std::collections::HashMap;
 
 use super::bilinear::CORNERS;
 use super::mesh::{Bilinear, Mesh, Point, cross, dot, minus, norm};
-use super::rectilinear::split;
+use super::rectilinear::{Lines, graded, split};
 use super::strip::strip;
+use crate::numeric::geometry::centroid;
 
 /// Centre and radius of the largest circle in a convex polygon, counter-clockwise: all sides move inwards alike, the side that
 /// vanishes first is left out, until three are left. `None` where the polygon has no inside.
@@ -86,7 +87,8 @@ impl Piece {
     fn new(all: &[Vec<Point>], own: usize) -> Option<Self> {
         let corners = all[own].clone();
         let count = corners.len();
-        let (centre, _) = inner_circle(&corners)?;
+        // In a slender triangle the largest circle lies at one end: from the centroid cells reach the sharpest corner in fewer steps.
+        let centre = if count == 3 && all.len() == 1 { centroid(&corners) } else { inner_circle(&corners)?.0 };
         let shared = |a: Point, b: Point| {
             let others = all.iter().enumerate().filter(|(k, _)| *k != own);
             others
@@ -230,12 +232,14 @@ const ALONG: f64 = 16.0;
 
 /// The mesh of convex pieces of an outline that share whole sides, all counter-clockwise, with `n` x `n` cells at each corner of each, fewer
 /// along curves and more where they would be longer than about `most`.
-pub(crate) fn mesh(outline: &[Point], pieces: &[Vec<Point>], n: usize, beta: f64, most: f64) -> Option<Mesh> {
-    let graded: Vec<f64> = (0..=n).map(|i| 1.0 - 2.0 * ((n - i) as f64 / n as f64).powf(beta)).collect();
+pub(super) fn mesh(outline: &[Point], pieces: &[Vec<Point>], n: usize, most: f64, lines: Lines) -> Option<Mesh> {
+    // Where pieces meet in re-entrant corners it takes as many along short lines.
+    let alike = pieces.len() > 1;
+    let graded = |share: f64| graded(-1.0, 1.0, if alike { n } else { (lines.count)(n, share) }, lines.beta);
     let mut index = NodeIndex::new(pieces.iter().flatten());
     let mut cells = Vec::new();
     let pieces: Vec<Piece> = (0..pieces.len()).map(|own| Piece::new(pieces, own)).collect::<Option<_>>()?;
-    fill(outline, &pieces, &graded, most, &mut index, &mut cells);
+    fill(outline, &pieces, &graded, n, most, &mut index, &mut cells);
     let bare = Mesh::new(index.nodes, cells.clone(), Vec::new());
     let (nodes, strip) = strip(&bare)?;
     Some(Mesh::new(nodes, cells, strip))
@@ -255,7 +259,8 @@ pub(crate) fn convex(corners: &[Point], graded: &[f64], most: f64) -> Option<Con
     let mut index = NodeIndex::new(corners.iter());
     let mut cells = Vec::new();
     let pieces = [Piece::new(&[corners.to_vec()], 0)?];
-    let lines = fill(corners, &pieces, graded, most, &mut index, &mut cells);
+    let n = graded.len() - 1;
+    let lines = fill(corners, &pieces, &|_| graded.to_vec(), n, most, &mut index, &mut cells);
     let piece = &pieces[0];
     let sides = (0..corners.len())
         .map(|k| {
@@ -272,23 +277,24 @@ pub(crate) fn convex(corners: &[Point], graded: &[f64], most: f64) -> Option<Con
     Some(Convex { nodes: index.nodes.clone(), index, cells, sides })
 }
 
-/// Adds the cells of pieces of an outline, and returns the nodes along the line from the middle of every piece to each of its feet.
+/// Adds the cells of pieces of an outline, `graded` along a line to an edge by its share of the longest one, and returns the nodes along the line from the middle of every piece to each of its feet.
 fn fill(
     outline: &[Point],
     pieces: &[Piece],
-    graded: &[f64],
+    graded: &dyn Fn(f64) -> Vec<f64>,
+    n: usize,
     most: f64,
     index: &mut NodeIndex,
     cells: &mut Vec<[usize; 4]>,
 ) -> Vec<Vec<Vec<f64>>> {
-    let n = graded.len() - 1;
     let (all, class) = classes(pieces, outline);
+    let whole = all.iter().filter(|class| class.graded).map(|class| class.longest).fold(0.0, f64::max);
     let grades: Vec<Vec<f64>> = all
         .iter()
         .map(|class| {
             let longest = 2.0 * most / class.longest;
             if class.graded {
-                split(graded, longest)
+                split(&graded(class.longest / whole), longest)
             } else {
                 split(&[-1.0, 1.0], longest.min(2.0 * ALONG * class.radius / (n as f64 * class.longest)))
             }
@@ -351,7 +357,7 @@ mod tests {
     use crate::numeric::geometry::area;
 
     fn check(outline: &[Point], pieces: &[Vec<Point>], area: f64, n: usize, length: f64) {
-        let mesh = mesh(outline, pieces, n, 4.0, f64::INFINITY).unwrap();
+        let mesh = mesh(outline, pieces, n, f64::INFINITY, Lines { beta: 4.0, count: |n, _| n }).unwrap();
         let sum: f64 = (0..mesh.loaded).map(|i| Bilinear::new(mesh.corners(i)).area()).sum();
         assert!((sum - area).abs() < 1e-12 * area);
         // Only the outline has cells on one side only.

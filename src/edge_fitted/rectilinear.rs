@@ -15,6 +15,22 @@ pub(crate) fn graded(from: f64, to: f64, n: usize, beta: f64) -> Vec<f64> {
         .collect()
 }
 
+/// The cells along the lines from the middle to an edge.
+#[derive(Clone, Copy)]
+pub(super) struct Lines {
+    /// The exponent that they are graded with.
+    pub beta: f64,
+    /// How many, by those along the longest line and the share of its length.
+    pub count: fn(usize, f64) -> usize,
+}
+
+/// Of n cells along the longest line of a mesh, how many there are along one of this share of its length: what a cell leaves open grows with
+/// its size. With the power 1/4 a proved width takes 12 % less time than with n along all (24 convex polygons of 3 to 6 corners by lot), for
+/// a rectangle 1 : 20 half of it; from 0.2 to 0.5 the gain is about the same. Never less than half: more of n are more of each.
+pub(super) fn count_along(n: usize, share: f64) -> usize {
+    ((n as f64 * share.powf(0.25).max(0.5)).round() as usize).max(1)
+}
+
 /// Nodes over [a, b] graded to both ends, 2 n cells.
 pub(crate) fn graded_both(a: f64, b: f64, n: usize, beta: f64) -> Vec<f64> {
     let mid = 0.5 * (a + b);

@@ -49,12 +49,20 @@ impl Orbits {
         let cells = mesh.cells.len();
         let finder = Finder::new(mesh);
         let mut images: Vec<Vec<usize>> = vec![(0..cells).collect()];
+        let mut known: Vec<([Point; 2], usize)> = vec![([[1.0, 0.0], [0.0, 1.0]], 0)];
         for g in group {
-            if let Some(image) = finder.image(mesh, g)
-                && !images.contains(&image)
-            {
+            // Of two that are known, or searched for.
+            let product = || {
+                let pairs = known.iter().flat_map(|a| known.iter().map(move |b| (a, b)));
+                let (a, b) = pairs.into_iter().find(|(a, b)| close(&product(&a.0, &b.0), &g.matrix))?;
+                Some(images[b.1].iter().map(|&i| images[a.1][i]).collect())
+            };
+            let Some(image) = product().or_else(|| finder.image(mesh, g)) else { continue };
+            let place = images.iter().position(|other| *other == image).unwrap_or_else(|| {
                 images.push(image);
-            }
+                images.len() - 1
+            });
+            known.push((g.matrix, place));
         }
         let mut orbit = vec![usize::MAX; cells];
         let (mut representatives, mut size, mut loaded) = (Vec::new(), Vec::new(), 0);
@@ -90,6 +98,15 @@ impl Orbits {
     pub fn expand(&self, values: &[f64], loaded: usize) -> Vec<f64> {
         (0..loaded).map(|i| values[self.orbit[i]]).collect()
     }
+}
+
+fn product(a: &[Point; 2], b: &[Point; 2]) -> [Point; 2] {
+    a.map(|[x, y]| [x * b[0][0] + y * b[1][0], x * b[0][1] + y * b[1][1]])
+}
+
+/// Whether two matrices of a finite group are the same.
+fn close(a: &[Point; 2], b: &[Point; 2]) -> bool {
+    a.iter().flatten().zip(b.iter().flatten()).all(|(a, b)| (a - b).abs() < 1e-9)
 }
 
 /// Finds cells by their centres.

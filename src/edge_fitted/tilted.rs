@@ -102,7 +102,6 @@ pub(crate) fn tilted(outline: &Outline, given: Given, frame: &Frame, limits: &Li
         return Some(found);
     }
     let mut size = first.size(outline);
-    let corners = outline.corners().len();
     let provable = outline.is_covered() && limits.proof;
     let lifts = first.lifts() || !provable;
     let enough = (ENOUGH[0] + ENOUGH[1] * first.varies) * (1e-3 / limits.tolerance).cbrt();
@@ -110,7 +109,7 @@ pub(crate) fn tilted(outline: &Outline, given: Given, frame: &Frame, limits: &Li
     let mut n = if lifts {
         ((BEFORE * enough).round() as usize).max(COARSEST)
     } else {
-        look.enough(&first, given, corners, AIM * limits.tolerance)
+        look.enough(&first, given, outline, AIM * limits.tolerance)
     };
     // An estimate takes two meshes.
     let second = |n: usize| (n as f64 / BEFORE).ceil().min(enough).max(n as f64 + 1.0);
@@ -133,7 +132,7 @@ pub(crate) fn tilted(outline: &Outline, given: Given, frame: &Frame, limits: &Li
             size = pressed.size(outline);
             if !pressed.lifts() && !told {
                 told = true;
-                let wanted = punch.enough(pressed, given, corners, AIM * limits.tolerance);
+                let wanted = punch.enough(pressed, given, outline, AIM * limits.tolerance);
                 if let Some(finer) = (n + 1..=wanted).rev().find(|n| fits(*n, size)) {
                     n = finer;
                     continue;

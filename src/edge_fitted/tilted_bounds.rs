@@ -4,7 +4,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::active_set::Planes;
 use super::compliance::known_to;
-use super::flat::usual_width;
+use super::first_mesh::usual_width;
 use super::mesh::Point;
 use super::outline::{COARSEST, Outline};
 use super::region::{Region, regions};
@@ -53,8 +53,8 @@ pub(crate) struct Tilted {
 
 impl Punch {
     /// The n for which the error of the force may be within the tolerance, where it touches everywhere.
-    pub fn enough(&self, pressed: &Pressed, given: Given, corners: usize, tolerance: f64) -> usize {
-        let usual = usual_width(corners);
+    pub fn enough(&self, pressed: &Pressed, given: Given, outline: &Outline, tolerance: f64) -> usize {
+        let usual = usual_width(outline);
         let of_form = match given {
             Given::Plane(_) => LEFT[0] * usual,
             Given::Load(_) => LEFT[1] * usual.max(LEAST),
