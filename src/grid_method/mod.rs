@@ -120,7 +120,7 @@ const LEAST_LEFT: f64 = 0.1;
 
 /// Share of what samples leave open that the error of the grids may be, and the largest such error.
 const OF_SAMPLES: f64 = 0.2;
-const ROUGHEST: f64 = 0.02;
+pub(crate) const ROUGHEST: f64 = 0.02;
 
 /// Whether the contacts of an overlap are solved on several grids.
 pub(crate) fn takes_several_grids(overlap: &Overlap, settings: &Settings) -> bool {

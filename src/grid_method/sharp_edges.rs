@@ -5,9 +5,10 @@
 //! the forces of seven or more, four to a doubling, does: the area by which each grid misses the material explains most of the
 //! jumps, the rest average out, and their size tells how well.
 
+use super::ROUGHEST;
 use super::extrapolation::{Estimate, Intercept};
 use super::single_grid::{GridState, at_resolution};
-use crate::gap::Gap;
+use crate::gap::{AnyGap, Gap};
 use crate::numeric::geometry::Rect;
 use crate::overlap::Scaled;
 use crate::patch::peak::{STEP, steepest_beside};
@@ -23,9 +24,13 @@ const STEPS: f64 = 4.0;
 /// Cells along the longer side of the last grid that is tried: the 22nd.
 pub(crate) const FINEST: usize = 1218;
 
+/// The same of a measured gap whose samples leave so much open that [`ROUGHEST`] is asked for: the 18th.
+const FINEST_ROUGH: usize = 609;
+
 /// The same where no more than `allowed` are wanted: enough for a line in any case.
-pub(crate) fn finest(allowed: usize) -> usize {
-    allowed.clamp(128, FINEST)
+pub(crate) fn finest(allowed: usize, gap: &AnyGap, tolerance: f64) -> usize {
+    let rough = gap.is_measured() && tolerance >= ROUGHEST;
+    allowed.clamp(128, if rough { FINEST_ROUGH } else { FINEST })
 }
 
 /// Why no finer grid than one of `cells` is tried.
@@ -251,7 +256,8 @@ pub(crate) fn sequence(
     let mut stopped = None;
     let (mut states, mut grids): (Vec<GridState>, Vec<[f64; 2]>) = Default::default();
     let mut best = None;
-    for (k, cells) in (0..).map(cells).take_while(|&n| n <= finest(allowed)).enumerate() {
+    let finest = finest(allowed, &scaled.gap, settings.tolerance);
+    for (k, cells) in (0..).map(cells).take_while(|&n| n <= finest).enumerate() {
         let (mut laid, cells) = if aligned { (*window, cells) } else { (shifted(window, cells, k), cells + 1) };
         let first = laid;
         // Room for the shares of a cell.

@@ -381,7 +381,12 @@ impl Refinement<'_> {
         let (iterations, operator_products) = sequence.spent();
         let mut state = self.with_spent(GridState { iterations, operator_products, ..sequence.last().clone() });
         state.remarks.push(sharp_edges::remark(sequence.grids()));
-        let most = || Unsolved::new(Verdict::ToleranceNotReached, sharp_edges::most(sharp_edges::finest(finest)));
+        let most = || {
+            Unsolved::new(
+                Verdict::ToleranceNotReached,
+                sharp_edges::most(sharp_edges::finest(finest, &scaled.gap, settings.tolerance)),
+            )
+        };
         let stopped = stopped.or_else(|| Some(most()));
         let grids = sequence.grids();
         let (force, error) = (limit.value, limit.error);
