@@ -23,6 +23,18 @@ pub(crate) struct Discretisation {
 pub(crate) struct Stiffness {
     /// Bounds of K = P/d.
     pub bounds: [f64; 2],
+    /// Half of what pair integrals leave open of it, relative: more with thinner cells.
+    pub open: f64,
+    /// Pressure of the loaded cells at depth 1.
+    pub pressure: Vec<f64>,
+}
+
+/// What the pressure of one mesh says of a flat punch from below, E* = 1.
+pub(crate) struct Below {
+    /// 2 U_low, from below.
+    pub stiffness: f64,
+    /// By how much more that may be: what pair integrals and rounding leave open.
+    pub open: f64,
     /// Pressure of the loaded cells at depth 1.
     pub pressure: Vec<f64>,
 }
@@ -47,34 +59,31 @@ impl Discretisation {
         Some(Self { mesh, orbits, lines, compliance, areas, means })
     }
 
-    /// 2 U_low, which is K from below, and the pressure of the loaded cells at depth 1: the p >= 0 with S p = 1 in the mean over every cell.
-    /// `None` where the matrix has no factor.
-    pub fn stiffness_below(&self) -> Option<(f64, Vec<f64>)> {
+    /// 2 U_low, which is K from below, by the p >= 0 with S p = 1 in the mean over every cell. `None` where the matrix has no factor.
+    pub fn stiffness_below(&self) -> Option<Below> {
         let all = vec![true; self.orbits.loaded];
         let factor = factor(&self.compliance, &all)?;
         let p: Vec<f64> = solve_on(&factor, &all, &self.areas).iter().map(|p| p.max(0.0)).collect();
-        let low = 2.0 * self.energy_below(&p);
-        (low.is_finite() && low > 0.0).then(|| (low, self.orbits.expand(&p, self.mesh.loaded)))
+        // <1, p> - <p, S p>/2.
+        let work: f64 = p.iter().zip(&self.areas).map(|(p, a)| p * a).sum();
+        let product: f64 = p.iter().zip(self.compliance.product(&p)).map(|(p, u)| p * u).sum();
+        let off = 0.5 * self.compliance.uncertainty(&p, &p) + 1e-12 * (work.abs() + product.abs());
+        let (stiffness, open) = (2.0 * (work - 0.5 * product - off), 4.0 * off);
+        let pressure = self.orbits.expand(&p, self.mesh.loaded);
+        (stiffness.is_finite() && stiffness > 0.0).then_some(Below { stiffness, open, pressure })
     }
 
     /// U_low <= U <= U_low + a(w, w)/2 with U_low = <1, p> - <p, S p>/2 for the p of `stiffness_below`,
     /// w = 1 - S p on the material and anything beyond it; K = 2 U at depth 1. `None` where the matrix has no factor, and once the
     /// time is used up.
     pub fn stiffness(&self) -> Option<Stiffness> {
-        let (low, pressure) = self.stiffness_below()?;
+        let Below { stiffness: low, open, pressure } = self.stiffness_below()?;
         let decay = decay_lengths(&self.mesh);
         let everywhere = vec![true; self.mesh.loaded];
         let target = [Target::level(&pressure)];
         let [norm] = norms(&self.mesh, &self.lines, &self.orbits, &decay, &everywhere, target, self.means)?;
-        let bounds = [low, (low + norm.bound()) * (1.0 + 1e-11)];
-        bounds.iter().all(|k| k.is_finite()).then_some(Stiffness { bounds, pressure })
-    }
-
-    /// <1, p> - <p, S p>/2, from below.
-    fn energy_below(&self, p: &[f64]) -> f64 {
-        let work: f64 = p.iter().zip(&self.areas).map(|(p, a)| p * a).sum();
-        let product: f64 = p.iter().zip(self.compliance.product(p)).map(|(p, u)| p * u).sum();
-        let rounding = 1e-12 * (work.abs() + product.abs());
-        work - 0.5 * (product + self.compliance.uncertainty(p, p)) - rounding
+        let bounds = [low, (low + open + norm.bound()) * (1.0 + 1e-11)];
+        let open = 0.5 * open / low;
+        bounds.iter().all(|k| k.is_finite()).then_some(Stiffness { bounds, open, pressure })
     }
 }

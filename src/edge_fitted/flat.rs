@@ -33,7 +33,7 @@ impl FlatStiffness {
 pub(super) const AIM: f64 = 0.9;
 
 /// Share of the tolerance that the place of the edges may take.
-const OF_EDGES: f64 = 0.04;
+const OF_EDGES: f64 = 0.1;
 
 /// The polygon that is meant, as far as the coordinates tell it.
 fn regular<'a>(outline: &'a Outline, limits: &Limits) -> Cow<'a, Outline> {
@@ -56,7 +56,7 @@ pub(crate) fn flat_stiffness(outline: &Outline, limits: &Limits) -> Option<FlatS
         }
         let Some(d) = Discretisation::new(fitted.mesh.clone(), &fitted.group, limits.means()) else { return best };
         let unknowns = d.orbits.loaded;
-        let Some(Stiffness { bounds, pressure }) = d.stiffness() else { return best };
+        let Some(Stiffness { bounds, open, pressure }) = d.stiffness() else { return best };
         let outside = outline.displaced();
         let mut stiffness = [bounds[0] * (1.0 - outside), bounds[1] * (1.0 + outside)];
         if let Some(b) = &best {
@@ -64,7 +64,8 @@ pub(crate) fn flat_stiffness(outline: &Outline, limits: &Limits) -> Option<FlatS
         }
         let found = FlatStiffness { stiffness, cells: cells(&fitted, &pressure), unknowns };
         let width = found.width();
-        let met = width <= limits.tolerance;
+        // With thinner cells pair integrals leave more.
+        let met = width <= limits.tolerance || open > limits.tolerance;
         best = Some(found);
         let factor = (width / (AIM * limits.tolerance)).cbrt();
         let next = ((n as f64 * factor).ceil() as usize).max(n + 1).min(2 * n);
@@ -99,27 +100,33 @@ pub(crate) fn estimated_stiffness(outline: &Outline, limits: &Limits) -> Option<
     let on = |n: usize| {
         let fitted = outline.mesh_within(n, whole / n as f64).filter(|fitted| fitted.mesh.loaded <= limits.cells)?;
         let d = Discretisation::within(fitted.mesh.clone(), &fitted.group, limits.unknowns, limits.means())?;
-        let (k, pressure) = d.stiffness_below()?;
-        Some((k, cells(&fitted, &pressure), d.orbits.loaded))
+        let below = d.stiffness_below()?;
+        let (k, open) = (below.stiffness + 0.5 * below.open, 0.5 * below.open / below.stiffness);
+        Some((k, open, cells(&fitted, &below.pressure), d.orbits.loaded))
     };
     let wanted = usually_enough(outline, limits.tolerance / TOLD);
     let mut n = (wanted.min(FINEST as f64) as usize).max(LEAST);
     let coarser = ((BEFORE * n as f64) as usize).max(COARSE);
-    let mut before = (coarser, on(coarser)?.0);
-    let mut best = None;
+    let (k, open, ..) = on(coarser)?;
+    let mut before = (coarser, k, open);
+    let mut best: Option<FlatStiffness> = None;
     loop {
-        let Some((k, cells, unknowns)) = on(n) else { return best };
+        let Some((k, open, cells, unknowns)) = on(n) else { return best };
         let rest = Rest::new(k, before.1, n as f64 / before.0 as f64);
         let value = k * (1.0 + rest.correction);
-        let error = rest.error + UNSURE * rest.correction.abs() + outline.displaced();
-        let stiffness = [value * (1.0 - error), value * (1.0 + error)];
-        best = Some(FlatStiffness { stiffness, cells, unknowns });
+        let error = rest.error + UNSURE * rest.correction.abs() + open + before.2 + outline.displaced();
+        let found = FlatStiffness { stiffness: [value * (1.0 - error), value * (1.0 + error)], cells, unknowns };
+        if best.as_ref().is_none_or(|best| found.width() < best.width()) {
+            best = Some(found);
+        }
         let finer = n as f64 * (error / (AIM * limits.tolerance)).cbrt();
-        if error <= limits.tolerance || n >= FINEST || !finer.is_finite() {
+        let may_be_met = open <= limits.tolerance && n < FINEST && finer.is_finite();
+        if error > limits.tolerance && may_be_met {
+            before = (n, k, open);
+            n = (finer.ceil() as usize).clamp(n + 1, 2 * n).min(FINEST);
+        } else {
             return best;
         }
-        before = (n, k);
-        n = (finer.ceil() as usize).clamp(n + 1, 2 * n).min(FINEST);
     }
 }
 
