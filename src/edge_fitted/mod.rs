@@ -14,7 +14,7 @@
 //! ```
 //!
 //! a(w, w) is bounded from above by the Dirichlet integral of any continuation of w into the half-space (`residual_norm`, (2)).
-//! Where material ends, p ~ s^(-1/2); cells graded as (i/n)^4 towards every edge give bounds that close as n^-3, on a mesh that lies
+//! Where material ends, p ~ s^(-1/2); cells graded as (i/n)^beta, beta > 3, towards every edge give bounds that close as n^-3, on a mesh that lies
 //! along the outline, however it is turned. Pair integrals of near cells are exact, those of far cells carry their remainder.
 //!
 //! Lengths are in units of the outline, depth and E* are 1.

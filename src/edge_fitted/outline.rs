@@ -94,7 +94,7 @@ impl Outline {
         Self::of_cleaned(cleaned(corners), 0.0)
     }
 
-    /// The same whose edge lies within `eps` of the one that is meant.
+    /// The same, [`displaced`] by `eps` besides.
     fn of_cleaned(corners: Vec<Point>, eps: f64) -> Option<Self> {
         let frame = rectilinear_frame(&corners);
         let mut cuts = convex_cuts(&corners).into_iter().map(|cut| cut.iter().map(|p| cleaned(p)).collect()).peekable();
@@ -130,8 +130,9 @@ impl Outline {
         if moved == 0.0 || !(framed || symmetries(&corners).len() > symmetries(&self.corners).len()) {
             return None;
         }
-        // Corners that are joined lie on a line that moved as far as they did.
-        Self::of_cleaned(cleaned(&corners), moved).filter(|found| found.displaced <= most)
+        // The pieces of this one are convex but for eps: within (1 - eps/r) and (1 + eps/r) of those of the other, and grown within
+        // (1 + 2 eps/r), so that three times of it hold for both.
+        Self::of_cleaned(cleaned(&corners), 3.0 * moved).filter(|found| found.displaced <= most)
     }
 
     /// The ellipse with these semi-axes along x and y. Cells fit it but for chords: nothing is proved on them.
@@ -353,7 +354,7 @@ impl Outline {
 /// K(A_i) <= K(A), 2 R_i for A_i in a circle of radius R_i,             K(A) >= 2 sqrt(area/pi) (Polya & Szego 1951).
 /// ```
 ///
-/// `eps`: by how far the edge was moved besides. `None` where a piece has no inside.
+/// `eps`: what to add to eps. `None` where a piece has no inside.
 fn displaced(corners: &[Point], pieces: &[Vec<Point>], eps: f64) -> Option<f64> {
     let size = corners.iter().flatten().fold(0.0, |m: f64, c| m.max(c.abs()));
     // Lines that are joined, corners that are left out and turned coordinates move the edge by no more.
