@@ -87,3 +87,25 @@ impl Discretisation {
         bounds.iter().all(|k| k.is_finite()).then_some(Stiffness { bounds, open, pressure })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::outline::Outline;
+    use super::*;
+
+    /// Pair integrals of thin cells with nearly parallel sides cancel: both bounds hold what that leaves open.
+    #[test]
+    fn nearly_parallel_sides() {
+        // K of the rectangle 2 x 0.51 is 1.2805 to 2e-4, and the wedge adds at most half of its own width.
+        for wedge in [1e-3, 1e-4, 1e-5] {
+            let outline = Outline::polygon(&[[0.0, 0.0], [2.0, 0.0], [2.0 + wedge, 0.51], [0.0, 0.51]]).unwrap();
+            let fitted = outline.mesh_within(12, f64::INFINITY).unwrap();
+            let found = Discretisation::new(fitted.mesh, &fitted.group, Means::PLAIN).unwrap().stiffness().unwrap();
+            let [low, high] = found.bounds;
+            assert!(
+                low < 1.280_5 * (1.0 + 0.5 * wedge + 2e-4) && high > 1.280_5 * (1.0 - 2e-4),
+                "{wedge} {low} {high}"
+            );
+        }
+    }
+}

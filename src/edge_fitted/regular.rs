@@ -33,7 +33,7 @@ fn symmetric(corners: &[Point], most: f64) -> Option<Vec<Point>> {
     };
     let same_size = |k: usize| (norm(v[0]) - norm(v[k])).abs() <= 2.0 * most;
     let turned = |k: &usize| same_size(*k) && fitted(&|i| v[i], &|i| (i + k) % n).is_some();
-    let shift = (1..n).filter(|k| n % k == 0).find(turned).unwrap_or(n);
+    let shift = (1..n).filter(|k| n.is_multiple_of(*k)).find(turned).unwrap_or(n);
     let mirror = (0..n).filter(|k| same_size(*k)).find_map(|k| {
         let z = fitted(&|i| conjugate(v[i]), &|i| (n + k - i) % n)?;
         Some((k, z))
