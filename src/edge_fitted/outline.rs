@@ -130,9 +130,10 @@ impl Outline {
         if moved == 0.0 || !(framed || symmetries(&corners).len() > symmetries(&self.corners).len()) {
             return None;
         }
-        // The pieces of this one are convex but for eps: within (1 - eps/r) and (1 + eps/r) of those of the other, and grown within
-        // (1 + 2 eps/r), so that three times of it hold for both.
-        Self::of_cleaned(cleaned(&corners), 3.0 * moved).filter(|found| found.displaced <= most)
+        // Either lies in the other one grown by that.
+        let found = Self::of_cleaned(cleaned(&corners), moved)?;
+        let displaced = found.displaced.max(displaced(&self.corners, &self.pieces, moved)?);
+        (displaced <= most).then_some(Self { displaced, ..found })
     }
 
     /// The ellipse with these semi-axes along x and y. Cells fit it but for chords: nothing is proved on them.
@@ -359,13 +360,11 @@ fn displaced(corners: &[Point], pieces: &[Vec<Point>], eps: f64) -> Option<f64> 
     let size = corners.iter().flatten().fold(0.0, |m: f64, c| m.max(c.abs()));
     // Lines that are joined, corners that are left out and turned coordinates move the edge by no more.
     let eps = eps + 8.0 * corners.len() as f64 * STRAIGHT * size;
-    // Before the edge was moved and after it.
-    let least = ((area(corners) - eps * perimeter(corners)) / std::f64::consts::PI).sqrt();
+    let least = (area(corners) / std::f64::consts::PI).sqrt();
     let of_piece = |piece: &Vec<Point>| {
         let (centre, r) = kites::inner_circle(piece)?;
-        let around = piece.iter().map(|p| norm(minus(*p, centre))).fold(0.0, f64::max) + eps;
-        let share = if least > 0.0 { (around / least).min(1.0) } else { 1.0 };
-        (r > eps).then(|| eps / (r - eps) * share)
+        let around = piece.iter().map(|p| norm(minus(*p, centre))).fold(0.0, f64::max);
+        Some(eps / r * (around / least).min(1.0))
     };
     pieces.iter().map(of_piece).sum()
 }
