@@ -39,6 +39,13 @@ pub(crate) struct Below {
     pub pressure: Vec<f64>,
 }
 
+impl Below {
+    /// Half of what is open, relative.
+    pub fn half_open(&self) -> f64 {
+        0.5 * self.open / self.stiffness
+    }
+}
+
 impl Discretisation {
     /// `group`: symmetries of the outline; those of the mesh among them are used. `None` once the time is used up.
     pub fn new(mesh: Mesh, group: &[Isometry], means: Means) -> Option<Self> {
@@ -77,14 +84,14 @@ impl Discretisation {
     /// w = 1 - S p on the material and anything beyond it; K = 2 U at depth 1. `None` where the matrix has no factor, and once the
     /// time is used up.
     pub fn stiffness(&self) -> Option<Stiffness> {
-        let Below { stiffness: low, open, pressure } = self.stiffness_below()?;
+        let below = self.stiffness_below()?;
+        let (low, open) = (below.stiffness, below.half_open());
         let decay = decay_lengths(&self.mesh);
         let everywhere = vec![true; self.mesh.loaded];
-        let target = [Target::level(&pressure)];
+        let target = [Target::level(&below.pressure)];
         let [norm] = norms(&self.mesh, &self.lines, &self.orbits, &decay, &everywhere, target, self.means)?;
-        let bounds = [low, (low + open + norm.bound()) * (1.0 + 1e-11)];
-        let open = 0.5 * open / low;
-        bounds.iter().all(|k| k.is_finite()).then_some(Stiffness { bounds, open, pressure })
+        let bounds = [low, (low + below.open + norm.bound()) * (1.0 + 1e-11)];
+        bounds.iter().all(|k| k.is_finite()).then_some(Stiffness { bounds, open, pressure: below.pressure })
     }
 }
 

@@ -36,8 +36,15 @@ fn of_shape(outline: &Outline) -> Option<f64> {
 
 /// The n that mostly meets a tolerance.
 pub(super) fn usually_enough(outline: &Outline, tolerance: f64) -> f64 {
-    let otherwise = || (0.5 * usual_width(outline) / (AIM * tolerance)).cbrt().round();
-    of_shape(outline).map_or_else(otherwise, |n| (n * (1e-3 / tolerance).cbrt()).ceil())
+    by_shape(outline, tolerance).unwrap_or_else(|| by_corners(outline, tolerance))
+}
+
+fn by_shape(outline: &Outline, tolerance: f64) -> Option<f64> {
+    of_shape(outline).map(|n| (n * (1e-3 / tolerance).cbrt()).ceil())
+}
+
+fn by_corners(outline: &Outline, tolerance: f64) -> f64 {
+    (0.5 * usual_width(outline) / (AIM * tolerance)).cbrt().round()
 }
 
 /// Twice the half width times n^3, as it chooses the first mesh, no more: the wider the fewer corners there are.
@@ -70,8 +77,8 @@ pub(super) fn first(outline: &Outline, limits: &Limits) -> usize {
         return COARSEST;
     }
     let fits = |n: &usize| outline.mesh(*n).is_some_and(|fitted| fitted.is_within(limits, 1));
-    let unusual = of_shape(outline).is_none() && UNUSUAL.contains(&outline.corners().len());
-    let seen = if unusual { seen_enough(outline, limits) } else { None };
-    let wanted = seen.unwrap_or_else(|| usually_enough(outline, limits.tolerance)).min(FINEST as f64) as usize;
+    let seen = || if UNUSUAL.contains(&outline.corners().len()) { seen_enough(outline, limits) } else { None };
+    let wanted = by_shape(outline, limits.tolerance).or_else(seen);
+    let wanted = wanted.unwrap_or_else(|| by_corners(outline, limits.tolerance)).min(FINEST as f64) as usize;
     (COARSEST..=wanted).rev().find(fits).unwrap_or(COARSEST)
 }

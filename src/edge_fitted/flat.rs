@@ -104,8 +104,8 @@ pub(crate) fn estimated_stiffness(outline: &Outline, limits: &Limits) -> Option<
         let fitted = outline.mesh_within(n, whole / n as f64).filter(|fitted| fitted.mesh.loaded <= limits.cells)?;
         let d = Discretisation::within(fitted.mesh.clone(), &fitted.group, limits.unknowns, limits.means())?;
         let below = d.stiffness_below()?;
-        let (k, open) = (below.stiffness + 0.5 * below.open, 0.5 * below.open / below.stiffness);
-        Some((k, open, cells(&fitted, &below.pressure), d.orbits.loaded))
+        let k = below.stiffness + 0.5 * below.open;
+        Some((k, below.half_open(), cells(&fitted, &below.pressure), d.orbits.loaded))
     };
     let wanted = usually_enough(outline, limits.tolerance / TOLD);
     let mut n = (wanted.min(FINEST as f64) as usize).max(LEAST);

@@ -9,7 +9,7 @@ use std::collections::HashMap;
 
 use super::bilinear::CORNERS;
 use super::mesh::{Bilinear, Mesh, Point, cross, dot, minus, norm};
-use super::rectilinear::{Lines, graded, split};
+use super::rectilinear::{Grading, graded, split};
 use super::strip::strip;
 use crate::numeric::geometry::centroid;
 
@@ -232,10 +232,10 @@ const ALONG: f64 = 16.0;
 
 /// The mesh of convex pieces of an outline that share whole sides, all counter-clockwise, with `n` x `n` cells at each corner of each, fewer
 /// along curves and more where they would be longer than about `most`.
-pub(super) fn mesh(outline: &[Point], pieces: &[Vec<Point>], n: usize, most: f64, lines: Lines) -> Option<Mesh> {
+pub(super) fn mesh(outline: &[Point], pieces: &[Vec<Point>], n: usize, most: f64, grading: Grading) -> Option<Mesh> {
     // Where pieces meet in re-entrant corners it takes as many along short lines.
     let alike = pieces.len() > 1;
-    let graded = |share: f64| graded(-1.0, 1.0, if alike { n } else { (lines.count)(n, share) }, lines.beta);
+    let graded = |share: f64| graded(-1.0, 1.0, if alike { n } else { (grading.count)(n, share) }, grading.beta);
     let mut index = NodeIndex::new(pieces.iter().flatten());
     let mut cells = Vec::new();
     let pieces: Vec<Piece> = (0..pieces.len()).map(|own| Piece::new(pieces, own)).collect::<Option<_>>()?;
@@ -357,7 +357,7 @@ mod tests {
     use crate::numeric::geometry::area;
 
     fn check(outline: &[Point], pieces: &[Vec<Point>], area: f64, n: usize, length: f64) {
-        let mesh = mesh(outline, pieces, n, f64::INFINITY, Lines { beta: 4.0, count: |n, _| n }).unwrap();
+        let mesh = mesh(outline, pieces, n, f64::INFINITY, Grading { beta: 4.0, count: |n, _| n }).unwrap();
         let sum: f64 = (0..mesh.loaded).map(|i| Bilinear::new(mesh.corners(i)).area()).sum();
         assert!((sum - area).abs() < 1e-12 * area);
         // Only the outline has cells on one side only.

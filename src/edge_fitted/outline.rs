@@ -7,18 +7,18 @@ use super::ellipse;
 use super::kites;
 use super::mesh::{Mesh, Point, cross, dot, minus, norm};
 use super::polygon::{STRAIGHT, cleaned, convex_cuts, rectilinear_frame, symmetries};
-use super::rectilinear::{Lines, count_along, graded_both, split, tensor};
+use super::rectilinear::{Grading, count_along, graded_both, split, tensor};
 use super::regular::regular;
 use super::symmetry::{Isometry, Orbits};
 use crate::numeric::geometry::{area, clip};
 
-/// The exponent of the grading. Near a sharp edge p ~ s^(-1/2) and the energy of cells of size h(s) errs by the integral
-/// of h^3 s^(-3): n^-3 for nodes (i/n)^beta with beta > 3. A proved width of a level flat takes 5 to 20 % less time with 3.5 than with 4, which
-/// leaves thinner cells to sum over; 3.25 and 3.75 are within 3 % of it.
-const EXPONENT: f64 = 3.5;
+/// Near a sharp edge p ~ s^(-1/2) and the energy of cells of size h(s) errs by the integral of h^3 s^(-3): n^-3 for nodes (i/n)^beta with
+/// beta > 3. A proved width of a level flat takes 5 to 20 % less time with 3.5 than with 4, which leaves thinner cells to sum over; 3.25 and
+/// 3.75 are within 3 % of it.
+const GRADING: Grading = Grading { beta: 3.5, count: count_along };
 
-/// The same where cells are as many wherever the edge is. Tilted flats, most of which lift off, take 8 % more time with 3.5.
-const EXPONENT_ALIKE: f64 = 4.0;
+/// As many cells wherever the edge is. Tilted flats, most of which lift off, take 8 % more time with 3.5.
+const ALIKE: Grading = Grading { beta: 4.0, count: |n, _| n };
 
 /// The cells per half side of the first mesh.
 pub(crate) const COARSEST: usize = 4;
@@ -100,9 +100,7 @@ impl Outline {
         let mut cuts = convex_cuts(&corners).into_iter().map(|cut| cut.iter().map(|p| cleaned(p)).collect()).peekable();
         // The first that cells fit, or the last.
         let has_mesh = |pieces: &Vec<Vec<Point>>| {
-            frame.is_some()
-                || kites::mesh(&corners, pieces, COARSEST, f64::INFINITY, Lines { beta: EXPONENT, count: count_along })
-                    .is_some()
+            frame.is_some() || kites::mesh(&corners, pieces, COARSEST, f64::INFINITY, GRADING).is_some()
         };
         let pieces = loop {
             let pieces: Vec<Vec<Point>> = cuts.next()?;
@@ -204,7 +202,9 @@ impl Outline {
 
     /// perimeter^2/(4 pi area), 1 for a circle.
     pub(crate) fn slenderness(&self) -> f64 {
-        perimeter(&self.corners).powi(2) / (4.0 * std::f64::consts::PI * area(&self.corners))
+        let side = |k: usize| norm(minus(self.corners[(k + 1) % self.corners.len()], self.corners[k]));
+        let perimeter: f64 = (0..self.corners.len()).map(side).sum();
+        perimeter.powi(2) / (4.0 * std::f64::consts::PI * area(&self.corners))
     }
 
     /// Whether its sides lie along two perpendicular lines.
@@ -260,7 +260,7 @@ impl Outline {
     /// A mesh with `n` cells between an edge and the middle of the part that it bounds, fewer where that is near.
     #[must_use]
     pub fn mesh(&self, n: usize) -> Option<Fitted> {
-        self.fitted(n, f64::INFINITY, Lines { beta: EXPONENT, count: count_along })
+        self.fitted(n, f64::INFINITY, GRADING)
     }
 
     /// Whether every line of these meshes has more cells where n is larger: else only [`Outline::mesh_within`] tells what finer ones leave.
@@ -272,18 +272,18 @@ impl Outline {
     /// The same with cells no longer than about `most` and as many wherever the edge is: two of these tell what a finer one leaves.
     #[must_use]
     pub fn mesh_within(&self, n: usize, most: f64) -> Option<Fitted> {
-        self.fitted(n, most, Lines { beta: EXPONENT_ALIKE, count: |n, _| n })
+        self.fitted(n, most, ALIKE)
     }
 
-    fn fitted(&self, n: usize, most: f64, lines: Lines) -> Option<Fitted> {
+    fn fitted(&self, n: usize, most: f64, grading: Grading) -> Option<Fitted> {
         let mut fitted = match (self.semi_axes, self.frame) {
-            (None, Some(frame)) => self.tensor(frame, n, most, lines),
+            (None, Some(frame)) => self.tensor(frame, n, most, grading),
             (None, None) => {
-                let mesh = kites::mesh(&self.corners, &self.pieces, n, most, lines)?;
+                let mesh = kites::mesh(&self.corners, &self.pieces, n, most, grading)?;
                 Fitted { mesh, frame: [1.0, 0.0], origin: [0.0; 2], group: symmetries(&self.corners) }
             }
             (Some(semi_axes), _) => {
-                let mesh = ellipse::mesh(semi_axes, n, lines.beta, most);
+                let mesh = ellipse::mesh(semi_axes, n, grading.beta, most);
                 Fitted { mesh, frame: [1.0, 0.0], origin: [0.0; 2], group: Vec::new() }
             }
         };
@@ -295,7 +295,7 @@ impl Outline {
     }
 
     /// Lines graded on both sides to every line that holds a side.
-    fn tensor(&self, frame: Point, n: usize, most: f64, Lines { beta, count }: Lines) -> Fitted {
+    fn tensor(&self, frame: Point, n: usize, most: f64, Grading { beta, count }: Grading) -> Fitted {
         let turned: Vec<Point> =
             self.corners.iter().map(|p| [dot(frame, *p), frame[0] * p[1] - frame[1] * p[0]]).collect();
         let mut lines = [0, 1].map(|k| {
@@ -367,10 +367,6 @@ fn displaced(corners: &[Point], pieces: &[Vec<Point>], eps: f64) -> Option<f64> 
         Some(eps / r * (around / least).min(1.0))
     };
     pieces.iter().map(of_piece).sum()
-}
-
-fn perimeter(corners: &[Point]) -> f64 {
-    (0..corners.len()).map(|k| norm(minus(corners[(k + 1) % corners.len()], corners[k]))).sum()
 }
 
 /// plane . (1, x, y).

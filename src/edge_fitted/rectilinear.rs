@@ -17,8 +17,8 @@ pub(crate) fn graded(from: f64, to: f64, n: usize, beta: f64) -> Vec<f64> {
 
 /// The cells along the lines from the middle to an edge.
 #[derive(Clone, Copy)]
-pub(super) struct Lines {
-    /// The exponent that they are graded with.
+pub(super) struct Grading {
+    /// The exponent.
     pub beta: f64,
     /// How many, by those along the longest line and the share of its length.
     pub count: fn(usize, f64) -> usize,

@@ -49,15 +49,16 @@ impl Orbits {
         let cells = mesh.cells.len();
         let finder = Finder::new(mesh);
         let mut images: Vec<Vec<usize>> = vec![(0..cells).collect()];
+        // Matrices, about one centre, with the place of their image.
         let mut known: Vec<([Point; 2], usize)> = vec![([[1.0, 0.0], [0.0, 1.0]], 0)];
         for g in group {
-            // Of two that are known, or searched for.
-            let product = || {
-                let pairs = known.iter().flat_map(|a| known.iter().map(move |b| (a, b)));
-                let (a, b) = pairs.into_iter().find(|(a, b)| close(&product(&a.0, &b.0), &g.matrix))?;
+            // After one another two that are known, or searched for.
+            let composed = || {
+                let mut pairs = known.iter().flat_map(|a| known.iter().map(move |b| (a, b)));
+                let (a, b) = pairs.find(|(a, b)| close(&product(&a.0, &b.0), &g.matrix))?;
                 Some(images[b.1].iter().map(|&i| images[a.1][i]).collect())
             };
-            let Some(image) = product().or_else(|| finder.image(mesh, g)) else { continue };
+            let Some(image) = composed().or_else(|| finder.image(mesh, g)) else { continue };
             let place = images.iter().position(|other| *other == image).unwrap_or_else(|| {
                 images.push(image);
                 images.len() - 1
