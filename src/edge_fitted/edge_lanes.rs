@@ -12,8 +12,8 @@ const LANES: usize = 8;
 /// Where no edge is: far enough for every bound to vanish, and near enough for its powers.
 const NOWHERE: f64 = 1e40;
 
-/// Terms beyond this count as this: an edge without strength adds nothing.
-const MOST: f64 = 1e200;
+/// Distances below this count as this: an edge without strength adds nothing.
+const LEAST: f64 = 1e-40;
 
 /// Near edges, number by number.
 #[derive(Debug, Clone)]
@@ -51,7 +51,7 @@ impl<const K: usize> EdgeLanes<K> {
 pub(crate) struct Seen<'a> {
     pub hull: &'a Hull,
     pub corners: &'a [Point; 4],
-    /// Vectors along s and along t at both ends of the other direction.
+    /// Vectors along s and along t at both ends of the other direction, over the half lengths.
     pub along: [[Point; 2]; 2],
     pub half: [f64; 2],
     /// No Gauss point lies closer to an edge.
@@ -187,45 +187,45 @@ impl<const K: usize> pulp::WithSimd for Add<'_, K> {
             }
             let line = v.larger(v.larger(low, simd.neg_f64s(high)), zero);
             delta = v.larger(delta, line);
-            // Zero without a sign: odd powers of a negative infinity would be less than nothing, and no number without strength.
-            (r0, r1, delta) = (simd.abs_f64s(r0), simd.abs_f64s(r1), simd.abs_f64s(delta));
+            let least = v.of(LEAST);
+            let (i0, i1) = (simd.div_f64s(one, v.larger(r0, least)), simd.div_f64s(one, v.larger(r1, least)));
+            let (i2, i3) = (simd.div_f64s(one, v.larger(delta, least)), simd.div_f64s(one, v.larger(line, least)));
             let beside = simd.or_m64s(simd.greater_than_f64s(first, length), simd.less_than_f64s(last, zero));
             let on_line = simd.equal_f64s(line, zero);
-            let long = simd.div_f64s(length, delta);
-            let (i0, i1) = (simd.div_f64s(one, r0), simd.div_f64s(one, r1));
-            let (i2, i3) = (simd.div_f64s(one, delta), simd.div_f64s(one, line));
+            let long = v.times(length, i2);
+            let (mut lean, mut logarithmic) = ([zero; 2], [zero; 2]);
             for k in 0..2 {
-                let h = v.of(half[k]);
-                let lean = v.larger(v.turned(along[k][0], tx, ty), v.turned(along[k][1], tx, ty));
-                let logarithmic = simd.select_f64s_m64s(on_line, infinite, v.times(lean, i3));
-                let q3 = simd.select_f64s_m64s(beside, zero, logarithmic);
-                let (q0, q1, q2) = (v.times(h, i0), v.times(h, i1), v.times(h, i2));
-                let (mut p0, mut p1, mut p2, mut p3) = (q0, q1, q2, q3);
-                let mut before = zero;
-                for m in 1..=NODES[1] {
-                    if m > 1 {
-                        (p0, p1, p2, p3) = (v.times(p0, q0), v.times(p1, q1), v.times(p2, q2), v.times(p3, q3));
-                    }
-                    let ends = simd.add_f64s(p0, p1);
-                    let structured = simd.mul_add_f64s(v.of(B[m]), ends, v.times(v.of(2.0 / m as f64), p3));
-                    let plain = v.times(p2, v.smaller(long, v.of(2.0 * B[m])));
-                    let least = v.smaller(structured, plain);
-                    // The last one also where that is no number.
-                    let counts = simd.less_than_f64s(least, v.of(MOST));
-                    let term = simd.select_f64s_m64s(counts, least, v.of(MOST));
+                lean[k] = v.larger(v.turned(along[k][0], tx, ty), v.turned(along[k][1], tx, ty));
+                let inside = simd.select_f64s_m64s(on_line, i3, v.times(lean[k], i3));
+                logarithmic[k] = simd.select_f64s_m64s(beside, zero, inside);
+            }
+            // Over h^m.
+            let (mut e0, mut e1, mut e2) = (i0, i1, i2);
+            let mut lines = logarithmic;
+            let mut before = [zero; 2];
+            for m in 1..=NODES[1] {
+                if m > 1 {
+                    (e0, e1, e2) = (v.times(e0, i0), v.times(e1, i1), v.times(e2, i2));
+                    lines = [v.times(lines[0], logarithmic[0]), v.times(lines[1], logarithmic[1])];
+                }
+                let ends = v.times(v.of(B[m]), simd.add_f64s(e0, e1));
+                let plain = v.times(e2, v.smaller(long, v.of(2.0 * B[m])));
+                for k in 0..2 {
+                    let term = v.smaller(simd.mul_add_f64s(v.of(2.0 / m as f64), lines[k], ends), plain);
                     if m >= NODES[0] {
                         let i = m - NODES[0];
-                        let bent = v.times(lean, before);
+                        let bent = v.times(lean[k], before[k]);
                         for j in 0..K {
                             let c = S::as_simd_f64s(&strength[j]).0[n];
                             slope[j][k][i] = simd.mul_add_f64s(c, term, slope[j][k][i]);
                             value[j][k][i] = simd.mul_add_f64s(c, bent, value[j][k][i]);
                         }
                     }
-                    before = term;
+                    before[k] = term;
                 }
             }
-            let rounding = simd.add_f64s(v.of(60.0), simd.div_f64s(v.of(extent), v.larger(delta, v.of(inset))));
+            let rounding = v.smaller(v.times(v.of(extent), i2), v.of(extent / inset));
+            let rounding = simd.add_f64s(v.of(60.0), rounding);
             for j in 0..K {
                 fixed[j] = simd.mul_add_f64s(S::as_simd_f64s(&strength[j]).0[n], rounding, fixed[j]);
             }
@@ -234,8 +234,9 @@ impl<const K: usize> pulp::WithSimd for Add<'_, K> {
             for k in 0..2 {
                 for i in 0..CHOICES {
                     let m = i + NODES[0];
-                    out[j].slope[k][i] += KAPPA[m] * simd.reduce_sum_f64s(slope[j][k][i]);
-                    out[j].value[k][i] += KAPPA[m] / m as f64 * simd.reduce_sum_f64s(value[j][k][i]);
+                    let power = KAPPA[m] * half[k].powi(m as i32);
+                    out[j].slope[k][i] += power * simd.reduce_sum_f64s(slope[j][k][i]);
+                    out[j].value[k][i] += power / m as f64 * simd.reduce_sum_f64s(value[j][k][i]);
                 }
             }
             out[j].fixed[0] += ROUNDING * simd.reduce_sum_f64s(fixed[j]);

@@ -86,7 +86,10 @@ pub(crate) fn errors<const K: usize>(
     let seen = Seen {
         hull: &hull,
         corners: &corners,
-        along: [[map.ds(-1.0), map.ds(1.0)], [map.dt(-1.0), map.dt(1.0)]],
+        along: [
+            [map.ds(-1.0), map.ds(1.0)].map(|v| v.map(|c| c / half[0])),
+            [map.dt(-1.0), map.dt(1.0)].map(|v| v.map(|c| c / half[1])),
+        ],
         half,
         inset: 0.04 * half[0].min(half[1]),
         extent,

@@ -9,10 +9,10 @@
 //!
 //! since int over a polygon of 1/|x - y| = sum d L and its gradient is the integral of n/|x - y| along the boundary.
 //! L = asinh(a1/|d|) - asinh(a2/|d|), a1 and a2 the coordinates of x along the edge from its ends, is one logarithm of
-//! r + |a| at both ends, without cancellation.
+//! r + |a| at both ends, without cancellation; away from the edge L = 2 artanh(length/(r1 + r2)), r1 and r2 the distances from its ends.
 
 use super::mesh::{Mesh, Point, dot, minus, norm};
-use crate::numeric::simd::{Kernel, ln_ratio, vectorised};
+use crate::numeric::simd::{Kernel, ln_ratio, twice_artanh, vectorised};
 
 /// Points that are evaluated together.
 pub(crate) const BATCH: usize = 64;
@@ -47,6 +47,9 @@ impl Field {
 /// Points of one vector operation, at most.
 const LANES: usize = 8;
 
+/// r1 + r2 over the length from which L is taken as 2 artanh: up to a third.
+const AFAR: f64 = 3.0;
+
 /// Stands for d^2 of a point on an edge, where d L is zero.
 const SMALLEST: f64 = 1e-280;
 
@@ -65,6 +68,17 @@ impl Points {
     #[inline(always)]
     fn lanes(&self) -> usize {
         self.len.div_ceil(LANES).min(BATCH / LANES)
+    }
+
+    /// The largest distance of a point from the first one of its group.
+    #[inline(always)]
+    fn reach(&self, first: usize) -> f64 {
+        let mut largest = 0.0_f64;
+        for i in first + 1..first + LANES {
+            let (dx, dy) = (self.x[i] - self.x[first], self.y[i] - self.y[first]);
+            largest = largest.max(dx * dx + dy * dy);
+        }
+        largest.sqrt()
     }
 
     pub fn push(&mut self, p: Point) {
@@ -161,6 +175,21 @@ impl Lines {
         [l, d]
     }
 
+    /// The same where r1 + r2 is at least [`AFAR`] times the length.
+    #[inline(always)]
+    fn potential_from_afar(line: &Line, points: &Points, radii: &[[f64; BATCH]], first: usize) -> [[f64; LANES]; 2] {
+        let group = |all: &[f64; BATCH]| -> [f64; LANES] { std::array::from_fn(|i| all[first + i]) };
+        let (r1, r2) = (group(&radii[line.nodes[0]]), group(&radii[line.nodes[1]]));
+        let (x, y) = (group(&points.x), group(&points.y));
+        let [tx, ty] = line.direction;
+        let (mut l, mut d) = ([0.0; LANES], [0.0; LANES]);
+        for i in 0..LANES {
+            l[i] = twice_artanh(line.length / (r1[i] + r2[i]));
+            d[i] = tx * (y[i] - line.start[1]) - ty * (x[i] - line.start[0]);
+        }
+        [l, d]
+    }
+
     /// Adds the fields of `K` pressures, given by the strengths of the edges.
     pub fn fields<const K: usize>(&self, strengths: [&[f64]; K], points: &Points, scratch: &mut Scratch) -> [Field; K] {
         let mut fields = [const { Field::ZERO }; K];
@@ -179,24 +208,48 @@ impl Lines {
         Self::radii(&self.nodes, points, &mut scratch.radii);
         for first in (0..LANES * points.lanes()).step_by(LANES) {
             let mut sums = [[[0.0; LANES]; 3]; K];
+            // No point of the group is further from the first one.
+            let size = points.reach(first);
+            scratch.near.clear();
             for (e, line) in self.lines.iter().enumerate() {
                 if strengths.iter().all(|c| c[e] == 0.0) {
                     continue;
                 }
-                let [l, d] = Self::potential(line, points, &scratch.radii, first);
-                for (sums, c) in sums.iter_mut().zip(strengths) {
-                    let (c, cx, cy) = (c[e], -c[e] * line.direction[1], c[e] * line.direction[0]);
-                    for i in 0..LANES {
-                        sums[0][i] += c * (d[i] * l[i]);
-                        sums[1][i] += cx * l[i];
-                        sums[2][i] += cy * l[i];
-                    }
+                let sum = line.nodes.iter().map(|n| scratch.radii[*n][first]).sum::<f64>();
+                if sum - 2.0 * size < AFAR * line.length {
+                    scratch.near.push(e);
+                } else {
+                    let of_edge = Self::potential_from_afar(line, points, &scratch.radii, first);
+                    Self::add(line.direction, strengths.map(|c| c[e]), of_edge, &mut sums);
                 }
+            }
+            for &e in &scratch.near {
+                let line = &self.lines[e];
+                let of_edge = Self::potential(line, points, &scratch.radii, first);
+                Self::add(line.direction, strengths.map(|c| c[e]), of_edge, &mut sums);
             }
             for (field, [u, x, y]) in fields.iter_mut().zip(&sums) {
                 field.u[first..first + LANES].copy_from_slice(u);
                 field.slope[0][first..first + LANES].copy_from_slice(x);
                 field.slope[1][first..first + LANES].copy_from_slice(y);
+            }
+        }
+    }
+
+    /// Adds displacement and slope of an edge of these strengths.
+    #[inline(always)]
+    fn add<const K: usize>(
+        [tx, ty]: Point,
+        strengths: [f64; K],
+        [l, d]: [[f64; LANES]; 2],
+        sums: &mut [[[f64; LANES]; 3]; K],
+    ) {
+        for (sums, c) in sums.iter_mut().zip(strengths) {
+            let (cx, cy) = (-c * ty, c * tx);
+            for i in 0..LANES {
+                sums[0][i] += c * (d[i] * l[i]);
+                sums[1][i] += cx * l[i];
+                sums[2][i] += cy * l[i];
             }
         }
     }
@@ -276,6 +329,8 @@ impl Kernel for Store<'_> {
 #[derive(Debug, Default)]
 pub(crate) struct Scratch {
     radii: Vec<[f64; BATCH]>,
+    /// Edges near a group of points.
+    near: Vec<usize>,
     /// What [`Lines::moments`] leaves.
     pub products: Vec<[f64; BATCH]>,
 }

@@ -72,9 +72,35 @@ pub(crate) fn ln_ratio(a: f64, b: f64) -> f64 {
     k * LN2_HIGH + (2.0 * s + (s * (even + odd) + k * LN2_LOW))
 }
 
+/// 2 artanh(x) = ln((1 + x)/(1 - x)) for |x| <= 1/3. Error below 2 units in the last place.
+///
+/// 2 x + x^3 Q(x^2), Q through 2 (artanh(x) - x)/x^3 at the ten Chebyshev nodes of x^2 on [0, 1/9].
+#[inline(always)]
+pub(crate) fn twice_artanh(x: f64) -> f64 {
+    let z = x * x;
+    let z2 = z * z;
+    let even = 0.666_666_666_666_666_6
+        + z2 * (0.285_714_285_671_087_6
+            + z2 * (0.181_817_894_361_328_6 + z2 * (0.133_141_442_096_549_35 + z2 * 0.088_007_384_861_446_74)));
+    let odd = 0.400_000_000_000_145_85
+        + z2 * (0.222_222_227_174_278_64
+            + z2 * (0.153_855_700_649_586_23 + z2 * (0.120_010_728_095_907_13 + z2 * 0.161_640_456_119_435_3)));
+    2.0 * x + x * z * (even + z * odd)
+}
+
 #[cfg(test)]
 mod tests {
-    use super::ln_ratio;
+    use super::{ln_ratio, twice_artanh};
+
+    #[test]
+    fn artanh_agrees_with_the_library() {
+        for i in 1..=10_000 {
+            let x = f64::from(i) / 30_000.0;
+            let exact = x.ln_1p() - (-x).ln_1p();
+            assert!((twice_artanh(x) - exact).abs() <= 6e-16 * exact, "{x} {} {exact}", twice_artanh(x));
+            assert_eq!(twice_artanh(-x), -twice_artanh(x));
+        }
+    }
 
     #[test]
     fn agrees_with_the_library() {
