@@ -231,6 +231,13 @@ fn at_force(
         }
     }
     let mut engine = Engine::new(contact, settings, false);
-    let state = equilibrium::under_force(&mut engine, force, least, guess, |method| close(settings, method))?;
+    let state = equilibrium::under_force(
+        &mut engine,
+        force,
+        least,
+        guess,
+        |method| close(settings, method),
+        settings.tolerance,
+    )?;
     Ok(engine.proved(state))
 }

@@ -61,8 +61,10 @@ const SAFE_AGAIN: f64 = 2.2;
 /// With 1.0 four areas of 224 were off by up to 1.1 times what is stated.
 const SAFE_AREA: f64 = 1.25;
 
-/// Order that the next round relies on.
-const ORDER: f64 = 2.0;
+/// Order that the next round relies on, and share of the tolerance that each direction aims at: what a round misses by is more than it
+/// should be by chance, and less of it is left by the next.
+const ORDER: f64 = 2.5;
+const AIM: f64 = 0.45;
 
 /// Rounds of more cells.
 const ROUNDS: usize = 4;
@@ -70,9 +72,22 @@ const ROUNDS: usize = 4;
 /// The stiffness of a strip grows with the logarithm of its width: of a cell across that counts as a whole, no more than this.
 const OF_CELL: f64 = 0.25;
 
+/// Where the contact of one mesh lies: others need no cells far from there.
+#[derive(Debug, Clone)]
+struct Found {
+    /// Rows from the first to the last that is in contact: y of their ends with those of the rows beside them, and the shares of the
+    /// overlap across between which they touch.
+    rows: Vec<([f64; 2], [f64; 2])>,
+    /// A cell across, as a share of the overlap.
+    cell: f64,
+}
+
 /// One mesh.
 struct State {
     solved: Solved,
+    found: Found,
+    /// A cell in contact has no neighbour where the strip goes on.
+    cut: bool,
     /// The ends of the contact across, as distances, in every row that is in contact; these rows have no others between them.
     ends: Vec<[f64; 2]>,
     /// The lines on both sides of the first and of the last of them.
@@ -106,21 +121,27 @@ fn estimated(f: &dyn Fn(Point) -> f64, line: &LineContact, limits: &Limits) -> O
     let strip = Strip { f, line, grading: Grading::new(half, b - a, power(line.rise / (b - a))), limits };
     let finer = FINER.map(|power| (1e-3 / limits.tolerance).max(1.0).powf(power));
     let rows_of = |finer: f64| ((AT_END * finer * strip.grading.all).ceil() as usize).max(FEWEST);
-    let mut across = strip.around_contact(rows_of(1.0))?;
+    let (mut across, found) = strip.around_contact(rows_of(1.0))?;
+    let mut near = Some(found);
     let (mut rows, mut cells) = (rows_of(finer[0]), (ACROSS as f64 * finer[1]).ceil() as usize);
     let fewer = |n: usize| (FEWER * n as f64).round() as usize;
     let less = |n: usize| (LESS * n as f64).round() as usize;
     let mut best: Option<(Estimated, State)> = None;
     for _ in 0..ROUNDS {
-        let Some(fine) = strip.solve(rows, cells, across) else { return best };
+        let Some(nearer) = strip.solve(less(rows), less(cells), across, near.as_ref()) else { return best };
+        let near_it = near.as_ref().map(|_| &nearer.found);
+        let Some(fine) = strip.solve(rows, cells, across, near_it) else { return best };
         if fine.touched[0] == 0 || fine.touched[1] == cells {
             // In contact up to the outermost cells: there may be more beside them.
-            across = strip.widened(across);
+            (across, near) = (strip.widened(across), None);
             continue;
         }
-        let Some(shorter) = strip.solve(fewer(rows), cells, across) else { return best };
-        let Some(coarse) = strip.solve(rows, fewer(cells), across) else { return best };
-        let Some(nearer) = strip.solve(less(rows), less(cells), across) else { return best };
+        let Some(shorter) = strip.solve(fewer(rows), cells, across, near_it) else { return best };
+        let Some(coarse) = strip.solve(rows, fewer(cells), across, near_it) else { return best };
+        if [&nearer, &fine, &shorter, &coarse].iter().any(|state| state.cut) {
+            near = None;
+            continue;
+        }
         let change = |a: &State, b: &State, of: fn(&State) -> f64| (of(a) / of(b) - 1.0).abs();
         let both = |of: fn(&State) -> f64| change(&fine, &shorter, of) + change(&fine, &coarse, of);
         let largest = |a: &State, b: &State| {
@@ -150,11 +171,15 @@ fn estimated(f: &dyn Fn(Point) -> f64, line: &LineContact, limits: &Limits) -> O
         };
         let done = found.error <= limits.tolerance;
         let unknowns = own.unknowns;
+        near = Some(fine.found.clone());
         best = Some((found, fine));
         if done {
             break;
         }
-        let more = [wanted(rows, left[0], ORDER, limits), wanted(cells, left[1], ORDER, limits)];
+        let more = [
+            wanted(rows, left[0], ORDER, AIM * limits.tolerance),
+            wanted(cells, left[1], ORDER, AIM * limits.tolerance),
+        ];
         let more = if more == [rows, cells] { [rows + rows / 4, cells + cells / 4] } else { more };
         // No more of both together than may be solved.
         let growth = |more: [usize; 2]| (more[0] * more[1]) as f64 / (rows * cells) as f64;
@@ -183,10 +208,10 @@ struct Strip<'a> {
 
 impl Strip<'_> {
     /// The shares of the overlap across between which some row is in contact, with room, from few cells.
-    fn around_contact(&self, rows: usize) -> Option<[f64; 2]> {
-        let State { touched: [from, to], .. } = self.solve(rows, LOOK, [0.0, 1.0])?;
+    fn around_contact(&self, rows: usize) -> Option<([f64; 2], Found)> {
+        let State { touched: [from, to], found, .. } = self.solve(rows, LOOK, [0.0, 1.0], None)?;
         let share = |n: f64| (n / LOOK as f64).clamp(0.0, 1.0);
-        Some([share(from as f64 - BESIDE), share(to as f64 + BESIDE)])
+        Some(([share(from as f64 - BESIDE), share(to as f64 + BESIDE)], found))
     }
 
     fn widened(&self, [a, b]: [f64; 2]) -> [f64; 2] {
@@ -202,8 +227,9 @@ impl Strip<'_> {
         before.chain(after).collect()
     }
 
-    /// With 2 `rows` rows, graded to the ends, and so many equal cells between two shares of the overlap across.
-    fn solve(&self, rows: usize, cells: usize, [from, to]: [f64; 2]) -> Option<State> {
+    /// With 2 `rows` rows, graded to the ends, and so many equal cells between two shares of the overlap across, of those not far from
+    /// where the contact was found.
+    fn solve(&self, rows: usize, cells: usize, [from, to]: [f64; 2], near: Option<&Found>) -> Option<State> {
         let lines = self.lines(rows);
         let overlap: Option<Vec<[f64; 2]>> = lines.iter().map(|y| (self.line.overlap)(*y)).collect();
         let across = overlap?.into_iter().map(|ends| [between(ends, from), between(ends, to)]);
@@ -211,17 +237,41 @@ impl Strip<'_> {
         let point = |k: usize, j: usize| [between(across[k], j as f64 / cells as f64), lines[k]];
         let nodes = (0..lines.len()).flat_map(|k| (0..=cells).map(move |j| (k, j))).map(|(k, j)| point(k, j)).collect();
         let id = |k: usize, j: usize| k * (cells + 1) + j;
-        let row = |k: usize| (0..cells).map(move |j| [id(k, j), id(k, j + 1), id(k + 1, j + 1), id(k + 1, j)]);
-        let mesh = Mesh::new(nodes, (0..2 * rows).flat_map(row).collect(), Vec::new());
+        let corners = |k: usize, j: usize| [id(k, j), id(k, j + 1), id(k + 1, j + 1), id(k + 1, j)];
+        let share = |j: usize| between([from, to], j as f64 / cells as f64);
+        let is_near = |k: usize, j: usize| {
+            near.is_none_or(|near| near.reaches([lines[k], lines[k + 1]], [share(j), share(j + 1)]))
+        };
+        // As symmetric as the strip may be.
+        let (last, last_cell) = (2 * rows - 1, cells - 1);
+        let images = |k: usize, j: usize| [[k, j], [last - k, j], [k, last_cell - j], [last - k, last_cell - j]];
+        let all = (0..2 * rows).flat_map(|k| (0..cells).map(move |j| [k, j]));
+        let kept: Vec<[usize; 2]> = all.filter(|&[k, j]| images(k, j).iter().any(|&[k, j]| is_near(k, j))).collect();
+        let mesh = Mesh::new(nodes, kept.iter().map(|&[k, j]| corners(k, j)).collect(), Vec::new());
         let solved = Solved::new(mesh, &self.line.group, self.f, Touching::Some, self.limits)?;
-        let pressures: Vec<&[f64]> = solved.pressure.chunks_exact(cells).collect();
+        // Of all cells; those that are left out have none.
+        let (mut pressure, mut laid) = (vec![0.0; 2 * rows * cells], vec![false; 2 * rows * cells]);
+        for (&[k, j], p) in kept.iter().zip(&solved.pressure) {
+            (pressure[k * cells + j], laid[k * cells + j]) = (*p, true);
+        }
+        let missing = |k: Option<usize>, j: Option<usize>| match (k, j) {
+            (Some(k), Some(j)) if k <= last && j <= last_cell => !laid[k * cells + j],
+            _ => false,
+        };
+        let open = |&[k, j]: &[usize; 2]| {
+            let before = missing(k.checked_sub(1), Some(j)) || missing(Some(k), j.checked_sub(1));
+            before || missing(Some(k + 1), Some(j)) || missing(Some(k), Some(j + 1))
+        };
+        let cut = kept.iter().any(|cell| pressure[cell[0] * cells + cell[1]] > 0.0 && open(cell));
+        let pressures: Vec<&[f64]> = pressure.chunks_exact(cells).collect();
         let touches = |row: &&[f64]| row.iter().any(|p| *p > 0.0);
         let (first, last) = (pressures.iter().position(touches)?, pressures.iter().rposition(touches)?);
         let mut touched = [cells, 0];
-        let mut ends = Vec::new();
+        let (mut ends, mut spans) = (Vec::new(), Vec::new());
         for (k, p) in pressures.iter().enumerate().take(last + 1).skip(first) {
             let (a, b) = (p.iter().position(|p| *p > 0.0)?, p.iter().rposition(|p| *p > 0.0)? + 1);
             touched = [touched[0].min(a), touched[1].max(b)];
+            spans.push(([lines[k.saturating_sub(1)], lines[(k + 2).min(2 * rows)]], [share(a), share(b)]));
             let width = 1.0 / cells as f64;
             let more = |last: [f64; 2]| further([width, 2.0 * width], last);
             let more = if b - a > 1 { [more([p[a], p[a + 1]]), more([p[b - 1], p[b - 2]])] } else { [0.0; 2] };
@@ -231,10 +281,22 @@ impl Strip<'_> {
         let largest: Vec<f64> = pressures.iter().map(|row| row.iter().copied().fold(0.0, f64::max)).collect();
         let drop = drop(&pressures) + growth(&largest, &lines);
         let grows = [(0, 1), (2 * rows - 1, 2 * rows - 2)].map(|(end, beside)| largest[end] > largest[beside]);
-        let mut state =
-            State { solved, ends, lines: lines[first..=last + 1].to_vec(), area: 0.0, drop, grows, touched };
+        let found = Found { rows: spans, cell: (to - from) / cells as f64 };
+        let lines = lines[first..=last + 1].to_vec();
+        let mut state = State { solved, found, cut, ends, lines, area: 0.0, drop, grows, touched };
         state.area = area(&state.boundary());
         (state.solved.force > 0.0 && state.area > 0.0).then_some(state)
+    }
+}
+
+impl Found {
+    /// Whether a cell between these y and these shares across may touch: what is found on cells of one size is off by one of either size.
+    fn reaches(&self, [bottom, top]: [f64; 2], [left, right]: [f64; 2]) -> bool {
+        let (row, cell) = (top - bottom, BESIDE * self.cell.max(right - left));
+        let beside = |([low, high], [a, b]): &([f64; 2], [f64; 2])| {
+            top + row > *low && bottom - row < *high && right > a - cell && left < b + cell
+        };
+        self.rows.iter().any(beside)
     }
 }
 

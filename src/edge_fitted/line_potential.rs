@@ -26,6 +26,15 @@ struct Line {
     length: f64,
 }
 
+impl Line {
+    /// Whether r1 + r2 is at least [`AFAR`] times the length at every point of a group, no further than `size` from the first one.
+    #[inline(always)]
+    fn is_far(&self, radii: &[[f64; BATCH]], first: usize, size: f64) -> bool {
+        let [a, b] = self.nodes.map(|n| radii[n][first]);
+        a + b - 2.0 * size >= AFAR * self.length
+    }
+}
+
 /// The edges of a mesh.
 #[derive(Debug, Clone)]
 pub(crate) struct Lines {
@@ -215,8 +224,7 @@ impl Lines {
                 if strengths.iter().all(|c| c[e] == 0.0) {
                     continue;
                 }
-                let sum = line.nodes.iter().map(|n| scratch.radii[*n][first]).sum::<f64>();
-                if sum - 2.0 * size < AFAR * line.length {
+                if !line.is_far(&scratch.radii, first, size) {
                     scratch.near.push(e);
                 } else {
                     let of_edge = Self::potential_from_afar(line, points, &scratch.radii, first);
@@ -266,9 +274,14 @@ impl Lines {
         let nodes = lines.iter().flat_map(|line| line.nodes).max().map_or(0, |last| last + 1);
         Self::radii(&self.nodes[..nodes], points, &mut scratch.radii);
         scratch.products.resize(count, [0.0; BATCH]);
-        for (line, out) in lines.iter().zip(scratch.products.iter_mut()) {
-            for first in (0..LANES * points.lanes()).step_by(LANES) {
-                let [l, d] = Self::potential(line, points, &scratch.radii, first);
+        for first in (0..LANES * points.lanes()).step_by(LANES) {
+            let size = points.reach(first);
+            for (line, out) in lines.iter().zip(scratch.products.iter_mut()) {
+                let [l, d] = if line.is_far(&scratch.radii, first, size) {
+                    Self::potential_from_afar(line, points, &scratch.radii, first)
+                } else {
+                    Self::potential(line, points, &scratch.radii, first)
+                };
                 for i in 0..LANES {
                     out[first + i] = d[i] * l[i];
                 }

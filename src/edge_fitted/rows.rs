@@ -171,7 +171,8 @@ fn estimated(
         if done {
             break;
         }
-        let more = [wanted(rows, left[0], ORDER, limits), wanted(half, left[1], ORDER, limits)];
+        let aim = AIM * limits.tolerance;
+        let more = [wanted(rows, left[0], ORDER, aim), wanted(half, left[1], ORDER, aim)];
         // What is off by the ends alone falls with both.
         let mut more = if more == [rows, half] { [rows + rows / 4, half + 1] } else { more };
         // No more than are worth their time.
@@ -190,9 +191,10 @@ fn estimated(
     best
 }
 
-/// As many as `n` cells that leave this of the force have to become where it falls with the `order` of them, twice as many at most.
-pub(super) fn wanted(n: usize, left: f64, order: f64, limits: &Limits) -> usize {
-    let times = (left / (AIM * limits.tolerance)).max(0.0).powf(1.0 / order).min(2.0);
+/// As many as `n` cells that leave this of the force have to become to leave `aim` where it falls with the `order` of them, twice as many at
+/// most.
+pub(super) fn wanted(n: usize, left: f64, order: f64, aim: f64) -> usize {
+    let times = (left / aim).max(0.0).powf(1.0 / order).min(2.0);
     ((times * n as f64).ceil() as usize).max(n)
 }
 

@@ -14,7 +14,7 @@ use crate::edge_fitted::width_of_line_contact;
 use crate::gap::{AnyGap, Reach};
 use crate::overlap::{least, reach_of};
 use crate::problem::Method;
-use crate::solution::{Solution, Unsolved, Verdict};
+use crate::solution::{Origin, Solution, Unsolved, Verdict};
 
 /// Steps of the quick search before the load is taken to have no depth.
 const MOST_STEPS: usize = 60;
@@ -113,13 +113,14 @@ pub(crate) fn overlap_of_size(gap: &AnyGap, e_star: f64, force: f64, deadline: D
 
 /// The state under a force without tilt. `lowest` is the least gap, `scale` an overlap to begin with, `close` the relative
 /// errors of the force that may be left to the last, linear step, by the method that ran: the one that is sought, and the one
-/// that will do once steps from grid to grid no longer bring the state closer.
+/// that will do once steps from grid to grid no longer bring the state closer; `tolerance`: of the force.
 pub(crate) fn under_force(
     engine: &mut dyn Respond,
     force: f64,
     lowest: f64,
     scale: f64,
     close: impl Fn(Method) -> [f64; 2],
+    tolerance: f64,
 ) -> Result<Solution, Unsolved> {
     let mut overlap = scale;
     // Overlaps with too little force and with too much, as far as they are known.
@@ -173,7 +174,8 @@ pub(crate) fn under_force(
         if !quick {
             full_steps += 1;
             let [sought, enough] = close(state.method);
-            let done = miss.abs() <= if full_steps >= PATIENT_STEPS { enough } else { sought };
+            let near = miss.abs() <= if full_steps >= PATIENT_STEPS { enough } else { sought };
+            let done = near || is_linear(&state, miss.abs(), tolerance);
             if done || full_steps == MOST_FULL_STEPS {
                 let stepped = last_step(state, force);
                 let state = if done { stepped } else { off_by(miss, stepped) };
@@ -208,6 +210,29 @@ pub(crate) fn under_force(
     Err(Unsolved::new(Verdict::NoEquilibrium, reason))
 }
 
+/// Share of a state's errors of stiffness and area that a step of fitted cells may add to them.
+const OF_ERRORS: f64 = 0.25;
+
+/// Whether one linear step by the stiffness of fitted cells leaves the force within the tolerance and little of all else: states nearer to
+/// the load cost as much as this one.
+fn is_linear(state: &Solution, share: f64, tolerance: f64) -> bool {
+    let little = |error: Option<f64>, more: f64| error.is_some_and(|error| more <= OF_ERRORS * error);
+    let within = |error: f64| error + left_by_a_step(state, share) <= tolerance;
+    let no_field = state.pressure.field.is_none() && state.pressure.gap.is_none();
+    state.origin == Origin::EdgeFitted
+        && state.bracket.is_none()
+        && no_field
+        && state.force_error.is_some_and(within)
+        && little(state.stiffness_error, share)
+        && little(state.area_error, 2.0 * share)
+}
+
+/// What a linear step leaves of a force that it changes by this share: of its square (n - 1)/(2 n) where P ~ s^n, and what the stiffness is
+/// off by.
+fn left_by_a_step(state: &Solution, share: f64) -> f64 {
+    share * (share + state.stiffness_error.unwrap_or(0.0))
+}
+
 /// ln of the load over the force of a state.
 fn miss_of(state: &Solution, force: f64) -> f64 {
     (force / state.force).ln()
@@ -223,13 +248,15 @@ fn off_by(miss: f64, mut state: Solution) -> Solution {
 fn last_step(mut state: Solution, force: f64) -> Solution {
     let more = force - state.force;
     state.depth += more / state.stiffness;
-    // The step is linear: P ~ s^n leaves (n - 1)/(2n) of its square. Stiffness and area stay those of the depth before.
+    // Stiffness, area and the largest pressure stay those of the depth before.
     let share = (more / state.force).abs();
     let add = |error: &mut Option<f64>, more: f64| *error = error.map(|error| error + more);
-    add(&mut state.force_error, share * share);
-    add(&mut state.energy_error, share * share);
+    let left = left_by_a_step(&state, share);
+    add(&mut state.force_error, left);
+    add(&mut state.energy_error, left);
     add(&mut state.stiffness_error, share);
     add(&mut state.area_error, 2.0 * share);
+    add(&mut state.pressure.max_error, share);
     // Bounds are those of the depth before the step.
     state.bracket = state.bracket.filter(|_| more == 0.0);
     if let (Some(energy), true) = (state.energy.as_mut(), more != 0.0) {
