@@ -30,6 +30,36 @@ fn fft(cells: usize) -> Settings {
     Settings { method: Method::Fft, cells: Some(cells), ..Settings::default() }
 }
 
+/// A formula holds where the load is balanced, and not on the way there: the state was called one of many grids, without any.
+#[test]
+fn a_crowned_roller_is_balanced_by_its_formula() {
+    let ends = [[-0.61525, -1.40804], [0.61525, -1.40804], [0.61525, 1.40804], [-0.61525, 1.40804]];
+    let roller = Formula::within("x^2/1.3672 + y^2/3479.6", Outline::polygon(&ends).unwrap()).unwrap();
+    let (force, x) = (2.7866e-4, 0.01);
+    let state = one(roller, Load::ForceMoment { force, moment: [0.0, -force * x] }, &Settings::default()).unwrap();
+    assert_eq!(state.method, Method::ClosedForm);
+    // As without the tilt, about the point where the force acts.
+    assert!((state.tilt[0] - 2.0 * x / 1.3672).abs() < 1e-9, "{:?}", state.tilt);
+}
+
+/// A ring that the cells of the first grids miss: that no cell touched was taken for a load that nothing balances.
+#[test]
+fn a_thin_ring_balances_a_force_inside_of_it() {
+    let ring = || Formula::new("(r - 1)^2/2").unwrap();
+    let untilted = one(ring(), Load::Force(1e-3), &Settings::default()).unwrap();
+    let through = [0.12, 0.05];
+    let load = Load::ForceMoment { force: 1e-3, moment: [1e-3 * through[1], -1e-3 * through[0]] };
+    let state = one(ring(), load, &Settings { tolerance: 0.02, ..Settings::default() }).unwrap();
+    // It leans towards the force, and the overlap grows there as it falls on the other side.
+    let [ax, ay] = state.tilt;
+    assert!(ax > 0.0 && (ay / ax - through[1] / through[0]).abs() < 0.02, "{:?}", state.tilt);
+    assert!((state.depth / untilted.depth - 1.0).abs() < 0.1, "{} {}", state.depth, untilted.depth);
+    for cells in [12, 16, 24] {
+        let few = solve(&contact(ring(), Loading::Single(load)), &fft(cells)).remove(0);
+        assert_eq!(few.unwrap_err().verdict, Verdict::ToleranceNotReached, "{cells} cells");
+    }
+}
+
 #[test]
 fn forces_over_twelve_decades_follow_the_scaling_law() {
     let punch = Polyhedron::pyramid(3, 45f64.to_radians()).unwrap();

@@ -1,7 +1,7 @@
 //! A punch free to tilt: balanced on grids that become finer until the force is good enough.
 
 use super::engine::{CellsOfTilts, Engine};
-use super::equilibrium;
+use super::equilibrium::{self, Respond};
 use crate::gap::{AnyGap, Gap, Reach};
 use crate::grid_method::SharedGrid;
 use crate::grid_method::extrapolation::{self, Intercept};
@@ -71,19 +71,34 @@ pub(crate) fn under_moment(
         found.map(|state| with_lawful_energy(contact, state))
     };
     let start = untilted.clone();
-    let mut state = match balance(&mut engine, untilted) {
-        // Cells that are fitted anew at every tilt tell their own errors, which no other grid changes.
-        Ok(state) if state.origin == Origin::EdgeFitted => return Ok(state),
+    let mut answered = match balance(&mut engine, untilted) {
+        // Formulas, and cells that are fitted anew at every tilt, tell their own errors, which no other grid changes.
+        Ok(state) if matches!(state.origin, Origin::EdgeFitted | Origin::ClosedForm) => return Ok(state),
         Err(short) if engine.cells_of_tilts == CellsOfTilts::Fitted && short.verdict != Verdict::TimeLimit => {
             engine.cells_of_tilts = CellsOfTilts::Grid;
-            balance(&mut engine, start)?
+            balance(&mut engine, start.clone())
         }
-        answered => answered?,
+        answered => answered,
     };
+    // Cells that miss the contact say nothing about the load.
+    let mut least = 0;
+    while matches!(&answered, Err(e) if e.verdict == Verdict::NoEquilibrium) && misses_contact(&mut engine, &start)? {
+        if settings.cells.is_some() || engine.cells >= FINEST {
+            let reason = format!(
+                "no grid of up to {} cells along the longer side is fine enough to see the contact",
+                engine.cells
+            );
+            return Err(Unsolved::new(Verdict::ToleranceNotReached, reason));
+        }
+        engine.cells *= 2;
+        least = engine.cells;
+        answered = balance(&mut engine, start.clone());
+    }
+    let mut state = answered?;
     // What one grid tells of its error at sharp edges, whose cells err by the first power, may be small by chance.
     match (settings.cells, engine.shared.edge) {
         (Some(cells), Some(_)) => return as_given(&mut engine, cells, state, &mut balance),
-        (None, Some(Edge::End)) => return at_sharp_edges(&mut engine, state, settings, &mut balance),
+        (None, Some(Edge::End)) => return at_sharp_edges(&mut engine, least, state, settings, &mut balance),
         _ => {}
     }
     let mut found = vec![numbers(&state)];
@@ -101,6 +116,21 @@ pub(crate) fn under_moment(
         error = state.force_error.unwrap_or(f64::INFINITY);
     }
     Ok(state)
+}
+
+/// Share of the force of an untilted state that cells may miss.
+const MISSED: f64 = 0.3;
+
+/// Whether the cells that all tilts share are too few for the contact without tilt.
+fn misses_contact(engine: &mut Engine, untilted: &Solution) -> Result<bool, Unsolved> {
+    if engine.cells_of_tilts != CellsOfTilts::Grid {
+        return Ok(false);
+    }
+    let found = match engine.respond(untilted.depth, [0.0; 2], false) {
+        Err(e) if e.verdict != Verdict::TimeLimit => return Ok(false),
+        found => found?,
+    };
+    Ok((found.force / untilted.force - 1.0).abs() > MISSED)
 }
 
 /// Depth and tilt with which the gap is lowest where the line of action meets it and overlaps as much as without tilt, where that is not in
@@ -180,9 +210,10 @@ fn or_coarser(finer: Result<Solution, Unsolved>, coarser: &Solution) -> Result<S
     })
 }
 
-/// A punch balanced on many grids, and the limit of what they give; see [`sharp_edges`].
+/// A punch balanced on many grids, and the limit of what they give; see [`sharp_edges`]. `least`: cells of the coarsest one.
 fn at_sharp_edges(
     engine: &mut Engine,
+    least: usize,
     mut state: Solution,
     settings: &Settings,
     balance: &mut Balance,
@@ -193,12 +224,18 @@ fn at_sharp_edges(
     let mut limited: Option<Solution> = None;
     // A grid alone says nothing of its error.
     let untold = |state: &Solution| Solution { force_error: None, ..state.clone() };
-    for cells in (0..).map(sharp_edges::cells).take_while(|&n| n <= FINEST / 2) {
+    let enough = (0..).map(sharp_edges::cells).skip_while(|&n| n < least).take_while(|&n| n <= FINEST / 2);
+    for cells in enough {
         engine.cells = cells;
-        state = balance(engine, state.clone()).map_err(|e| match e.verdict {
-            Verdict::TimeLimit => e.with_best(limited.take().unwrap_or_else(|| untold(&state))),
-            _ => e,
-        })?;
+        state = match balance(engine, state.clone()) {
+            Ok(balanced) => balanced,
+            Err(e) if e.verdict == Verdict::TimeLimit => {
+                return Err(e.with_best(limited.unwrap_or_else(|| untold(&state))));
+            }
+            // A grid on which nothing is in balance tells nothing.
+            Err(e) if e.verdict == Verdict::NoEquilibrium => continue,
+            Err(e) => return Err(e),
+        };
         grids.push(engine.shared.measure);
         found.push(numbers(&state));
         let Some(line) = Intercept::new(&grids) else { continue };

@@ -77,7 +77,12 @@ impl Unsolved {
 
     /// The error that was reached is not the one asked for, and why no less was tried.
     pub(crate) fn short_of(tolerance: f64, reached: f64, why: &str) -> Self {
-        let reason = format!("relative error {} reached, the tolerance is {tolerance:.1e}: {why}", rounded_up(reached));
+        let reached = if reached.is_finite() {
+            format!("relative error {} reached", rounded_up(reached))
+        } else {
+            "an error that is not known".to_owned()
+        };
+        let reason = format!("{reached}, the tolerance is {tolerance:.1e}: {why}");
         Self::new(Verdict::ToleranceNotReached, reason)
     }
 }
