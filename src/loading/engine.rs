@@ -82,7 +82,7 @@ impl<'a> Engine<'a> {
             Method::Auto if settings.cells.is_none() && !settings.outputs.gap => {
                 let rough = Settings {
                     outputs: Outputs::default(),
-                    tolerance: ROUGH.max(settings.tolerance),
+                    tolerance: ROUGH.min(OF_FULL * settings.tolerance).max(settings.tolerance),
                     evidence: ErrorBar::Estimate,
                     ..*settings
                 };
@@ -155,8 +155,10 @@ impl<'a> Engine<'a> {
     }
 }
 
-/// Relative error of the force that the search for equilibrium begins with.
+/// Relative error of the force that the search for equilibrium begins with, and what it is of the tolerance at most: a full state that is
+/// nearer to the load may be the last.
 const ROUGH: f64 = 0.02;
+const OF_FULL: f64 = 10.0;
 
 /// Times that grids are laid anew because the force lies far from where their errors were told.
 const MOST_ANEW: usize = 4;

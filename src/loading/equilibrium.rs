@@ -210,19 +210,22 @@ pub(crate) fn under_force(
     Err(Unsolved::new(Verdict::NoEquilibrium, reason))
 }
 
-/// Share of a state's errors of stiffness and area that a step of fitted cells may add to them.
+/// Share of a state's errors of stiffness and area that a step of fitted cells may add to them, and what it may leave of the force: fields,
+/// which are those of the depth beside it, take steps to 1e-7, and no number is to change where they are asked for.
 const OF_ERRORS: f64 = 0.25;
+const LEFT: f64 = 1e-6;
 
 /// Whether one linear step by the stiffness of fitted cells leaves the force within the tolerance and little of all else: states nearer to
 /// the load cost as much as this one.
 fn is_linear(state: &Solution, share: f64, tolerance: f64) -> bool {
     let little = |error: Option<f64>, more: f64| error.is_some_and(|error| more <= OF_ERRORS * error);
-    let within = |error: f64| error + left_by_a_step(state, share) <= tolerance;
+    let left = left_by_a_step(state, share);
     let no_field = state.pressure.field.is_none() && state.pressure.gap.is_none();
     state.origin == Origin::EdgeFitted
         && state.bracket.is_none()
         && no_field
-        && state.force_error.is_some_and(within)
+        && left <= LEFT
+        && state.force_error.is_some_and(|error| error + left <= tolerance)
         && little(state.stiffness_error, share)
         && little(state.area_error, 2.0 * share)
 }
