@@ -30,8 +30,7 @@ impl Line {
     /// Whether r1 + r2 is at least [`AFAR`] times the length at every point of a group, no further than `size` from the first one.
     #[inline(always)]
     fn is_far(&self, radii: &[[f64; BATCH]], first: usize, size: f64) -> bool {
-        let [a, b] = self.nodes.map(|n| radii[n][first]);
-        a + b - 2.0 * size >= AFAR * self.length
+        radii[self.nodes[0]][first] + radii[self.nodes[1]][first] - 2.0 * size >= AFAR * self.length
     }
 }
 
@@ -61,6 +60,12 @@ const AFAR: f64 = 3.0;
 
 /// Stands for d^2 of a point on an edge, where d L is zero.
 const SMALLEST: f64 = 1e-280;
+
+/// Those of a batch that begin with `first`.
+#[inline(always)]
+fn group(all: &[f64; BATCH], first: usize) -> [f64; LANES] {
+    std::array::from_fn(|i| all[first + i])
+}
 
 /// Up to [`BATCH`] points; those not filled repeat the last one.
 #[derive(Debug, Clone)]
@@ -163,10 +168,8 @@ impl Lines {
     /// L and d of one line at a group of points.
     #[inline(always)]
     fn potential(line: &Line, points: &Points, radii: &[[f64; BATCH]], first: usize) -> [[f64; LANES]; 2] {
-        let group = |all: &[f64; BATCH]| -> [f64; LANES] { std::array::from_fn(|i| all[first + i]) };
-        let (r1, r2) = (group(&radii[line.nodes[0]]), group(&radii[line.nodes[1]]));
-        let (x, y) = (group(&points.x), group(&points.y));
-        let [tx, ty] = line.direction;
+        let (r1, r2) = (group(&radii[line.nodes[0]], first), group(&radii[line.nodes[1]], first));
+        let (x, y, [tx, ty]) = (group(&points.x, first), group(&points.y, first), line.direction);
         let (mut l, mut d) = ([0.0; LANES], [0.0; LANES]);
         for i in 0..LANES {
             let (dx, dy) = (x[i] - line.start[0], y[i] - line.start[1]);
@@ -187,10 +190,8 @@ impl Lines {
     /// The same where r1 + r2 is at least [`AFAR`] times the length.
     #[inline(always)]
     fn potential_from_afar(line: &Line, points: &Points, radii: &[[f64; BATCH]], first: usize) -> [[f64; LANES]; 2] {
-        let group = |all: &[f64; BATCH]| -> [f64; LANES] { std::array::from_fn(|i| all[first + i]) };
-        let (r1, r2) = (group(&radii[line.nodes[0]]), group(&radii[line.nodes[1]]));
-        let (x, y) = (group(&points.x), group(&points.y));
-        let [tx, ty] = line.direction;
+        let (r1, r2) = (group(&radii[line.nodes[0]], first), group(&radii[line.nodes[1]], first));
+        let (x, y, [tx, ty]) = (group(&points.x, first), group(&points.y, first), line.direction);
         let (mut l, mut d) = ([0.0; LANES], [0.0; LANES]);
         for i in 0..LANES {
             l[i] = twice_artanh(line.length / (r1[i] + r2[i]));
@@ -228,13 +229,13 @@ impl Lines {
                     scratch.near.push(e);
                 } else {
                     let of_edge = Self::potential_from_afar(line, points, &scratch.radii, first);
-                    Self::add(line.direction, strengths.map(|c| c[e]), of_edge, &mut sums);
+                    Self::add(line.direction, strengths, e, of_edge, &mut sums);
                 }
             }
             for &e in &scratch.near {
                 let line = &self.lines[e];
                 let of_edge = Self::potential(line, points, &scratch.radii, first);
-                Self::add(line.direction, strengths.map(|c| c[e]), of_edge, &mut sums);
+                Self::add(line.direction, strengths, e, of_edge, &mut sums);
             }
             for (field, [u, x, y]) in fields.iter_mut().zip(&sums) {
                 field.u[first..first + LANES].copy_from_slice(u);
@@ -244,16 +245,17 @@ impl Lines {
         }
     }
 
-    /// Adds displacement and slope of an edge of these strengths.
+    /// Adds displacement and slope of edge `e`.
     #[inline(always)]
     fn add<const K: usize>(
         [tx, ty]: Point,
-        strengths: [f64; K],
+        strengths: [&[f64]; K],
+        e: usize,
         [l, d]: [[f64; LANES]; 2],
         sums: &mut [[[f64; LANES]; 3]; K],
     ) {
         for (sums, c) in sums.iter_mut().zip(strengths) {
-            let (cx, cy) = (-c * ty, c * tx);
+            let (c, cx, cy) = (c[e], -c[e] * ty, c[e] * tx);
             for i in 0..LANES {
                 sums[0][i] += c * (d[i] * l[i]);
                 sums[1][i] += cx * l[i];
