@@ -99,10 +99,11 @@ impl Route {
             }
             return flat::Flat::of(face).map(Self::Flat);
         }
-        // Of those below, rollers alone tell what tilts them.
+        // Of those below, rollers and rings alone tell what tilts them.
         if with_matrix {
-            return roller::Roller::of(overlap)
-                .map(|roller| Self::Roller { roller: Box::new(roller), otherwise: None });
+            let roller =
+                roller::Roller::of(overlap).map(|roller| Self::Roller { roller: Box::new(roller), otherwise: None });
+            return roller.or_else(|| oval::Strip::of(overlap).map(Self::Oval));
         }
         if let Some(tip) = layer::FlatTip::of(overlap) {
             let flanked = flanked::FlankedTip::of(&tip);

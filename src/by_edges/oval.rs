@@ -1,13 +1,14 @@
-//! Oval rings: contacts along one closed strip around a point at which the bodies do not overlap, the gap mirrored in two lines through it.
+//! Oval rings: contacts along one closed strip around a point at which the bodies do not overlap, the gap mirrored in two lines through it
+//! or in none.
 
 use std::f64::consts::FRAC_PI_2;
 
 use super::Found;
 use super::estimated::in_users_units;
 use super::strip::{Lines, interval, line_by_line};
-use crate::edge_fitted::{Limits, oval};
+use crate::edge_fitted::{Limits, Quarters, oval};
 use crate::gap::{AnyGap, Gap};
-use crate::numeric::geometry::{Rect, farthest};
+use crate::numeric::geometry::{Rect, area, centroid, farthest};
 use crate::overlap::{Overlap, Scaled, Units};
 use crate::problem::{Contact, Settings};
 
@@ -16,8 +17,10 @@ pub(crate) struct Strip {
     gap: AnyGap,
     depth: f64,
     units: Units,
-    /// Where the mirrors cross.
+    /// Where the mirrors cross; a point inside of the strip where there are none.
     centre: [f64; 2],
+    /// Quarters that have to be solved: one with two mirrors.
+    quarters: Quarters,
     /// The farthest that the overlap reaches.
     farthest: f64,
 }
@@ -36,23 +39,30 @@ impl Strip {
     /// `None` where the overlap is no such strip, or is not known to be nowhere else.
     pub fn of(overlap: &Overlap) -> Option<Self> {
         let known = overlap.known();
-        if known.mirrors != [true; 2] || known.law.is_some() || !overlap.certain {
+        if known.law.is_some() || !overlap.certain {
             return None;
         }
+        // A tilt leaves the gap drawn about the same point.
+        let (quarters, centre) = match known.mirrors {
+            [true, true] => (Quarters::One, known.centre),
+            _ => (Quarters::All, known.reference),
+        };
         let Scaled { gap, depth, reach, units, .. } = overlap.scaled();
-        let centre = units.inward(known.centre);
+        let centre = units.inward(centre);
         if !(gap.gap(centre[0], centre[1]) > depth) {
             return None;
         }
         let farthest = farthest(&reach.corners(), centre);
-        let strip = Self { gap, depth, units, centre, farthest };
-        let at = |k: usize, rays: usize| FRAC_PI_2 * k as f64 / rays as f64;
-        let looks: Option<Vec<[f64; 2]>> = (0..=8).map(|k| strip.along(at(k, 8), None)).collect();
+        let strip = Self { gap, depth, units, centre, quarters, farthest };
+        let last = quarters.angle();
+        let at = |k: usize, rays: usize| last * k as f64 / rays as f64;
+        let many = quarters.count();
+        let looks: Option<Vec<[f64; 2]>> = (0..=8 * many).map(|k| strip.along(at(k, 8 * many), None)).collect();
         let slenderness = looks?.iter().map(|[a, b]| 0.5 * (a + b) / (b - a)).fold(0.0, f64::max);
-        let count = ((OF_SLENDERNESS * slenderness) as usize / 8 * 8).clamp(RAYS[0], RAYS[1]);
+        let count = ((OF_SLENDERNESS * slenderness) as usize / 8 * 8).clamp(RAYS[0], RAYS[1]) * many;
         let rays = line_by_line(count, |k, inside| strip.along(at(k, count), inside));
         let rays = rays.filter(|rays| rays.iter().all(|[a, b]| b - a < WIDEST * (a + b)))?;
-        let smooth = rays.iter().enumerate().step_by(count / 8).all(|(k, [a, b])| {
+        let smooth = rays.iter().enumerate().step_by(count / (8 * many)).all(|(k, [a, b])| {
             let at = strip.on_ray(at(k, count), 0.5 * (a + b));
             strip.gap.taylor(&Rect::around(at, [0.1 * (b - a); 2])).is_some()
         });
@@ -77,27 +87,57 @@ impl Strip {
     /// Whether the bodies overlap nowhere outside of the strip, with its room.
     fn nowhere_else(&self, rays: Vec<[f64; 2]>) -> bool {
         let rays = Lines(rays);
-        let quarter = Rect { min: self.centre, max: self.centre.map(|c| c + self.farthest) };
-        rays.hold_all(&self.gap, self.depth, quarter, |own| {
-            let at = |p: [f64; 2]| [0, 1].map(|m| p[m] - self.centre[m]);
-            let (min, max) = (at(own.min), at(own.max));
-            let share = |y: f64, x: f64| y.atan2(x) / FRAC_PI_2;
-            rays.hold([share(min[1], max[0]), share(max[1], min[0])], [min[0].hypot(min[1]), max[0].hypot(max[1])])
+        let [cx, cy] = self.centre;
+        // Quarters from the first on, and the signs of x and y there.
+        let quarters = [[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]].into_iter().enumerate();
+        quarters.take(self.quarters.count()).all(|(quarter, [sx, sy])| {
+            let corner = [cx + sx * self.farthest, cy + sy * self.farthest];
+            let all = Rect {
+                min: [0, 1].map(|m| corner[m].min(self.centre[m])),
+                max: [0, 1].map(|m| corner[m].max(self.centre[m])),
+            };
+            rays.hold_all(&self.gap, self.depth, all, |own| {
+                // Seen from the first one.
+                let x = [sx * (own.min[0] - cx), sx * (own.max[0] - cx)];
+                let y = [sy * (own.min[1] - cy), sy * (own.max[1] - cy)];
+                let (min, max) = ([x[0].min(x[1]), y[0].min(y[1])], [x[0].max(x[1]), y[0].max(y[1])]);
+                let (low, high) = (min[1].atan2(max[0]), max[1].atan2(min[0]));
+                let begin = FRAC_PI_2 * quarter as f64;
+                let angles = if quarter % 2 == 0 { [low, high] } else { [FRAC_PI_2 - high, FRAC_PI_2 - low] };
+                let shares = angles.map(|angle| (begin + angle) / self.quarters.angle());
+                rays.hold(shares, [min[0].hypot(min[1]), max[0].hypot(max[1])])
+            })
         })
     }
 
     pub fn found(&self) -> String {
-        "mirrored in two lines, and overlaps along one closed strip around their crossing".to_owned()
+        match self.quarters {
+            Quarters::One => {
+                "mirrored in two lines, and overlaps along one closed strip around their crossing".to_owned()
+            }
+            Quarters::All => "drawn about a point, and overlaps along one closed strip around it".to_owned(),
+        }
     }
 
     pub(super) fn solve(&self, contact: &Contact, settings: &Settings, limits: &Limits) -> Option<Found> {
         let overlap = |[x, y]: [f64; 2]| self.depth - self.gap.gap(x + self.centre[0], y + self.centre[1]);
-        let found = oval(&overlap, &|angle| self.along(angle, None), limits)?;
+        let found = oval(&overlap, &|angle| self.along(angle, None), self.quarters, limits)?;
+        let middle = match self.quarters {
+            Quarters::One => [[0.0; 2]; 2],
+            Quarters::All => [centroid_of(&found.ends), found.centre()],
+        };
         let units = Units { origin: self.units.outward(self.centre), ..self.units };
         Some(Found {
             how: format!("the gap is {}", self.found()),
             left_out: "the surface grid: cells along the strip are enough",
-            ..in_users_units(found, &units, [[0.0; 2]; 2], contact, settings)?
+            ..in_users_units(found, &units, middle, contact, settings)?
         })
     }
+}
+
+/// Of all that closed lines hold, those around holes the other way round.
+fn centroid_of(lines: &[Vec<[f64; 2]>]) -> [f64; 2] {
+    let all: f64 = lines.iter().map(|line| area(line)).sum();
+    let moment = |m: usize| lines.iter().map(|line| area(line) * centroid(line)[m]).sum::<f64>();
+    [0, 1].map(|m| moment(m) / all)
 }

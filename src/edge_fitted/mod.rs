@@ -82,7 +82,7 @@ pub(crate) use flanked_bounds::{Bounded, flanked_bounds};
 pub(crate) use flat::{FlatStiffness, estimated_stiffness, flat_stiffness};
 pub(crate) use line_contact::{LineContact, line_contact};
 pub(crate) use outline::Outline;
-pub(crate) use oval::oval;
+pub(crate) use oval::{Quarters, oval};
 pub(crate) use region::Region;
 pub(crate) use roller::{Roller, roller};
 pub(crate) use rows::width_of_line_contact;
