@@ -47,11 +47,11 @@ impl Strip {
             [true, true] => (Quarters::One, known.centre),
             _ => (Quarters::All, known.reference),
         };
-        let Scaled { gap, depth, reach, units, .. } = overlap.scaled();
-        let centre = units.inward(centre);
-        if !(gap.gap(centre[0], centre[1]) > depth) {
+        if !(overlap.gap.gap(centre[0], centre[1]) > overlap.depth) {
             return None;
         }
+        let Scaled { gap, depth, reach, units, .. } = overlap.scaled();
+        let centre = units.inward(centre);
         let farthest = farthest(&reach.corners(), centre);
         let strip = Self { gap, depth, units, centre, quarters, farthest };
         let last = quarters.angle();
@@ -92,21 +92,18 @@ impl Strip {
         let quarters = [[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]].into_iter().enumerate();
         quarters.take(self.quarters.count()).all(|(quarter, [sx, sy])| {
             let corner = [cx + sx * self.farthest, cy + sy * self.farthest];
-            let all = Rect {
-                min: [0, 1].map(|m| corner[m].min(self.centre[m])),
-                max: [0, 1].map(|m| corner[m].max(self.centre[m])),
-            };
-            rays.hold_all(&self.gap, self.depth, all, |own| {
+            let in_strip = |own: &Rect| {
                 // Seen from the first one.
-                let x = [sx * (own.min[0] - cx), sx * (own.max[0] - cx)];
-                let y = [sy * (own.min[1] - cy), sy * (own.max[1] - cy)];
-                let (min, max) = ([x[0].min(x[1]), y[0].min(y[1])], [x[0].max(x[1]), y[0].max(y[1])]);
+                let seen = [own.min, own.max].map(|p| [sx * (p[0] - cx), sy * (p[1] - cy)]);
+                let Some(Rect { min, max }) = Rect::holding(seen) else { return false };
                 let (low, high) = (min[1].atan2(max[0]), max[1].atan2(min[0]));
                 let begin = FRAC_PI_2 * quarter as f64;
                 let angles = if quarter % 2 == 0 { [low, high] } else { [FRAC_PI_2 - high, FRAC_PI_2 - low] };
                 let shares = angles.map(|angle| (begin + angle) / self.quarters.angle());
                 rays.hold(shares, [min[0].hypot(min[1]), max[0].hypot(max[1])])
-            })
+            };
+            let all = Rect::holding([self.centre, corner]);
+            all.is_some_and(|all| rays.hold_all(&self.gap, self.depth, all, in_strip))
         })
     }
 

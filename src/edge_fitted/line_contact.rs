@@ -10,6 +10,7 @@
 use super::Limits;
 use super::estimated::{Estimated, Solved, Touching};
 use super::mesh::{Mesh, Point};
+use super::near_contact::{BESIDE, Found, Laid};
 use super::roller::{Grading, TO_EDGE};
 use super::rows::{LEAST_GROWTH, between, further, wanted};
 use super::symmetry::Isometry;
@@ -41,9 +42,8 @@ const FEWEST: usize = 8;
 /// How both grow with an error that is smaller.
 const FINER: [f64; 2] = [0.38, 0.42];
 
-/// Cells across all of the overlap that tell how much of it is in contact, and cells of it on either side that are added to that.
+/// Cells across all of the overlap that tell how much of it is in contact.
 const LOOK: usize = 16;
-const BESIDE: f64 = 1.0;
 
 /// Of the cells along and across, those of the meshes that tell the error: with the second order four fifths of the change are left.
 const FEWER: f64 = 2.0 / 3.0;
@@ -71,16 +71,6 @@ const ROUNDS: usize = 4;
 
 /// The stiffness of a strip grows with the logarithm of its width: of a cell across that counts as a whole, no more than this.
 const OF_CELL: f64 = 0.25;
-
-/// Where the contact of one mesh lies: others need no cells far from there.
-#[derive(Debug, Clone)]
-struct Found {
-    /// Rows from the first to the last that is in contact: y of their ends with those of the rows beside them, and the shares of the
-    /// overlap across between which they touch.
-    rows: Vec<([f64; 2], [f64; 2])>,
-    /// A cell across, as a share of the overlap.
-    cell: f64,
-}
 
 /// One mesh.
 struct State {
@@ -176,10 +166,8 @@ fn estimated(f: &dyn Fn(Point) -> f64, line: &LineContact, limits: &Limits) -> O
         if done {
             break;
         }
-        let more = [
-            wanted(rows, left[0], ORDER, AIM * limits.tolerance),
-            wanted(cells, left[1], ORDER, AIM * limits.tolerance),
-        ];
+        let aim = AIM * limits.tolerance;
+        let more = [wanted(rows, left[0], ORDER, aim), wanted(cells, left[1], ORDER, aim)];
         let more = if more == [rows, cells] { [rows + rows / 4, cells + cells / 4] } else { more };
         // No more of both together than may be solved.
         let growth = |more: [usize; 2]| (more[0] * more[1]) as f64 / (rows * cells) as f64;
@@ -237,36 +225,16 @@ impl Strip<'_> {
         let point = |k: usize, j: usize| [between(across[k], j as f64 / cells as f64), lines[k]];
         let nodes = (0..lines.len()).flat_map(|k| (0..=cells).map(move |j| (k, j))).map(|(k, j)| point(k, j)).collect();
         let id = |k: usize, j: usize| k * (cells + 1) + j;
-        let corners = |k: usize, j: usize| [id(k, j), id(k, j + 1), id(k + 1, j + 1), id(k + 1, j)];
-        let share = |j: usize| between([from, to], j as f64 / cells as f64);
-        let is_near = |k: usize, j: usize| {
-            near.is_none_or(|near| near.reaches([lines[k], lines[k + 1]], [share(j), share(j + 1)]))
-        };
-        // As symmetric as the strip may be.
-        let (last, last_cell) = (2 * rows - 1, cells - 1);
-        let images = |k: usize, j: usize| [[k, j], [last - k, j], [k, last_cell - j], [last - k, last_cell - j]];
-        let all = (0..2 * rows).flat_map(|k| (0..cells).map(move |j| [k, j]));
-        let kept: Vec<[usize; 2]> = all.filter(|&[k, j]| images(k, j).iter().any(|&[k, j]| is_near(k, j))).collect();
-        let mesh = Mesh::new(nodes, kept.iter().map(|&[k, j]| corners(k, j)).collect(), Vec::new());
+        let laid = Laid::new(&lines, cells, [from, to], near);
+        let corners = |&[k, j]: &[usize; 2]| [id(k, j), id(k, j + 1), id(k + 1, j + 1), id(k + 1, j)];
+        let mesh = Mesh::new(nodes, laid.all.iter().map(corners).collect(), Vec::new());
         let solved = Solved::new(mesh, &self.line.group, self.f, Touching::Some, self.limits)?;
-        // Of all cells; those that are left out have none.
-        let (mut pressure, mut laid) = (vec![0.0; 2 * rows * cells], vec![false; 2 * rows * cells]);
-        for (&[k, j], p) in kept.iter().zip(&solved.pressure) {
-            (pressure[k * cells + j], laid[k * cells + j]) = (*p, true);
-        }
-        let missing = |k: Option<usize>, j: Option<usize>| match (k, j) {
-            (Some(k), Some(j)) if k <= last && j <= last_cell => !laid[k * cells + j],
-            _ => false,
-        };
-        let open = |&[k, j]: &[usize; 2]| {
-            let before = missing(k.checked_sub(1), Some(j)) || missing(Some(k), j.checked_sub(1));
-            before || missing(Some(k + 1), Some(j)) || missing(Some(k), Some(j + 1))
-        };
-        let cut = kept.iter().any(|cell| pressure[cell[0] * cells + cell[1]] > 0.0 && open(cell));
+        let (pressure, cut) = (laid.pressures(&solved.pressure), laid.is_cut(&solved.pressure));
         let pressures: Vec<&[f64]> = pressure.chunks_exact(cells).collect();
         let touches = |row: &&[f64]| row.iter().any(|p| *p > 0.0);
         let (first, last) = (pressures.iter().position(touches)?, pressures.iter().rposition(touches)?);
         let mut touched = [cells, 0];
+        let share = |j: usize| between([from, to], j as f64 / cells as f64);
         let (mut ends, mut spans) = (Vec::new(), Vec::new());
         for (k, p) in pressures.iter().enumerate().take(last + 1).skip(first) {
             let (a, b) = (p.iter().position(|p| *p > 0.0)?, p.iter().rposition(|p| *p > 0.0)? + 1);
@@ -286,17 +254,6 @@ impl Strip<'_> {
         let mut state = State { solved, found, cut, ends, lines, area: 0.0, drop, grows, touched };
         state.area = area(&state.boundary());
         (state.solved.force > 0.0 && state.area > 0.0).then_some(state)
-    }
-}
-
-impl Found {
-    /// Whether a cell between these y and these shares across may touch: what is found on cells of one size is off by one of either size.
-    fn reaches(&self, [bottom, top]: [f64; 2], [left, right]: [f64; 2]) -> bool {
-        let (row, cell) = (top - bottom, BESIDE * self.cell.max(right - left));
-        let beside = |([low, high], [a, b]): &([f64; 2], [f64; 2])| {
-            top + row > *low && bottom - row < *high && right > a - cell && left < b + cell
-        };
-        self.rows.iter().any(beside)
     }
 }
 

@@ -53,6 +53,7 @@ mod line_contact;
 mod line_potential;
 mod mesh;
 mod mirrored;
+mod near_contact;
 mod outline;
 mod oval;
 mod pair_integral;
