@@ -6,11 +6,12 @@ use crate::acceptance::{remarks::remarks, stated};
 use crate::bracket::refined::with_bracket;
 use crate::by_edges;
 use crate::clock::Stopwatch;
-use crate::gap::{AnyGap, Gap, Law, Reach};
+use crate::gap::{Gap, Reach};
 use crate::loading::axes::Axes;
 use crate::loading::engine::{Engine, close};
 use crate::loading::equilibrium;
 use crate::loading::respond;
+use crate::loading::shared::{Shared, Similar};
 use crate::loading::tilting;
 use crate::overlap::{Overlap, least};
 use crate::problem::{Contact, ErrorBar, Load, Method, Outputs, Settings};
@@ -28,14 +29,14 @@ use crate::solution::{Solution, Unsolved, Verdict};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn solve(contact: &Contact, settings: &Settings) -> Vec<Result<Solution, Unsolved>> {
-    let (mut similar, mut held) = (None, 0);
+    let (mut shared, mut held) = (Shared::default(), 0);
     let loads = contact.loading().loads();
     let Some(axes) = Axes::of(contact, settings) else {
-        return loads.iter().map(|&load| within_memory(at(contact, load, settings, &mut similar), &mut held)).collect();
+        return loads.iter().map(|&load| within_memory(at(contact, load, settings, &mut shared), &mut held)).collect();
     };
-    let (turned, own, mut as_given) = (axes.inward(contact), Axes::settings_inward(settings), None);
+    let (turned, own, mut as_given) = (axes.inward(contact), Axes::settings_inward(settings), Shared::default());
     let states = turned.loading().loads().iter().zip(loads).map(|(&inward, &load)| {
-        let answer = match at(&turned, inward, &own, &mut similar) {
+        let answer = match at(&turned, inward, &own, &mut shared) {
             // A closed form has axes of its own.
             Ok(state) if state.method == Method::ClosedForm => at(contact, load, settings, &mut as_given),
             answer => axes.outward(answer, load, settings),
@@ -45,59 +46,7 @@ pub fn solve(contact: &Contact, settings: &Settings) -> Vec<Result<Solution, Uns
     states.collect()
 }
 
-/// A solved state of a homogeneous gap, from which every other follows.
-struct Similar {
-    state: Solution,
-    law: Law,
-    /// What it lacks, as every other does.
-    short: Option<Unsolved>,
-}
-
-impl Similar {
-    /// A solved state, or one that only its error keeps from it.
-    fn of(answer: Result<Solution, Unsolved>, law: Law) -> Result<Self, Unsolved> {
-        match answer {
-            Ok(state) => Ok(Self { state, law, short: None }),
-            Err(e) => {
-                let short = Unsolved { best: None, ..e.clone() };
-                e.accept_best().map(|state| Self { state, law, short: Some(short) })
-            }
-        }
-    }
-
-    /// Whether others may follow from it: numbers near the end of the range have lost digits.
-    fn has_all_digits(&self) -> bool {
-        let whole = |x: f64| (f64::MIN_POSITIVE / f64::EPSILON..=f64::MAX).contains(&x);
-        let s = &self.state;
-        [s.force, s.stiffness, s.patch.area].into_iter().chain(s.energy).all(whole)
-    }
-
-    /// A state that follows from this one, with what it lacks.
-    fn answer(&self, state: Solution) -> Result<Solution, Unsolved> {
-        match &self.short {
-            None => Ok(state),
-            Some(short) => Err(short.clone().with_best(state)),
-        }
-    }
-
-    /// The depth at which the force is this.
-    fn depth_for(&self, force: f64) -> f64 {
-        let overlap = self.state.depth - self.law.lowest;
-        self.law.lowest + overlap * (force / self.state.force).powf(1.0 / (1.0 + self.law.degree.inverse()))
-    }
-
-    /// The state at this depth.
-    fn at(&self, gap: &AnyGap, depth: f64) -> Solution {
-        let mut state = self.state.at_other_depth(depth, gap.known().centre, &self.law);
-        state.left_out.push(format!(
-            "another solve: the gap is homogeneous, and the state at depth {:e} serves all",
-            self.state.depth
-        ));
-        state
-    }
-}
-
-fn at(contact: &Contact, load: Load, settings: &Settings, similar: &mut Option<Similar>) -> Result<Solution, Unsolved> {
+fn at(contact: &Contact, load: Load, settings: &Settings, shared: &mut Shared) -> Result<Solution, Unsolved> {
     // A limit of the caller's own may be used up by the states before.
     settings.deadline.check()?;
     let started = Stopwatch::start();
@@ -105,7 +54,7 @@ fn at(contact: &Contact, load: Load, settings: &Settings, similar: &mut Option<S
     // Nothing takes longer than a limit of the caller's own.
     let may_extend = deadline != settings.deadline;
     let settings = &Settings { deadline, ..*settings };
-    let answer = under(contact, load, settings, similar).map_err(|short| match short.verdict {
+    let answer = under(contact, load, settings, shared).map_err(|short| match short.verdict {
         Verdict::TimeLimit if short.best.is_none() && may_extend => estimated(contact, load, settings, short),
         _ => short,
     });
@@ -124,19 +73,14 @@ fn at(contact: &Contact, load: Load, settings: &Settings, similar: &mut Option<S
 }
 
 /// Answers one load.
-fn under(
-    contact: &Contact,
-    load: Load,
-    settings: &Settings,
-    similar: &mut Option<Similar>,
-) -> Result<Solution, Unsolved> {
+fn under(contact: &Contact, load: Load, settings: &Settings, shared: &mut Shared) -> Result<Solution, Unsolved> {
     match load {
-        Load::Depth(depth) => at_depth(contact, depth, settings, similar),
+        Load::Depth(depth) => at_depth(contact, depth, settings, shared),
         Load::Tilted { depth, tilt } => respond(contact, depth, tilt, settings, true),
-        Load::Force(force) => at_force(contact, force, settings, similar),
+        Load::Force(force) => at_force(contact, force, settings, shared),
         Load::ForceMoment { force, moment } => {
             by_edges::balanced(contact, force, moment, settings).unwrap_or_else(|| {
-                at_force(contact, force, settings, &mut None)
+                at_force(contact, force, settings, &mut Shared::default())
                     .or_else(Unsolved::accept_best)
                     .and_then(|upright| tilting::under_moment(contact, upright, force, moment, settings))
             })
@@ -161,34 +105,28 @@ fn estimated(contact: &Contact, load: Load, settings: &Settings, short: Unsolved
         outputs: Outputs { bracket: false, ..settings.outputs },
         ..*settings
     };
-    let best = under(contact, load, &rough, &mut None).map_or_else(|rough| rough.best, |state| Some(Box::new(state)));
+    let best = under(contact, load, &rough, &mut Shared::default())
+        .map_or_else(|rough| rough.best, |state| Some(Box::new(state)));
     Unsolved { best, ..short }
 }
 
-fn at_depth(
-    contact: &Contact,
-    depth: f64,
-    settings: &Settings,
-    similar: &mut Option<Similar>,
-) -> Result<Solution, Unsolved> {
-    if let Some(all) = similar.as_ref().filter(|all| depth > all.law.lowest) {
+fn at_depth(contact: &Contact, depth: f64, settings: &Settings, shared: &mut Shared) -> Result<Solution, Unsolved> {
+    if let Some(all) = shared.similar.as_ref().filter(|all| depth > all.law.lowest) {
         return all.answer(all.at(contact.gap(), depth));
+    }
+    if let Some(held) = shared.layers(contact, settings).and_then(|layers| layers.at(contact, depth, settings)) {
+        return Ok(held);
     }
     let answer = respond(contact, depth, [0.0; 2], settings, false);
     // One state alone serves no other.
     let several = contact.loading().loads().len() > 1;
     if let Some(law) = contact.gap().known().law.filter(|_| several) {
-        *similar = Similar::of(answer.clone(), law).ok().filter(Similar::has_all_digits);
+        shared.similar = Similar::of(answer.clone(), law).ok().filter(Similar::has_all_digits);
     }
     answer
 }
 
-fn at_force(
-    contact: &Contact,
-    force: f64,
-    settings: &Settings,
-    similar: &mut Option<Similar>,
-) -> Result<Solution, Unsolved> {
+fn at_force(contact: &Contact, force: f64, settings: &Settings, shared: &mut Shared) -> Result<Solution, Unsolved> {
     let gap = contact.gap();
     let (_, least) = least(gap);
     if force < 0.0 {
@@ -208,7 +146,7 @@ fn at_force(
         state.patch.pieces.iter_mut().for_each(|piece| piece.force *= rounding);
         Solution { force, ..state }
     };
-    if let Some(all) = similar {
+    if let Some(all) = &shared.similar {
         return all.answer(scaled(all));
     }
     // A line contact has no end, however little it is pressed.
@@ -227,10 +165,11 @@ fn at_force(
         }
         if all.state.force > 0.0 {
             let state = scaled(&all);
-            return similar.insert(all).answer(state);
+            return shared.similar.insert(all).answer(state);
         }
     }
     let mut engine = Engine::new(contact, settings, false);
+    engine.layers = shared.layers(contact, settings);
     let state = equilibrium::under_force(
         &mut engine,
         force,

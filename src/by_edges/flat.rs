@@ -26,6 +26,7 @@ pub(super) const MOST_CORNERS: usize = 256;
 pub(super) const ROUNDING: f64 = 1e-12;
 
 /// K in the user's units and what comes with it.
+#[derive(Clone)]
 pub(super) struct Punch {
     /// Bounds of K, a length.
     pub stiffness: [f64; 2],

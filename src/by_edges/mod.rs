@@ -18,11 +18,14 @@ mod estimated;
 mod flanked;
 mod flat;
 mod layer;
+mod layer_states;
 mod oval;
 mod rings;
 mod roller;
 mod strip;
 mod tilted;
+
+pub(crate) use layer_states::LayerStates;
 
 use crate::edge_fitted::Limits;
 use crate::gap::{AnyGap, Gap};

@@ -1,6 +1,7 @@
 //! A contact as the search for equilibrium sees it: states at depths and tilts, each from what the last one left.
 
 use super::equilibrium::Respond;
+use crate::by_edges::LayerStates;
 use crate::grid_method::warm_start::WarmStart;
 use crate::grid_method::{self, Contacts, SharedGrid};
 use crate::loading::{by_formula, respond, without_grid};
@@ -20,6 +21,8 @@ pub(crate) struct Engine<'a> {
     warm_start: Option<WarmStart>,
     /// The last contacts far apart.
     separate: Option<Contacts>,
+    /// What holds the states of small depths of a list.
+    pub layers: Option<&'a LayerStates>,
     /// Whether one grid has missed a contact.
     several_grids: bool,
     /// What the tilts of a balance are solved on: one kind for all, as what differs between them would be noise to Newton's method.
@@ -50,6 +53,7 @@ impl<'a> Engine<'a> {
             cells,
             warm_start: None,
             separate: None,
+            layers: None,
             several_grids: false,
             cells_of_tilts: CellsOfTilts::Open,
             spent: Cost::default(),
@@ -75,6 +79,10 @@ impl<'a> Engine<'a> {
     /// The state by a method without a grid; `None` when it takes a grid.
     fn without_grid(&self, depth: f64, tilt: [f64; 2], quick: bool) -> Option<Result<Solution, Unsolved>> {
         let settings = self.settings;
+        let untilted = self.layers.filter(|_| tilt == [0.0; 2]);
+        if let Some(held) = untilted.and_then(|layers| layers.at(self.contact, depth, settings)) {
+            return Some(Ok(held));
+        }
         match settings.method {
             Method::Ritz | Method::Fabrikant | Method::ClosedForm | Method::EdgeFitted => {
                 Some(respond(self.contact, depth, tilt, settings, self.with_matrix))

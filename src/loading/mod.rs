@@ -3,6 +3,7 @@
 pub(crate) mod axes;
 pub(crate) mod engine;
 pub(crate) mod equilibrium;
+pub(crate) mod shared;
 pub(crate) mod tilting;
 
 use crate::approximate;
