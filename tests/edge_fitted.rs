@@ -465,6 +465,54 @@ fn a_list_is_one_solve() {
     }
 }
 
+/// P is convex: the flat from below and one deep state from above hold all states between, and each is as a state alone.
+#[test]
+fn a_flat_and_one_deep_state_hold_a_list() {
+    let shared = |state: &Solution| state.left_out.iter().any(|what| what.starts_with("another solve"));
+    let agree = |a: (f64, Option<f64>), b: (f64, Option<f64>)| {
+        (a.0 - b.0).abs() <= a.0 * a.1.unwrap() + b.0 * b.1.unwrap() && a.1.unwrap() < 0.02
+    };
+    // A quadrilateral flat off the origin, without symmetry: its flanks pass 0.4 below it.
+    let planes: Vec<[f64; 3]> = [[0.4, 0.1], [-0.3, 0.35], [-0.45, -0.2], [0.1, -0.5]]
+        .iter()
+        .map(|[a, b]| [*a, *b, -0.4 - 2.0 * a + b])
+        .chain([[0.0; 3]])
+        .collect();
+    let tip = || Polyhedron::new(planes.clone()).unwrap();
+    let square = || Polyhedron::truncated_pyramid(4, 20f64.to_radians(), 1.0).unwrap();
+    let settings = Settings::default();
+    let depths = [0.012, 4e-6, 4e-4, 4e-3];
+    for (gap, symmetric) in [(AnyGap::new(tip()), false), (AnyGap::new(square()), true)] {
+        let states = solve(&contact(3.0, gap.clone(), Loading::Steps(depths.map(Load::Depth).to_vec())), &settings);
+        for (depth, state) in depths.into_iter().zip(states) {
+            let (state, alone) = (state.unwrap(), fitted(3.0, gap.clone(), Load::Depth(depth), &settings));
+            assert!(shared(&state) && !shared(&alone), "{depth}");
+            assert!(agree((state.force, state.force_error), (alone.force, alone.force_error)), "{depth}");
+            assert!(agree((state.stiffness, state.stiffness_error), (alone.stiffness, alone.stiffness_error)));
+            assert!(agree((state.patch.area, state.area_error), (alone.patch.area, alone.area_error)), "{depth}");
+            let energy = |s: &Solution| (s.energy.unwrap(), s.energy_error);
+            assert!(agree(energy(&state), energy(&alone)), "{depth}");
+            if symmetric {
+                let (own, other) = (state.bracket.unwrap(), alone.bracket.unwrap());
+                assert!(own.evidence() == Evidence::Proved && own.relative_width() <= 2e-3, "{depth}");
+                assert!(own.lower() <= other.upper() && other.lower() <= own.upper(), "{depth}");
+            }
+        }
+    }
+    // Deeper ones are solved.
+    let deep = [Load::Depth(4e-3), Load::Depth(0.1), Load::Depth(1e-3)];
+    let states = solve(&contact(3.0, tip(), Loading::Steps(deep.to_vec())), &settings);
+    let deep = states.into_iter().nth(1).unwrap().unwrap();
+    assert!(!shared(&deep) && deep.force == fitted(3.0, tip(), Load::Depth(0.1), &settings).force);
+    let forces = [2e-5, 0.03, 0.06];
+    let loaded = solve(&contact(3.0, tip(), Loading::Steps(forces.map(Load::Force).to_vec())), &settings);
+    for (force, state) in forces.into_iter().zip(loaded) {
+        let (state, alone) = (state.unwrap(), fitted(3.0, tip(), Load::Force(force), &settings));
+        assert!(shared(&state) && state.force == force);
+        assert!(agree((state.depth, state.depth_error), (alone.depth, alone.depth_error)), "{force}");
+    }
+}
+
 #[test]
 fn the_bracket_is_proved_and_the_field_has_its_force() {
     let outputs = Outputs { bracket: true, pressure: true, ..Outputs::default() };
