@@ -11,7 +11,7 @@ use crate::loading::axes::Axes;
 use crate::loading::engine::{Engine, close};
 use crate::loading::equilibrium;
 use crate::loading::respond;
-use crate::loading::shared::{Shared, Similar};
+use crate::loading::shared::{Layers, Shared, Similar};
 use crate::loading::tilting;
 use crate::overlap::{Overlap, least};
 use crate::problem::{Contact, ErrorBar, Load, Method, Outputs, Settings};
@@ -29,21 +29,42 @@ use crate::solution::{Solution, Unsolved, Verdict};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn solve(contact: &Contact, settings: &Settings) -> Vec<Result<Solution, Unsolved>> {
-    let (mut shared, mut held) = (Shared::default(), 0);
-    let loads = contact.loading().loads();
-    let Some(axes) = Axes::of(contact, settings) else {
-        return loads.iter().map(|&load| within_memory(at(contact, load, settings, &mut shared), &mut held)).collect();
-    };
-    let (turned, own, mut as_given) = (axes.inward(contact), Axes::settings_inward(settings), Shared::default());
-    let states = turned.loading().loads().iter().zip(loads).map(|(&inward, &load)| {
-        let answer = match at(&turned, inward, &own, &mut shared) {
-            // A closed form has axes of its own.
-            Ok(state) if state.method == Method::ClosedForm => at(contact, load, settings, &mut as_given),
-            answer => axes.outward(answer, load, settings),
+    let (mut states, mut held) = (States::of(contact, settings, Layers::default()), 0);
+    contact.loading().loads().iter().map(|&load| within_memory(states.under(load), &mut held)).collect()
+}
+
+/// The states of one loading: what they share is found once.
+pub(crate) struct States<'a> {
+    contact: &'a Contact,
+    settings: Settings,
+    /// The axes along which it is solved, where these are others than the user's, and contact and settings in them.
+    turned: Option<(Axes, Contact, Settings)>,
+    shared: Shared,
+    /// Along the user's axes, where it is solved along others.
+    as_given: Shared,
+}
+
+impl<'a> States<'a> {
+    /// `layers`: what holds the states of this loading, contact and settings, as far as it is known.
+    pub fn of(contact: &'a Contact, settings: &Settings, layers: Layers) -> Self {
+        let turned = Axes::of(contact, settings);
+        let turned = turned.map(|axes| (axes, axes.inward(contact), Axes::settings_inward(settings)));
+        Self { contact, settings: *settings, turned, shared: Shared::with(layers), as_given: Shared::default() }
+    }
+
+    /// The state under one of the loads of the contact.
+    pub fn under(&mut self, load: Load) -> Result<Solution, Unsolved> {
+        let Some((axes, turned, own)) = &self.turned else {
+            return at(self.contact, load, &self.settings, &mut self.shared);
         };
-        within_memory(answer, &mut held)
-    });
-    states.collect()
+        match at(turned, axes.load_inward(load), own, &mut self.shared) {
+            // A closed form has axes of its own.
+            Ok(state) if state.method == Method::ClosedForm => {
+                at(self.contact, load, &self.settings, &mut self.as_given)
+            }
+            answer => axes.outward(answer, load, &self.settings),
+        }
+    }
 }
 
 fn at(contact: &Contact, load: Load, settings: &Settings, shared: &mut Shared) -> Result<Solution, Unsolved> {

@@ -1,17 +1,20 @@
 //! States that no field shows by itself - by a formula, an approximate method, fitted or turned cells, a limit of grids: what they rest on is
 //! applied again, and the field of a formula is checked by the displacement of its cells.
 
+use std::sync::{Mutex, PoisonError};
+
 use super::result::{Key, Proof, State, key};
 use super::state::ROUNDING;
 use super::{Verification, close, formula};
 use crate::bracket::{self, DepthBracket, Evidence, Side};
 use crate::gap::AnyGap;
 use crate::grid_method::REPEATABLE;
+use crate::loading::shared::Layers;
 use crate::problem::{ErrorBar, Load, Loading, Method, Outputs, Settings};
 use crate::result;
 use crate::scene::Scene;
 use crate::solution::{Origin, Solution};
-use crate::solve::solve;
+use crate::solve::States;
 
 /// Share by which the value of a cell may differ from what the displacement of its neighbours asks for.
 const UNEXPLAINED: f64 = 0.05;
@@ -31,8 +34,31 @@ const UNDER_FORCE: f64 = 0.5;
 /// What the last, linear step of depth and tilts leaves of the energy, relative.
 const LAST_STEP: f64 = 1e-7;
 
+/// What the states of one result share where they are solved again.
+#[derive(Default)]
+pub struct Shared(Mutex<Vec<(Settings, Layers)>>);
+
+impl Shared {
+    /// For the loading of the scene, with these settings.
+    fn layers(&self, settings: &Settings) -> Layers {
+        let mut all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, known)) = all.iter().find(|(own, _)| own == settings) {
+            return known.clone();
+        }
+        all.push((*settings, Layers::default()));
+        all[all.len() - 1].1.clone()
+    }
+}
+
 impl State<'_> {
-    pub(super) fn applied_again(&self, scene: &Scene, gap: &AnyGap, load: Load, found: &mut Verification) {
+    pub(super) fn applied_again(
+        &self,
+        scene: &Scene,
+        gap: &AnyGap,
+        load: Load,
+        shared: &Shared,
+        found: &mut Verification,
+    ) {
         let method = match (self.origin.as_str(), self.method.as_str()) {
             ("closed_form", "closed_form") => Method::ClosedForm,
             ("approximate", "ritz") => Method::Ritz,
@@ -57,16 +83,18 @@ impl State<'_> {
             gap: by_cells && self.get(key!(gap.field)).is_some(),
             ..Outputs::default()
         };
+        // The cells depend on what was given, and on the list that it is of.
         let load = match (load, self.tilt) {
-            // The cells depend on what was given.
             _ if by_cells => load,
             (_, [0.0, 0.0]) => Load::Depth(self.depth),
             (_, tilt) => Load::Tilted { depth: self.depth, tilt },
         };
+        let alone = (!by_cells).then(|| scene.contact.under(Loading::Single(load)));
+        let contact = alone.as_ref().unwrap_or(&scene.contact);
         // The tolerance is that of the scene, and the verdict of no concern.
         let with = |method: Method, cells: Option<usize>, evidence: ErrorBar| {
             let settings = Settings { method, cells, outputs, evidence, ..scene.settings };
-            let answer = solve(&scene.contact.under(Loading::Single(load)), &settings).pop()?;
+            let answer = States::of(contact, &settings, shared.layers(&settings)).under(load);
             answer.map_or_else(|e| e.best.map(|best| *best), Some)
         };
         let by = |method: Method, cells: Option<usize>| with(method, cells, scene.settings.evidence);

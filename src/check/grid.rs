@@ -4,7 +4,7 @@ use super::cells::Cells;
 use super::result::{Bounds, Key, State, key, on_grid};
 use super::scaled::ScaledField;
 use super::state::ROUNDING;
-use super::{CLOSER, Verification, close, homogeneous};
+use super::{CLOSER, Shared, Verification, close, homogeneous};
 use crate::error::InputError;
 use crate::gap::AnyGap;
 use crate::grid::{Grid, Kernel};
@@ -27,6 +27,7 @@ impl State<'_> {
         scene: &Scene,
         gap: &AnyGap,
         load: Load,
+        shared: &Shared,
         found: &mut Verification,
     ) -> Result<(), InputError> {
         found.require(
@@ -50,7 +51,7 @@ impl State<'_> {
         let of_limit = self.origin == "many_grids" && !degree.is_some_and(f64::is_finite);
         if of_limit && matches!(load, Load::ForceMoment { .. }) {
             // Depth and tilts are of the limit as well: those of the field are not known.
-            self.applied_again(scene, gap, load, found);
+            self.applied_again(scene, gap, load, shared, found);
             return Ok(());
         }
         let by = |kernel: Kernel| Cells::of(gap, modulus, self.depth, field, kernel);
@@ -76,7 +77,7 @@ impl State<'_> {
             return Ok(());
         }
         if of_limit {
-            self.applied_again(scene, gap, load, found);
+            self.applied_again(scene, gap, load, shared, found);
             return self.gap_left(cells, found);
         }
         self.use_up(key!(pressure.field));

@@ -52,6 +52,8 @@ mod spread;
 mod state;
 mod summation;
 
+#[cfg(feature = "scene")]
+pub use again::Shared;
 pub use bounds::{Claim, bounds, bracket};
 #[cfg(feature = "scene")]
 pub use result::State;

@@ -3,7 +3,7 @@
 use super::bounds::sound;
 use super::result::{Bounds, Proof, State, key};
 use super::scaled::ScaledField;
-use super::{Claim, Verification, bounds, close, energy};
+use super::{Claim, Shared, Verification, bounds, close, energy};
 use crate::bracket::{self, DepthBracket};
 use crate::error::InputError;
 use crate::gap::{AnyGap, Gap};
@@ -22,6 +22,14 @@ impl State<'_> {
     /// # Errors
     /// Names the path of what is missing or has another type.
     pub fn check(&self, scene: &Scene, load: Load) -> Result<Verification, InputError> {
+        self.check_among(scene, load, &Shared::default())
+    }
+
+    /// The same for one of several states of one scene: `shared` keeps what they share.
+    ///
+    /// # Errors
+    /// As [`Self::check`].
+    pub fn check_among(&self, scene: &Scene, load: Load, shared: &Shared) -> Result<Verification, InputError> {
         let mut found = Verification::default();
         let whole = scene.contact.tilted_gap(self.tilt);
         // Without what the bodies do not reach at this depth.
@@ -33,9 +41,9 @@ impl State<'_> {
         }
         match self.origin.as_str() {
             "no_contact" => self.apart(&whole, &mut found),
-            "one_grid" | "many_grids" if !self.is_turned() => self.on_grid(scene, &gap, load, &mut found)?,
+            "one_grid" | "many_grids" if !self.is_turned() => self.on_grid(scene, &gap, load, shared, &mut found)?,
             "closed_form" | "approximate" | "edge_fitted" | "one_grid" | "many_grids" | "separate_contacts" => {
-                self.applied_again(scene, &gap, load, &mut found);
+                self.applied_again(scene, &gap, load, shared, &mut found);
             }
             other => {
                 let known =

@@ -7,9 +7,9 @@ use clap::Args;
 
 use super::outputs::MainOutput;
 use super::{Failure, Threads, inputs, scene};
-use crate::check::{State, Verification};
+use crate::check::{Shared, State, Verification};
 use crate::error::InputError;
-use crate::problem::Loading;
+use crate::problem::{Load, Loading};
 use crate::scene::{Json, Scene, SolveOptions};
 use crate::threads::{each, with};
 
@@ -68,7 +68,9 @@ impl Check {
                 states.push((k, *load, state));
             }
         }
-        let all = with(threads, || each(&states, threads, |(_, load, state)| state.check(&scene, *load)));
+        let shared = Shared::default();
+        let check = |(_, load, state): &(usize, Load, State)| state.check_among(&scene, *load, &shared);
+        let all = with(threads, || each(&states, threads, check));
         let all = all.map_err(|e| wrong(&e))?;
         for ((k, ..), checked) in states.iter().zip(all) {
             if many {

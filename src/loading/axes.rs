@@ -60,16 +60,20 @@ impl Axes {
         format!("solved along axes turned by {:.3} degrees, along which the gap was drawn", self.angle.to_degrees())
     }
 
-    /// The contact in these axes.
-    pub fn inward(&self, contact: &Contact) -> Contact {
-        let load = |load: &Load| match *load {
+    /// A load of the user's axes in these.
+    pub fn load_inward(&self, load: Load) -> Load {
+        match load {
             Load::Tilted { depth, tilt } => Load::Tilted { depth, tilt: self.vector_inward(tilt) },
             Load::ForceMoment { force, moment } => Load::ForceMoment { force, moment: self.vector_inward(moment) },
             other => other,
-        };
+        }
+    }
+
+    /// The contact in these axes.
+    pub fn inward(&self, contact: &Contact) -> Contact {
         let loading = match contact.loading() {
-            Loading::Single(single) => Loading::Single(load(single)),
-            Loading::Steps(steps) => Loading::Steps(steps.iter().map(load).collect()),
+            Loading::Single(single) => Loading::Single(self.load_inward(*single)),
+            Loading::Steps(steps) => Loading::Steps(steps.iter().map(|load| self.load_inward(*load)).collect()),
         };
         contact.of_gap(self.gap_inward(contact.gap()), loading)
     }

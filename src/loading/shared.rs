@@ -1,5 +1,7 @@
 //! What the states of a list share: a law of similarity, or a flat and one deep state.
 
+use std::sync::{Arc, OnceLock};
+
 use crate::by_edges::LayerStates;
 use crate::gap::{AnyGap, Law};
 use crate::problem::{Contact, Settings};
@@ -9,14 +11,22 @@ use crate::solution::{Solution, Unsolved};
 #[derive(Default)]
 pub(crate) struct Shared {
     pub similar: Option<Similar>,
-    /// Looked for once.
-    layers: Option<Option<LayerStates>>,
+    layers: Layers,
 }
 
+/// What holds the states of small depths, if anything does: looked for once.
+#[derive(Clone, Default)]
+pub(crate) struct Layers(Arc<OnceLock<Option<LayerStates>>>);
+
 impl Shared {
-    /// What holds the states of small depths, if anything.
-    pub fn layers(&mut self, contact: &Contact, settings: &Settings) -> Option<&LayerStates> {
-        self.layers.get_or_insert_with(|| LayerStates::of(contact, settings)).as_ref()
+    /// From what was looked for before, for the same loading of the same contact with the same settings.
+    pub fn with(layers: Layers) -> Self {
+        Self { similar: None, layers }
+    }
+
+    /// What holds the states of small depths, if anything does.
+    pub fn layers(&self, contact: &Contact, settings: &Settings) -> Option<&LayerStates> {
+        self.layers.0.get_or_init(|| LayerStates::of(contact, settings)).as_ref()
     }
 }
 
