@@ -465,6 +465,26 @@ fn a_list_is_one_solve() {
     }
 }
 
+/// The stiffness of the cells errs by more than the force: 20 times the error that followed from the law was found by lot.
+#[test]
+fn a_law_tells_stiffness_and_energy() {
+    use contact_patch::gap::Formula;
+    for (text, degree) in [("(abs(x)^8 + abs(y/1.26)^8)^(3/8)", 3.0), ("(abs(x)^8 + abs(y/2.5)^8)^(4/8)", 4.0)] {
+        let gap = || AnyGap::new(Formula::new(text).unwrap());
+        let closer = Settings { tolerance: 1e-4, ..Settings::default() };
+        let [pressed, near] = [Settings::default(), closer].map(|s| fitted(1.0, gap(), Load::Depth(0.01), &s));
+        let loaded = fitted(1.0, gap(), Load::Force(pressed.force), &Settings::default());
+        let depth = loaded.depth / 0.01 - 1.0;
+        assert!(depth.abs() < 1e-6, "{depth}");
+        for state in [&pressed, &loaded] {
+            assert!((state.stiffness * state.depth / state.force / (1.0 + 1.0 / degree) - 1.0).abs() < 1e-12);
+            assert!((state.energy.unwrap() * (2.0 + 1.0 / degree) / state.force / state.depth - 1.0).abs() < 1e-12);
+            let off = (state.stiffness / near.stiffness - 1.0).abs();
+            assert!(off <= state.stiffness_error.unwrap() + near.stiffness_error.unwrap(), "{off} {text}");
+        }
+    }
+}
+
 /// P is convex: the flat from below and one deep state from above hold all states between, and each is as a state alone.
 #[test]
 fn a_flat_and_one_deep_state_hold_a_list() {

@@ -28,7 +28,7 @@ mod tilted;
 pub(crate) use layer_states::LayerStates;
 
 use crate::edge_fitted::Limits;
-use crate::gap::{AnyGap, Gap};
+use crate::gap::{AnyGap, Gap, Law};
 use crate::grid::{Grid, Kernel, Pressure, shape};
 use crate::numeric::geometry::Rect;
 use crate::overlap::Overlap;
@@ -263,7 +263,19 @@ pub(crate) fn solution(
 ) -> Option<Result<Solution, Unsolved>> {
     let depth = overlap.depth;
     let found = Route::of(overlap, settings, with_matrix)?.solve(contact, depth, settings, with_matrix)?;
-    Some(judged(in_users_units(contact, &overlap.gap, found, (depth, tilt), settings), settings))
+    let mut state = in_users_units(contact, &overlap.gap, found, (depth, tilt), settings);
+    if let Some(law) = overlap.known().law.filter(|_| !with_matrix) {
+        by_similarity(&mut state, &law);
+    }
+    Some(judged(state, settings))
+}
+
+/// Stiffness and energy of a homogeneous gap follow from the force: P ~ s^(1 + 1/k), s the overlap. Those of the cells err by more.
+fn by_similarity(state: &mut Solution, law: &Law) {
+    let (overlap, inverse) = (state.depth - law.lowest, law.degree.inverse());
+    state.stiffness = (1.0 + inverse) * state.force / overlap;
+    state.energy = Some(state.force * overlap / (2.0 + inverse));
+    (state.stiffness_error, state.energy_error) = (state.force_error, state.force_error);
 }
 
 /// Whether a flat ellipse lifts off under this load: what its formula, which is for a level one, does not reach.
