@@ -1,7 +1,7 @@
 //! Crowned punches: a face that is a polynomial of second degree in a polygon or an ellipse with sharp edges, in contact up to some of these.
 
 use super::flat::{Flat, middle};
-use super::{Found, field_grid};
+use super::{Found, Moments, field_grid};
 use crate::edge_fitted::{Crowned, Limits, crowned, resample};
 use crate::gap::{Crown, Quadratic};
 use crate::numeric::geometry::Rect;
@@ -81,7 +81,11 @@ impl Crowning {
             how: format!("the gap is {}: {touch}", self.found()),
             left_out: "the surface grid: cells follow the edges of the material",
             proved: false,
-            tilting: None,
+            tilting: state.stiffness_matrix.map(|own| Moments {
+                moment: None,
+                bounds: None,
+                matrix: own.in_axes(|q| flat.outward(q)).rows(e_star * length),
+            }),
         })
     }
 }

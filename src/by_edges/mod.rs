@@ -102,13 +102,8 @@ impl Route {
             }
             return flat::Flat::of(face).map(Self::Flat);
         }
-        // Of those below, rollers and rings alone tell what tilts them.
-        if with_matrix {
-            let roller =
-                roller::Roller::of(overlap).map(|roller| Self::Roller { roller: Box::new(roller), otherwise: None });
-            return roller.or_else(|| oval::Strip::of(overlap).map(Self::Oval));
-        }
-        if let Some(tip) = layer::FlatTip::of(overlap) {
+        // Of those below, flats with flanks and rings do not tell what tilts them.
+        if let Some(tip) = layer::FlatTip::of(overlap).filter(|_| !with_matrix) {
             let flanked = flanked::FlankedTip::of(&tip);
             let mut tolerance = settings.tolerance;
             loop {
@@ -125,7 +120,7 @@ impl Route {
                 tolerance = (LOOSER * tolerance).max(FINEST);
             }
         }
-        match known.axis {
+        match known.axis.filter(|_| !with_matrix) {
             Some(axis) => rings::Section::of(overlap, axis).map(Self::Rings),
             None => {
                 let crowned = crowned::Crowning::of(overlap);

@@ -367,7 +367,9 @@ pub(crate) fn under_moment(
         let Some(change) = change else { return Err(nowhere(step, &state)) };
         // Convexity: the potential falls along the step; halve it until it does, within what the grid can tell.
         let before = potential(&state);
-        let allowed = 1e-7 * state.energy.unwrap_or(0.0).abs();
+        // Cells that are fitted anew at every tilt tell it no nearer than they state.
+        let told = state.energy_error.filter(|_| state.origin == Origin::EdgeFitted).unwrap_or(0.0);
+        let allowed = told.max(1e-7) * state.energy.unwrap_or(0.0).abs();
         let mut length = 1.0;
         let (next, lacks) = loop {
             let depth = state.depth + length * change[0];
