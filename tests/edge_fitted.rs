@@ -485,6 +485,56 @@ fn a_law_tells_stiffness_and_energy() {
     }
 }
 
+/// Crowned faces under a tilt, lifted off and not: force and moments are the slopes of the energy, grids say the same, and a force through a
+/// point acts there.
+#[test]
+fn a_crowned_face_is_tilted() {
+    let kite = [[-1.0, -0.7], [1.0, -0.8], [0.8, 0.9], [-0.9, 0.6]];
+    let gap = || {
+        let crown = AnyGap::new(Paraboloid::new([25.0, 60.0]).unwrap());
+        let flat = AnyGap::new(Flat::new(Outline::polygon(&kite).unwrap()));
+        AnyGap::new(Sum::new(vec![flat, crown]).unwrap()).placed([0.3, -0.2], 0.5).unwrap()
+    };
+    let tilted = |depth: f64, tilt: [f64; 2]| {
+        fitted(2.0, gap(), Load::Tilted { depth, tilt }, &Settings::default())
+    };
+    for (depth, tilt) in [(0.05, [0.005, -0.003]), (0.015, [-0.01, 0.004])] {
+        let state = tilted(depth, tilt);
+        let error = state.force_error.unwrap();
+        let by_grid = Settings { method: Method::Fft, ..Settings::default() };
+        let grid = solve(&contact(2.0, gap(), Loading::Single(Load::Tilted { depth, tilt })), &by_grid).remove(0);
+        let grid = grid.or_else(Unsolved::accept_best).unwrap();
+        assert!((state.force / grid.force - 1.0).abs() <= error + grid.force_error.unwrap(), "{depth}");
+        let ([mx, my], [gx, gy]) = (state.moment.unwrap(), grid.moment.unwrap());
+        assert!((mx - gx).hypot(my - gy) <= state.force * (2.0 * error + 2.0 * grid.force_error.unwrap()), "{depth}");
+        let matrix = state.stiffness_matrix.unwrap();
+        assert!((matrix[0][0] / state.stiffness - 1.0).abs() < 1e-9);
+        // Steps in which the force changes by a tenth: dU = P dd - My d(ax) + Mx d(ay).
+        let step = 0.05 * state.force / state.stiffness;
+        let slope = |change: [f64; 3]| {
+            let at = |sign: f64| {
+                let tilt = [tilt[0] + sign * change[1], tilt[1] + sign * change[2]];
+                tilted(depth + sign * change[0], tilt).energy.unwrap()
+            };
+            (at(1.0) - at(-1.0)) / (2.0 * step)
+        };
+        for (change, load) in [([step, 0.0, 0.0], state.force), ([0.0, step, 0.0], -my), ([0.0, 0.0, step], mx)] {
+            let off = (slope(change) - load).abs() / state.force;
+            assert!(off < 0.02, "{off} {depth} {change:?}");
+        }
+        // And back: the load of this state has its depth and tilt.
+        let load = Load::ForceMoment { force: state.force, moment: [mx, my] };
+        let loaded = solve(&contact(2.0, gap(), Loading::Single(load)), &Settings::default()).remove(0).unwrap();
+        let errors = error * state.force / state.stiffness / depth + loaded.depth_error.unwrap();
+        assert!((loaded.depth / depth - 1.0).abs() <= errors, "{} {depth}, {errors}", loaded.depth);
+        assert!(
+            (loaded.tilt[0] - tilt[0]).hypot(loaded.tilt[1] - tilt[1]) <= 2.0 * errors * depth,
+            "{:?}",
+            loaded.tilt
+        );
+    }
+}
+
 /// P is convex: the flat from below and one deep state from above hold all states between, and each is as a state alone.
 #[test]
 fn a_flat_and_one_deep_state_hold_a_list() {

@@ -158,6 +158,9 @@ const MORE: f64 = 1.03;
 /// orders 2 to 3 and 1 (1.3 to 1.7 are seen beside kinks, 1.9 to 3 without).
 const ORDERS_OF_BOUNDS: [f64; 2] = [1.3, 2.2];
 
+/// Share of the last step of the energy that the force errs by at least: second order.
+const OF_ENERGY: f64 = 1.0 / 3.0;
+
 /// How many times as wide as is within reach bounds are expected to be, from a coarser grid, that are not tried.
 const LEEWAY: f64 = 1.5;
 
@@ -222,6 +225,11 @@ impl Refinement<'_> {
             // So may the forces of coarse grids, by where the contact ends between cells.
             if self.law.is_none() && cells < FINE_ENOUGH {
                 error = error.max(extrapolation::left_by_first_order(&self.forces));
+            }
+            // Forces may come to rest by chance. Energies come from below alone: what they still change by is not yet in the force either.
+            if let Some(before) = best.as_ref().filter(|_| self.law.is_none()) {
+                let change = (1.0 - before.state.energy() / state.energy()).abs();
+                error = error.max(OF_ENERGY * change * value);
             }
             // One step alone may be small by luck.
             let close = error <= tolerance * value && three;
