@@ -495,9 +495,7 @@ fn a_crowned_face_is_tilted() {
         let flat = AnyGap::new(Flat::new(Outline::polygon(&kite).unwrap()));
         AnyGap::new(Sum::new(vec![flat, crown]).unwrap()).placed([0.3, -0.2], 0.5).unwrap()
     };
-    let tilted = |depth: f64, tilt: [f64; 2]| {
-        fitted(2.0, gap(), Load::Tilted { depth, tilt }, &Settings::default())
-    };
+    let tilted = |depth: f64, tilt: [f64; 2]| fitted(2.0, gap(), Load::Tilted { depth, tilt }, &Settings::default());
     for (depth, tilt) in [(0.05, [0.005, -0.003]), (0.015, [-0.01, 0.004])] {
         let state = tilted(depth, tilt);
         let error = state.force_error.unwrap();

@@ -1155,3 +1155,29 @@ fn thin_strips_around_a_flat_keep_their_cells() {
         assert!(state.cost.unknowns < 1000, "on a grid: {}", state.cost.unknowns);
     }
 }
+
+/// A flat whose flanks, beside its sharp edges, no cell of the first grids resolves: their line called it wider, by more than all that overlaps
+/// is, 20 times what it stated.
+#[test]
+fn flanks_beside_sharp_edges_are_no_flat() {
+    let (slope, half, depth) = (0.070673, 1.74128, 0.00218256);
+    let gap = clipped("max(0, 0.070673*abs(x) - 0.16995)", &rectangle(5.22385, half));
+    let state = solved_in(&gap, &json!({"depth": depth}), Path::new(".")).remove(0);
+    // Barber 1974: more than the flat alone, less than one of all that overlaps.
+    let flat = |a: f64| solved(&json!({"kind": "flat", "outline": rectangle(a, half)}), depth).force;
+    let end = 0.16995 / slope;
+    let [low, high] = [flat(end), flat(end + depth / slope)];
+    let room = stated(&state) + 1e-3;
+    assert!(state.force >= low * (1.0 - room) && state.force <= high * (1.0 + room), "{} {low} {high}", state.force);
+    assert!(state.force <= low * (1.0 + stated(&state) + 1.5e-3), "the flanks bear next to nothing: {}", state.force);
+}
+
+/// Forces of three grids, 40 times finer across than along, that agreed by chance.
+#[test]
+fn forces_that_come_to_rest_by_chance_are_not_believed() {
+    let gap = json!({"kind": "formula", "expression": "0.16268*abs(x) + 0.11699*max(0, abs(y) - 4.9944e-05)"});
+    let depth = 1.62506866e-7;
+    let state = solved(&gap, depth);
+    // On a prescribed grid of 1024 by 512 cells, good to 1.1e-3.
+    assert_force(&state, 4.952_53e-12 / 1.45079, 1.1e-3);
+}
