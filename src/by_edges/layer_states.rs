@@ -126,7 +126,9 @@ impl LayerStates {
             area: (1.0 + growth).powi(2),
             proved: true,
         };
-        if let Some(deep) = self.deepest.as_ref().filter(|deep| overlap <= deep.overlap) {
+        let near = |secant: f64| secant - low <= tolerance * (secant + low);
+        let reaches = |deep: &&Deepest| overlap <= deep.overlap && (deep.proved || !near(above.secant));
+        if let Some(deep) = self.deepest.as_ref().filter(reaches) {
             let chord = (deep.force - low * overlap) / (deep.overlap - overlap);
             let secant = deep.force / deep.overlap;
             above.proved = deep.proved || secant >= above.secant;
@@ -134,7 +136,7 @@ impl LayerStates {
             above.stiffness = above.stiffness.min(deep.stiffness).min(if chord > 0.0 { chord } else { f64::INFINITY });
             above.area = above.area.min(deep.area);
         }
-        (above.secant - low <= tolerance * (above.secant + low)).then_some(above)
+        near(above.secant).then_some(above)
     }
 
     /// The state at this depth; `None` where it lies too deep.
