@@ -51,7 +51,7 @@ impl FlatTip {
     /// `None` where the gap has no level plane below all others somewhere.
     pub fn of(overlap: &Overlap) -> Option<Self> {
         let planes = overlap.gap.planes().filter(|planes| planes.len() <= MOST_CORNERS)?;
-        let level = planes.iter().filter(|p| p[0] == 0.0 && p[1] == 0.0).map(|p| p[2]).reduce(f64::max)?;
+        let level = level_of(&planes)?;
         let flanks: Vec<[f64; 3]> = planes.into_iter().filter(|p| p[0] != 0.0 || p[1] != 0.0).collect();
         let depth = overlap.depth - level;
         // The face is where all flanks are below it.
@@ -128,6 +128,11 @@ impl Layer {
         found.left_out = "the surface grid: bounds by the flat are as close as asked for";
         Some(found)
     }
+}
+
+/// The height of the highest level plane.
+pub(super) fn level_of(planes: &[[f64; 3]]) -> Option<f64> {
+    planes.iter().filter(|p| p[0] == 0.0 && p[1] == 0.0).map(|p| p[2]).reduce(f64::max)
 }
 
 /// Whether a corner of the polygon lies on the box that it was cut from.

@@ -14,7 +14,7 @@ use std::f64::consts::PI;
 
 use super::flanked::FlankedTip;
 use super::flat::{Flat, Punch};
-use super::layer::FlatTip;
+use super::layer::{FlatTip, level_of};
 use super::{in_users_units, is_asked_for, judged, limits};
 use crate::edge_fitted::Limits;
 use crate::gap::Gap;
@@ -66,7 +66,7 @@ impl LayerStates {
             return None;
         }
         let planes = contact.gap().planes()?;
-        let level = planes.iter().filter(|p| p[0] == 0.0 && p[1] == 0.0).map(|p| p[2]).reduce(f64::max)?;
+        let level = level_of(&planes)?;
         let size = planes.iter().map(|p| (p[2] - level).abs()).fold(0.0, f64::max);
         let tip = FlatTip::of(&Overlap::of(contact.gap(), level + SMALL * size).ok()??)?;
         let height = tip.depth / tip.growth;

@@ -265,11 +265,11 @@ pub(crate) fn solution(
     Some(judged(state, settings))
 }
 
-/// Stiffness and energy of a homogeneous gap follow from the force: P ~ s^(1 + 1/k), s the overlap. Those of the cells err by more.
+/// Stiffness and energy of a homogeneous gap follow from the force: those of the cells err by more.
 fn by_similarity(state: &mut Solution, law: &Law) {
-    let (overlap, inverse) = (state.depth - law.lowest, law.degree.inverse());
-    state.stiffness = (1.0 + inverse) * state.force / overlap;
-    state.energy = Some(state.force * overlap / (2.0 + inverse));
+    let overlap = state.depth - law.lowest;
+    state.stiffness = law.stiffness(state.force, overlap);
+    state.energy = Some(law.energy(state.force, overlap));
     (state.stiffness_error, state.energy_error) = (state.force_error, state.force_error);
 }
 

@@ -45,8 +45,9 @@ impl Shared {
         if let Some((_, known)) = all.iter().find(|(own, _)| own == settings) {
             return known.clone();
         }
-        all.push((*settings, Layers::default()));
-        all[all.len() - 1].1.clone()
+        let own = Layers::default();
+        all.push((*settings, own.clone()));
+        own
     }
 }
 

@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 use std::rc::Rc;
 
 use super::Limits;
-use super::estimated::{Estimated, Solved, Touching};
+use super::estimated::{Estimated, Solved, Touching, centre_of};
 use super::mesh::{Bilinear, Point, minus, norm};
 use super::outline::{COARSEST, FINE, Fitted, Outline};
 use super::region::{Region, regions};
@@ -145,11 +145,7 @@ impl State {
         // Where it lifts off cells have to follow what it is wide.
         let width = if everywhere { length } else { area / length };
         let size = 0.5 * (length * width).sqrt() * varies.powf(-2.0 / 3.0);
-        let sums = cells.iter().fold([0.0; 3], |sums, (corners, p)| {
-            let own = Bilinear::new(*corners).moments();
-            [0, 1, 2].map(|k| sums[k] + p * own[k])
-        });
-        let centre = [sums[1] / sums[0], sums[2] / sums[0]];
+        let centre = centre_of(&cells);
         let reaches_edge = cells.iter().any(|(corners, _)| touches(outline, corners));
         let finite = solved.force > 0.0 && solved.stiffness > 0.0 && size > 0.0;
         (finite && width >= SLENDEREST * length).then_some(Self {

@@ -53,12 +53,17 @@ impl Estimated {
 
     /// Where the resultant of the pressure acts.
     pub fn centre(&self) -> Point {
-        let sums = self.cells.iter().fold([0.0; 3], |sums, (corners, p)| {
-            let own = Bilinear::new(*corners).moments();
-            [0, 1, 2].map(|k| sums[k] + p * own[k])
-        });
-        [sums[1] / sums[0], sums[2] / sums[0]]
+        centre_of(&self.cells)
     }
+}
+
+/// Where the resultant of the pressure in cells acts.
+pub(super) fn centre_of(cells: &[([Point; 4], f64)]) -> Point {
+    let sums = cells.iter().fold([0.0; 3], |sums, (corners, p)| {
+        let own = Bilinear::new(*corners).moments();
+        [0, 1, 2].map(|k| sums[k] + p * own[k])
+    });
+    [sums[1] / sums[0], sums[2] / sums[0]]
 }
 
 /// K_ij of a contact of stiffness E* K: the integral of (1, x, y)_i over the pressure that displaces it by (1, x, y)_j.

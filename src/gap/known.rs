@@ -85,6 +85,18 @@ pub struct Law {
     pub lowest: f64,
 }
 
+impl Law {
+    /// dP/dd of a force P ~ s^(1 + 1/k) at the overlap s = d - g0.
+    pub(crate) fn stiffness(&self, force: f64, overlap: f64) -> f64 {
+        (1.0 + self.degree.inverse()) * force / overlap
+    }
+
+    /// The energy that it stores.
+    pub(crate) fn energy(&self, force: f64, overlap: f64) -> f64 {
+        force * overlap / (2.0 + self.degree.inverse())
+    }
+}
+
 /// The degree of a homogeneous gap.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Degree {

@@ -29,11 +29,7 @@ pub(crate) fn dimensional(
     settings: &Settings,
 ) -> Result<Solution, Unsolved> {
     let stiffness = match law {
-        // P ~ (d - g0)^(1 + 1/k).
-        Some(law) => {
-            let error = refined.error / refined.force;
-            ((1.0 + law.degree.inverse()) * refined.force / scaled.above_lowest(), Some(error))
-        }
+        Some(law) => (law.stiffness(refined.force, scaled.above_lowest()), Some(refined.error / refined.force)),
         None => stiffness_of(scaled, refined)?,
     };
     in_users_units(contact, scaled, refined, stiffness, depth, tilt, settings)
@@ -101,9 +97,9 @@ pub(crate) fn in_users_units(
     let [(energy, energy_error), (x, _), (y, _), (area, area_error), (max_radius, _), (_, peak_error)] =
         refined.estimated_beside(Some(finest), coarser)?;
     let area_error = area_error.map(|change| area_at_least(refined, change));
-    // U = P (d - g0)/(2 + 1/k), of the best force.
+    // Of the best force.
     let (energy, energy_error) = match scaled.gap.known().law {
-        Some(law) => (force * scaled.above_lowest() / (2.0 + law.degree.inverse()), Some(error / force)),
+        Some(law) => (law.energy(*force, scaled.above_lowest()), Some(error / force)),
         // The energies of two grids may agree by chance, and those of many lie along a line whose bend is not seen; their error is of the size
         // of that of the force, from which they grow.
         None => {

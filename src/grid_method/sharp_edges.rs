@@ -277,10 +277,10 @@ pub(crate) fn sequence(
             continue;
         }
         grids.push(measure(scaled, &state));
-        // Beside the edges there may be flanks that no cell resolves yet: a line knows nothing of them.
-        let flanks = on_flanks(scaled, &state);
         states.push(state);
-        let Some(line) = Intercept::new(&grids) else { continue };
+        let (Some(line), Some(finest)) = (Intercept::new(&grids), states.last()) else { continue };
+        // Beside the edges there may be flanks that no cell resolves yet: a line knows nothing of them.
+        let flanks = on_flanks(scaled, finest);
         let Estimate { value, error } = line.of(&states.iter().map(GridState::force).collect::<Vec<_>>());
         let estimate = Estimate { value, error: error + flanks * value };
         let good = estimate.error <= settings.tolerance * estimate.value;

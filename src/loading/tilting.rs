@@ -147,7 +147,7 @@ fn lowest_at(gap: &AnyGap, through: [f64; 2], untilted: &Solution, size: f64) ->
 /// U = P (d - g0)/(2 + 1/k) where the tilted gap follows a law: the balance needed the energy of the cells, which is further off.
 fn with_lawful_energy(contact: &Contact, state: Solution) -> Solution {
     let law = contact.tilted_gap(state.tilt).known().law;
-    let energy = law.map(|law| state.force * (state.depth - law.lowest) / (2.0 + law.degree.inverse()));
+    let energy = law.map(|law| law.energy(state.force, state.depth - law.lowest));
     Solution { energy: energy.or(state.energy), ..state }
 }
 
