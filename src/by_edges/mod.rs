@@ -20,6 +20,7 @@ mod flat;
 mod layer;
 mod layer_states;
 mod oval;
+mod plateau;
 mod rings;
 mod roller;
 mod strip;
@@ -47,7 +48,8 @@ pub(crate) enum Route {
     Flanked { tip: flanked::FlankedTip, tolerance: f64, flat: layer::FlatTip },
     Rings(rings::Section),
     Oval(oval::Strip),
-    Roller { roller: Box<roller::Roller>, otherwise: Option<Box<crowned::Crowning>> },
+    Plateau(Box<plateau::Plateau>),
+    Roller { roller: Box<roller::Roller>, otherwise: Option<Box<Self>> },
     Crowned(crowned::Crowning),
 }
 
@@ -81,6 +83,14 @@ struct Found {
     proved: bool,
     /// Moments (Mx, My) about the user's origin and the stiffness against depth and tilts, where the pressure is not symmetric.
     tilting: Option<Moments>,
+}
+
+impl Found {
+    /// Half the width of the bounds of the force, relative.
+    fn error(&self) -> f64 {
+        let [low, high] = self.force;
+        (high - low) / (high + low)
+    }
 }
 
 /// What a tilted punch has beside the others.
@@ -123,10 +133,18 @@ impl Route {
         match known.axis.filter(|_| !with_matrix) {
             Some(axis) => rings::Section::of(overlap, axis).map(Self::Rings),
             None => {
-                let crowned = crowned::Crowning::of(overlap);
-                match roller::Roller::of(overlap) {
-                    Some(roller) => Some(Self::Roller { roller: Box::new(roller), otherwise: crowned.map(Box::new) }),
-                    None => crowned.map(Self::Crowned).or_else(|| oval::Strip::of(overlap).map(Self::Oval)),
+                let plateau = plateau::Plateau::of(overlap);
+                if plateau.as_ref().is_some_and(plateau::Plateau::is_flat) {
+                    return plateau.map(Box::new).map(Self::Plateau);
+                }
+                let roller = roller::Roller::of(overlap).map(Box::new);
+                let otherwise = crowned::Crowning::of(overlap)
+                    .map(Self::Crowned)
+                    .or_else(|| oval::Strip::of(overlap).map(Self::Oval))
+                    .or_else(|| plateau.map(Box::new).map(Self::Plateau));
+                match roller {
+                    Some(roller) => Some(Self::Roller { roller, otherwise: otherwise.map(Box::new) }),
+                    None => otherwise,
                 }
             }
         }
@@ -141,6 +159,7 @@ impl Route {
             Self::Flanked { tip, .. } => tip.found(),
             Self::Rings(section) => section.found(),
             Self::Oval(strip) => strip.found(),
+            Self::Plateau(plateau) => plateau.found(),
             Self::Roller { roller, .. } => roller.found(),
             Self::Crowned(crowning) => crowning.found(),
         }
@@ -161,6 +180,7 @@ impl Route {
             }
             Self::Rings(_) => "rings about the axis, and the force is proved, else estimated",
             Self::Oval(_) => "cells along the closed strip, and the error is estimated",
+            Self::Plateau(_) => "lines that lie where the pressure changes, and the error is estimated",
             Self::Roller { .. } => "cells graded to both ends, and the error is estimated",
             Self::Crowned(_) => "cells graded to the edges of the material, and the error is estimated",
         }
@@ -185,9 +205,12 @@ impl Route {
             }
             Self::Rings(section) => section.solve(contact, settings, limits),
             Self::Oval(strip) => strip.solve(contact, settings, limits),
+            Self::Plateau(plateau) => plateau.solve(contact, settings, limits),
             Self::Roller { roller, otherwise } => {
-                let otherwise = || otherwise.as_ref()?.solve(contact, settings, limits);
-                roller.solve(contact, settings, limits).or_else(otherwise)
+                let otherwise = || otherwise.as_ref()?.solve_within(limits, contact, depth, settings);
+                let found = roller.solve(contact, settings, limits);
+                let enough = found.as_ref().is_some_and(|found| found.error() <= limits.tolerance);
+                if enough { found } else { otherwise().or(found) }
             }
             Self::Crowned(crowning) => crowning.solve(contact, settings, limits),
         }

@@ -77,7 +77,7 @@ fn inward(along: usize, Rect { min, max }: &Rect) -> Rect {
 }
 
 /// The rectangle that these are the corners of, where they are.
-fn rectangle(corners: &[[f64; 2]]) -> Option<Rect> {
+pub(super) fn rectangle(corners: &[[f64; 2]]) -> Option<Rect> {
     let rect = Rect::holding(corners.iter().copied())?;
     let [w, h] = rect.size();
     (corners.len() == 4 && (area(corners) / (w * h)).abs() >= 1.0 - ROUNDING).then_some(rect)

@@ -8,11 +8,13 @@
 //! by fewer cells along and across.
 
 use super::Limits;
+use super::directions::{self, Meshes};
 use super::estimated::{Estimated, Solved, Touching};
 use super::mesh::{Mesh, Point};
 use super::near_contact::{BESIDE, Found, Laid};
+use super::peak;
 use super::roller::{Grading, TO_EDGE};
-use super::rows::{LEAST_GROWTH, between, further, wanted};
+use super::rows::{between, further};
 use super::symmetry::Isometry;
 use crate::numeric::geometry::area;
 
@@ -45,26 +47,8 @@ const FINER: [f64; 2] = [0.38, 0.42];
 /// Cells across all of the overlap that tell how much of it is in contact.
 const LOOK: usize = 16;
 
-/// Of the cells along and across, those of the meshes that tell the error: with the second order four fifths of the change are left.
-const FEWER: f64 = 2.0 / 3.0;
-
-/// The contact ends among the cells, anywhere in one: P_A of a set of cells that is too wide or too narrow by a share delta is too small by
-/// the order of delta^2, by chance more on one mesh than on another. With one change for each direction alone, errors of 547 rollers by lot
-/// were up to 4.8 times what is stated where rows are few, and 2.1 times where the ends are kinks.
-const SAFE: f64 = 1.5;
-
-/// Of the cells in both directions, those of one mesh more, and the factor of its change: with the second order 1.8 of it are left. With
-/// 1.8 one of 547 was off by 1.06 times what is stated, with 2.5 none by more than 0.6 times.
-const LESS: f64 = 0.8;
-const SAFE_AGAIN: f64 = 2.2;
-
 /// With 1.0 four areas of 224 were off by up to 1.1 times what is stated.
 const SAFE_AREA: f64 = 1.25;
-
-/// Order that the next round relies on, and share of the tolerance that each direction aims at: what a round misses by is more than it
-/// should be by chance, and less of it is left by the next.
-const ORDER: f64 = 2.5;
-const AIM: f64 = 0.45;
 
 /// Rounds of more cells.
 const ROUNDS: usize = 4;
@@ -113,71 +97,52 @@ fn estimated(f: &dyn Fn(Point) -> f64, line: &LineContact, limits: &Limits) -> O
     let rows_of = |finer: f64| ((AT_END * finer * strip.grading.all).ceil() as usize).max(FEWEST);
     let (mut across, found) = strip.around_contact(rows_of(1.0))?;
     let mut near = Some(found);
-    let (mut rows, mut cells) = (rows_of(finer[0]), (ACROSS as f64 * finer[1]).ceil() as usize);
-    let fewer = |n: usize| (FEWER * n as f64).round() as usize;
-    let less = |n: usize| (LESS * n as f64).round() as usize;
+    let mut counts = [rows_of(finer[0]), (ACROSS as f64 * finer[1]).ceil() as usize];
     let mut best: Option<(Estimated, State)> = None;
     for _ in 0..ROUNDS {
-        let Some(nearer) = strip.solve(less(rows), less(cells), across, near.as_ref()) else { return best };
+        let solve = |[rows, cells]: [usize; 2], near: Option<&Found>| strip.solve(rows, cells, across, near);
+        let Some(nearer) = solve(directions::less(counts), near.as_ref()) else { return best };
         let near_it = near.as_ref().map(|_| &nearer.found);
-        let Some(fine) = strip.solve(rows, cells, across, near_it) else { return best };
-        if fine.touched[0] == 0 || fine.touched[1] == cells {
+        let Some(fine) = solve(counts, near_it) else { return best };
+        if fine.touched[0] == 0 || fine.touched[1] == counts[1] {
             // In contact up to the outermost cells: there may be more beside them.
             (across, near) = (strip.widened(across), None);
             continue;
         }
-        let Some(shorter) = strip.solve(fewer(rows), cells, across, near_it) else { return best };
-        let Some(coarse) = strip.solve(rows, fewer(cells), across, near_it) else { return best };
-        if [&nearer, &fine, &shorter, &coarse].iter().any(|state| state.cut) {
+        let fewer = |k: usize| solve(directions::fewer(counts, k), near_it);
+        let (Some(shorter), Some(coarse)) = (fewer(0), fewer(1)) else { return best };
+        let meshes = Meshes { fine, nearer, fewer: [shorter, coarse] };
+        if meshes.all().iter().any(|state| state.cut) {
             near = None;
             continue;
         }
-        let change = |a: &State, b: &State, of: fn(&State) -> f64| (of(a) / of(b) - 1.0).abs();
-        let both = |of: fn(&State) -> f64| change(&fine, &shorter, of) + change(&fine, &coarse, of);
-        let largest = |a: &State, b: &State| {
-            let of_force = change(a, b, |s| s.solved.force);
-            of_force.max(change(a, b, |s| s.solved.energy))
-        };
-        let mut left = [&shorter, &coarse].map(|fewer| SAFE * largest(&fine, fewer));
-        // Of both directions, told twice: a change may be small by where rows and cells happen to lie.
-        let again = SAFE_AGAIN * largest(&fine, &nearer);
-        let more = (again / (left[0] + left[1])).max(1.0);
-        left = left.map(|left| more * left);
+        let told = meshes.told(|state| (&state.solved, state.area));
+        let Meshes { fine, nearer, .. } = meshes;
         let own = &fine.solved;
+        let cells = counts[1] as f64;
         let found = Estimated {
             force: own.force,
-            error: left[0] + left[1],
+            error: told.left[0] + told.left[1],
             energy: own.energy,
             stiffness: own.stiffness,
-            stiffness_error: both(|s| s.solved.stiffness) + OF_CELL / cells as f64,
+            stiffness_error: told.stiffness + OF_CELL / cells,
             stiffness_matrix: None,
             area: fine.area,
-            area_error: SAFE_AREA * (both(|s| s.area) + (cells as f64).powf(-1.5)),
+            area_error: SAFE_AREA * (told.area + cells.powf(-1.5)),
             // What is less beside a peak may be next to nothing by where two rows lie.
-            max_error: Some(both(|s| s.solved.largest()) + fine.drop.max(nearer.drop)),
+            max_error: Some(told.largest + fine.drop.max(nearer.drop)),
             cells: own.cells(Touching::Some),
             ends: vec![fine.boundary()],
             unknowns: own.unknowns,
         };
         let done = found.error <= limits.tolerance;
-        let unknowns = own.unknowns;
+        let next = directions::next(counts, told.left, own.unknowns, limits);
         near = Some(fine.found.clone());
         best = Some((found, fine));
-        if done {
-            break;
+        match next {
+            Some(more) if !done => counts = more,
+            _ => break,
         }
-        let aim = AIM * limits.tolerance;
-        let more = [wanted(rows, left[0], ORDER, aim), wanted(cells, left[1], ORDER, aim)];
-        let more = if more == [rows, cells] { [rows + rows / 4, cells + cells / 4] } else { more };
-        // No more of both together than may be solved.
-        let growth = |more: [usize; 2]| (more[0] * more[1]) as f64 / (rows * cells) as f64;
-        let most = limits.unknowns as f64 / unknowns as f64;
-        let less = (most / growth(more)).min(1.0).sqrt();
-        let more = [(less * more[0] as f64) as usize, (less * more[1] as f64) as usize];
-        if less < 1.0 && growth(more) < LEAST_GROWTH {
-            break;
-        }
-        [rows, cells] = more;
     }
     best
 }
@@ -247,7 +212,7 @@ impl Strip<'_> {
             ends.push([a as f64 * width - more[0], b as f64 * width + more[1]].map(|share| between(middle, share)));
         }
         let largest: Vec<f64> = pressures.iter().map(|row| row.iter().copied().fold(0.0, f64::max)).collect();
-        let drop = drop(&pressures) + growth(&largest, &lines);
+        let drop = peak::drop(&pressures) + peak::growth(&largest, &lines);
         let grows = [(0, 1), (2 * rows - 1, 2 * rows - 2)].map(|(end, beside)| largest[end] > largest[beside]);
         let found = Found { rows: spans, cell: (to - from) / cells as f64 };
         let lines = lines[first..=last + 1].to_vec();
@@ -255,40 +220,6 @@ impl Strip<'_> {
         state.area = area(&state.boundary());
         (state.solved.force > 0.0 && state.area > 0.0).then_some(state)
     }
-}
-
-/// See [`State::drop`]; rows of pressures.
-fn drop(rows: &[&[f64]]) -> f64 {
-    let cells = rows.iter().enumerate().flat_map(|(k, row)| row.iter().enumerate().map(move |(j, p)| (k, j, *p)));
-    let Some((k, j, most)) = cells.max_by(|a, b| a.2.total_cmp(&b.2)).filter(|largest| largest.2 > 0.0) else {
-        return 0.0;
-    };
-    let at = |k: Option<usize>, j: Option<usize>| rows.get(k?)?.get(j?).map(|p| 1.0 - p / most);
-    let less = |sides: [Option<f64>; 2]| sides.into_iter().flatten().fold(1.0, f64::min);
-    let along = [at(k.checked_sub(1), Some(j)), at(Some(k + 1), Some(j))];
-    let across = [at(Some(k), j.checked_sub(1)), at(Some(k), Some(j + 1))];
-    less(along) + less(across)
-}
-
-/// What the largest pressure grows by in the next row towards the nearer end of the strip, or up to its own outer line where that row is
-/// free, if it goes on as the power of the distance from that end by which it grows from the row further in: beside a steep end of the
-/// contact p ~ s^-a up to a peak that one row or two hold. Without it a peak in two nearly equal rows was off by four times what was said.
-/// `largest`: by row.
-fn growth(largest: &[f64], lines: &[f64]) -> f64 {
-    let Some(peak) = (0..largest.len()).max_by(|&a, &b| largest[a].total_cmp(&largest[b])) else { return 0.0 };
-    let last = largest.len() - 1;
-    // Rows and lines counted from the nearer end.
-    let first = 2 * peak <= last;
-    let line = |k: usize| if first { lines[k] - lines[0] } else { lines[last + 1] - lines[last + 1 - k] };
-    let of = |k: usize| largest[if first { k } else { last - k }];
-    let k = if first { peak } else { last - peak };
-    let middle = |k: usize| 0.5 * (line(k) + line(k + 1));
-    let outer = if k > 0 && of(k - 1) > 0.0 { middle(k - 1) } else { line(k) };
-    if k == last || !(of(k + 1) > 0.0) {
-        return 0.0;
-    }
-    let power = (of(k) / of(k + 1)).ln() / (middle(k + 1) / middle(k)).ln();
-    (middle(k) / outer).powf(power) - 1.0
 }
 
 impl State {

@@ -1,0 +1,132 @@
+//! Overlaps that stay high nearly up to their sides in both directions: flats with rounded or sloping edges, beside sharp ones or not.
+
+use super::Found;
+use super::estimated::in_users_units;
+use super::strip::{Lines, interval, middle};
+use crate::edge_fitted::{Boxed, Limits, OverlapBox, equidistributed};
+use crate::gap::{AnyGap, Gap};
+use crate::numeric::geometry::{Rect, centroid};
+use crate::numeric::scalar::bisected;
+use crate::overlap::{Overlap, Scaled, Units};
+use crate::problem::{Contact, Settings};
+
+/// The box in which the bodies overlap, in the units of the solve.
+pub(crate) struct Plateau {
+    gap: AnyGap,
+    depth: f64,
+    units: Units,
+    /// Where they overlap, on the lines through its middle.
+    all: OverlapBox,
+    /// How much of it is filled.
+    filled: f64,
+}
+
+/// Points in each direction by which it is told how much of the box is filled, and how much at least: a paraboloid fills 0.39, a cylinder 0.67.
+const LOOKS: usize = 16;
+const FILLED: f64 = 0.6;
+const FLAT: f64 = 0.69;
+
+/// How far towards the corners of the box there is overlap at least: round ones are not along its lines.
+const CORNER: f64 = 0.8;
+
+/// How far inside of an edge the gap is looked at, over the size of the material.
+const INSET: f64 = 1e-11;
+
+/// Share of the overlap in the middle from which it counts as high, and halvings to where it is.
+const HIGH: f64 = 0.6;
+const HALVINGS: usize = 24;
+
+impl Plateau {
+    /// `None` where the overlap is no such box, or is not known to be nowhere else.
+    pub fn of(overlap: &Overlap) -> Option<Self> {
+        let known = overlap.known();
+        if !overlap.certain || known.law.is_some() || known.quadratic.is_some() {
+            return None;
+        }
+        let Scaled { gap, depth, reach, units, .. } = overlap.scaled();
+        let (reach, material) = match &known.ends {
+            Some(corners) => {
+                let material = units.rect_inward(&super::roller::rectangle(corners)?);
+                let inset = INSET * material.longer_side();
+                let material = Rect { min: material.min.map(|a| a + inset), max: material.max.map(|b| b - inset) };
+                (reach.intersection(&material)?, Some(material))
+            }
+            None => (reach, None),
+        };
+        let on_line = |m: usize, across: f64| {
+            let value = |s: f64| if m == 0 { gap.gap(s, across) } else { gap.gap(across, s) };
+            interval(value, depth, [reach.min[m], reach.max[m]], Some(middle([reach.min[m], reach.max[m]])))
+        };
+        let x = on_line(0, reach.centre()[1])?;
+        let y = on_line(1, middle(x))?;
+        let x = on_line(0, middle(y))?;
+        let rect = Rect { min: [x[0], y[0]], max: [x[1], y[1]] };
+        let [w, h] = rect.size();
+        let f = |x: f64, y: f64| depth - gap.gap(x, y);
+        let at = |k: usize| (k as f64 + 0.5) / LOOKS as f64;
+        let looks = (0..LOOKS * LOOKS).map(|k| f(x[0] + at(k % LOOKS) * w, y[0] + at(k / LOOKS) * h).max(0.0));
+        // 1 is the deepest overlap.
+        let filled = looks.sum::<f64>() / (LOOKS * LOOKS) as f64;
+        if !(filled >= FILLED) {
+            return None;
+        }
+        let [cx, cy] = rect.centre();
+        let corner = |[i, j]: [f64; 2]| f(cx + i * 0.5 * CORNER * w, cy + j * 0.5 * CORNER * h) > 0.0;
+        if ![[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]].into_iter().all(corner) {
+            return None;
+        }
+        gap.bounds(&rect, [0.0; 2]).filter(|[_, high]| *high < f64::INFINITY)?;
+        let lines = Lines(vec![x; 2]);
+        let only = lines.hold_all(&gap, depth, reach, |own| {
+            lines.hold([(own.min[1] - y[0]) / h, (own.max[1] - y[0]) / h], [own.min[0], own.max[0]])
+        });
+        if !only {
+            return None;
+        }
+        let edges = [0, 1].map(|m| {
+            [0, 1].map(|end| {
+                material
+                    .as_ref()
+                    .is_some_and(|own| if end == 0 { own.min[m] == rect.min[m] } else { own.max[m] == rect.max[m] })
+            })
+        });
+        let enough = HIGH * f(cx, cy);
+        let rise = [0, 1].map(|m| {
+            let half = 0.5 * [w, h][m];
+            let [from, to] = [rect.min[m], rect.max[m]];
+            let low = |at: f64| (if m == 0 { f(at, cy) } else { f(cx, at) }) < enough;
+            let distance = |end: f64, inward: f64| {
+                let low = |s: f64| low(end + inward * s);
+                if low(0.0) { bisected(low, [0.0, half], HALVINGS)[1] } else { half }
+            };
+            distance(from, 1.0).min(distance(to, -1.0))
+        });
+        let centre = units.inward(known.centre);
+        let all = OverlapBox { rect, edges, rise, mirrors: known.mirrors, centre };
+        Some(Self { gap, depth, units, all, filled })
+    }
+
+    /// Whether it is flat in both directions: a cylinder's strip is filled less.
+    pub fn is_flat(&self) -> bool {
+        self.filled >= FLAT
+    }
+
+    pub fn found(&self) -> String {
+        "a flat whose edges are rounded or slope: the overlap stays high nearly up to its sides".to_owned()
+    }
+
+    pub(super) fn solve(&self, contact: &Contact, settings: &Settings, limits: &Limits) -> Option<Found> {
+        let overlap = |[x, y]: [f64; 2]| self.depth - self.gap.gap(x, y);
+        let Boxed { state, energy_error, singular } = equidistributed(&overlap, &self.all, limits)?;
+        let middle = [centroid(&state.ends[0]), state.centre()];
+        let found = in_users_units(state, &self.units, middle, contact, settings)?;
+        let energy = 0.5 * (found.energy[0] + found.energy[1]);
+        Some(Found {
+            how: format!("the gap is {}", self.found()),
+            left_out: "the surface grid: lines that lie where the pressure changes are enough",
+            energy: [energy * (1.0 - energy_error), energy * (1.0 + energy_error)],
+            max: found.max.filter(|_| !singular),
+            ..found
+        })
+    }
+}
