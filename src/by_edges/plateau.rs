@@ -17,7 +17,7 @@ pub(crate) struct Plateau {
     units: Units,
     /// Where they overlap, on the lines through its middle.
     all: OverlapBox,
-    /// How much of it is filled.
+    /// How much of the lines through its middle is filled, the less of both.
     filled: f64,
 }
 
@@ -28,6 +28,9 @@ const FLAT: f64 = 0.69;
 
 /// How far towards the corners of the box there is overlap at least: round ones are not along its lines.
 const CORNER: f64 = 0.8;
+
+/// Lines across on which it is looked where the sides are.
+const LINES: usize = 8;
 
 /// How far inside of an edge the gap is looked at, over the size of the material.
 const INSET: f64 = 1e-11;
@@ -40,7 +43,8 @@ impl Plateau {
     /// `None` where the overlap is no such box, or is not known to be nowhere else.
     pub fn of(overlap: &Overlap) -> Option<Self> {
         let known = overlap.known();
-        if !overlap.certain || known.law.is_some() || known.quadratic.is_some() {
+        // On a grid it is told cell by cell what samples leave open.
+        if !overlap.certain || known.law.is_some() || known.quadratic.is_some() || overlap.gap.is_measured() {
             return None;
         }
         let Scaled { gap, depth, reach, units, .. } = overlap.scaled();
@@ -59,7 +63,12 @@ impl Plateau {
         };
         let x = on_line(0, reach.centre()[1])?;
         let y = on_line(1, middle(x))?;
-        let x = on_line(0, middle(y))?;
+        // Sides need not be parallel to the axes: a tilt turns them.
+        let beside = |m: usize, [a, b]: [f64; 2]| {
+            let lines = (0..=LINES).filter_map(|k| on_line(m, a + (b - a) * k as f64 / LINES as f64));
+            lines.reduce(|all, own| [all[0].min(own[0]), all[1].max(own[1])])
+        };
+        let (x, y) = (beside(0, y)?, beside(1, x)?);
         let rect = Rect { min: [x[0], y[0]], max: [x[1], y[1]] };
         let [w, h] = rect.size();
         let f = |x: f64, y: f64| depth - gap.gap(x, y);
@@ -71,6 +80,8 @@ impl Plateau {
             return None;
         }
         let [cx, cy] = rect.centre();
+        let share = |f: &dyn Fn(f64) -> f64| (0..LOOKS).map(|k| f(at(k)).max(0.0)).sum::<f64>() / LOOKS as f64;
+        let on_lines = [share(&|t| f(x[0] + t * w, cy)), share(&|t| f(cx, y[0] + t * h))];
         let corner = |[i, j]: [f64; 2]| f(cx + i * 0.5 * CORNER * w, cy + j * 0.5 * CORNER * h) > 0.0;
         if ![[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]].into_iter().all(corner) {
             return None;
@@ -103,7 +114,7 @@ impl Plateau {
         });
         let centre = units.inward(known.centre);
         let all = OverlapBox { rect, edges, rise, mirrors: known.mirrors, centre };
-        Some(Self { gap, depth, units, all, filled })
+        Some(Self { gap, depth, units, all, filled: on_lines[0].min(on_lines[1]) })
     }
 
     /// Whether it is flat in both directions: a cylinder's strip is filled less.

@@ -68,6 +68,9 @@ const PARTS: usize = 16;
 /// How far beyond a side of the box it is looked whether the bodies overlap there, over the cell beside it.
 const BEYOND: [f64; 2] = [1e-3, 1.0];
 
+/// Directions and ends of the box.
+const SIDES: [(usize, usize); 4] = [(0, 0), (0, 1), (1, 0), (1, 1)];
+
 /// Rounds of more cells.
 const ROUNDS: usize = 4;
 
@@ -110,7 +113,7 @@ pub(crate) fn equidistributed(f: &dyn Fn(Point) -> f64, all: &OverlapBox, limits
             break;
         };
         let told = meshes.told(|state| (&state.solved, state.area));
-        let cut = meshes.all().iter().any(|state| state.cut);
+        let cut = meshes.all().iter().any(|state| state.cut || problem.is_at_end(state));
         let fine = Rc::new(meshes.fine);
         found = Rc::clone(&fine);
         if cut {
@@ -238,6 +241,16 @@ impl Problem<'_> {
         if end == 0 { lines[0] == min[m] } else { lines[lines.len() - 1] == max[m] }
     }
 
+    /// Whether there is contact between the last lines, which are no sides of the box.
+    fn is_at_end(&self, state: &State) -> bool {
+        let n = state.cells();
+        let at = |m: usize, end: usize| {
+            let k = if end == 0 { 0 } else { n[m] - 1 };
+            !self.is_side(state, m, end) && (0..n[1 - m]).any(|l| state.along(m, k, l) > 0.0)
+        };
+        SIDES.into_iter().any(|(m, end)| at(m, end))
+    }
+
     /// Whether the pressure grows up to an edge of the material.
     fn is_singular(&self, state: &State) -> bool {
         let n = state.cells();
@@ -246,7 +259,7 @@ impl Problem<'_> {
             let grows = |l: usize| state.along(m, k, l) > state.along(m, beside, l);
             self.is_edge(state, m, end) && (0..n[1 - m]).any(grows)
         };
-        [(0, 0), (0, 1), (1, 0), (1, 1)].into_iter().any(|(m, end)| at(m, end))
+        SIDES.into_iter().any(|(m, end)| at(m, end))
     }
 
     /// Whether the bodies overlap beyond a cell in contact at a side of the box.
@@ -263,7 +276,7 @@ impl Problem<'_> {
             let passes = |l: usize| state.along(m, k, l) > 0.0 && BEYOND.iter().any(|share| beyond(l, *share));
             !self.all.edges[m][end] && self.is_side(state, m, end) && (0..n[1 - m]).any(passes)
         };
-        [(0, 0), (0, 1), (1, 0), (1, 1)].into_iter().any(|(m, end)| at(m, end))
+        SIDES.into_iter().any(|(m, end)| at(m, end))
     }
 
     /// What the largest pressure may be more by ([`super::peak`]).
