@@ -133,7 +133,7 @@ impl Route {
         match known.axis.filter(|_| !with_matrix) {
             Some(axis) => rings::Section::of(overlap, axis).map(Self::Rings),
             None => {
-                let plateau = plateau::Plateau::of(overlap);
+                let plateau = plateau::Plateau::of(overlap, with_matrix);
                 if plateau.as_ref().is_some_and(plateau::Plateau::is_flat) {
                     return plateau.map(Box::new).map(Self::Plateau);
                 }

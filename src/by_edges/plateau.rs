@@ -29,6 +29,10 @@ const FLAT: f64 = 0.69;
 /// How far towards the corners of the box there is overlap at least: round ones are not along its lines.
 const CORNER: f64 = 0.8;
 
+/// Both where a tilt for a load is looked for.
+const FILLED_TILTED: f64 = 0.4;
+const CORNER_TILTED: f64 = 0.6;
+
 /// Lines across on which it is looked where the sides are.
 const LINES: usize = 8;
 
@@ -41,7 +45,9 @@ const HALVINGS: usize = 24;
 
 impl Plateau {
     /// `None` where the overlap is no such box, or is not known to be nowhere else.
-    pub fn of(overlap: &Overlap) -> Option<Self> {
+    /// `searched`: a tilt for a load is looked for, on states that may be less of a box on the way.
+    pub fn of(overlap: &Overlap, searched: bool) -> Option<Self> {
+        let (least, corner) = if searched { (FILLED_TILTED, CORNER_TILTED) } else { (FILLED, CORNER) };
         let known = overlap.known();
         // On a grid it is told cell by cell what samples leave open.
         if !overlap.certain || known.law.is_some() || known.quadratic.is_some() || overlap.gap.is_measured() {
@@ -76,14 +82,14 @@ impl Plateau {
         let looks = (0..LOOKS * LOOKS).map(|k| f(x[0] + at(k % LOOKS) * w, y[0] + at(k / LOOKS) * h).max(0.0));
         // 1 is the deepest overlap.
         let filled = looks.sum::<f64>() / (LOOKS * LOOKS) as f64;
-        if !(filled >= FILLED) {
+        if !(filled >= least) {
             return None;
         }
         let [cx, cy] = rect.centre();
         let share = |f: &dyn Fn(f64) -> f64| (0..LOOKS).map(|k| f(at(k)).max(0.0)).sum::<f64>() / LOOKS as f64;
         let on_lines = [share(&|t| f(x[0] + t * w, cy)), share(&|t| f(cx, y[0] + t * h))];
-        let corner = |[i, j]: [f64; 2]| f(cx + i * 0.5 * CORNER * w, cy + j * 0.5 * CORNER * h) > 0.0;
-        if ![[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]].into_iter().all(corner) {
+        let is_inside = |[i, j]: [f64; 2]| f(cx + i * 0.5 * corner * w, cy + j * 0.5 * corner * h) > 0.0;
+        if ![[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]].into_iter().all(is_inside) {
             return None;
         }
         gap.bounds(&rect, [0.0; 2]).filter(|[_, high]| *high < f64::INFINITY)?;

@@ -62,6 +62,9 @@ const OF_ENERGY: f64 = 2.5;
 /// The least density of lines, over their mean.
 const LEAST: f64 = 0.25;
 
+/// Cells beside the contact that was found, to either side: fewer and wider ones may touch further out.
+const BESIDE: usize = 2;
+
 /// Parts of the cells beside a sharp edge by which the density there is told.
 const PARTS: usize = 16;
 
@@ -356,8 +359,8 @@ impl Density {
         let touches = |k: usize| (0..others).any(|l| found.along(m, k, l) > 0.0);
         let first = (0..n).find(|k| touches(*k)).unwrap_or(0);
         let last = (0..n).rev().find(|k| touches(*k)).unwrap_or(n - 1);
-        // A cell beside the contact, where there is one.
-        let (from, to) = (first.saturating_sub(1), (last + 2).min(n));
+        // With cells beside the contact, where there are some.
+        let (from, to) = (first.saturating_sub(BESIDE), (last + 1 + BESIDE).min(n));
         let middle = |k: usize| 0.5 * (lines[k] + lines[k + 1]);
         let weight = |l: usize| across[l + 1] - across[l];
         let exponent = if edges == [false; 2] { WITHOUT_EDGES } else { POWER };
