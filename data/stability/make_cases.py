@@ -254,6 +254,21 @@ edges.append(case("roller with sharp ends in a sum, turned", scene({"kind": "sum
 for turn in [0.0, 33.0]:
     toroid = {"kind": "formula", "expression": "(hypot(x, 1.000000001*y) - 2.5732)^2/(2*0.23975)", "rotate": turn}
     edges.append(case(f"toroid that is not known to be round, turned by {turn:g} degrees", scene(toroid, depth(1.1789e-2)), [run("auto", 1.1e-3)], TOROID, "rings, refined to 1e-5"))
+# Flats whose edges are rounded or slope, beside sharp ones or not, with radii and depths over decades.
+GRIDS = "grids to 2048 cells, and lines to 1e-4"
+beside = {"polygon": [[-1.5, -0.8], [1.5, -0.8], [1.5, 0.8], [-1.5, 0.8]]}
+rounded = {"kind": "formula", "expression": "(max(0, abs(x) - 0.9)^2 + max(0, abs(y) - 0.6)^2)/0.2"}
+sloping = {"kind": "formula", "expression": "max(0, 0.2*abs(x) - 0.1)", "region": beside}
+round_and_sharp = {"kind": "formula", "expression": "max(0, abs(x) - 0.5)^2/0.4", "region": beside}
+for turn in [0.0, 37.0]:
+    for name, gap, d, within, known in [
+        ("a flat with rounded edges", rounded, 0.01, 1.1e-3, 0.0172429), ("a flat with sloping and with sharp edges", sloping, 0.02, 1.1e-3, 0.029562),
+        ("a flat with rounded and with sharp edges", round_and_sharp, 0.01, 1.1e-3, 0.0148944)]:
+        edges.append(case(f"{name}, turned by {turn:g} degrees", scene({**gap, "rotate": turn}, depth(d)), [run("auto", within)], known, GRIDS))
+# All but sharp ones: the flat punch.
+for radius in [1e-6, 1e-9]:
+    gap = {"kind": "formula", "expression": f"(max(0, abs(x) - 1)^2 + max(0, abs(y) - 1)^2)/{2 * radius:g}"}
+    edges.append(case(f"a flat with edges rounded to {radius:g}", scene(gap, depth(1e-3)), [run("auto", 1.3e-3)], 1e-3 * SQUARE, FITTED))
 # Truncated pyramids of inradius 0.5, 45 degrees: force at depths of 0.003 to 0.3 of that.
 TIPS = {
     (4, 0.003): 1.728433e-3, (4, 0.01): 5.761568e-3, (4, 0.03): 1.728775e-2, (4, 0.1): 5.773331e-2, (4, 0.3): 0.1757190,

@@ -11,6 +11,7 @@
 //! | two mirrors, one closed strip around them | cells along the strip | an estimate |
 //! | material in a rectangle, a strip from one side to the other | rows of cells across it | an estimate |
 //! | a strip with a steep end, of the material or of the overlap alone | cells graded to both, those in contact | an estimate |
+//! | a box that is filled nearly up to its sides | lines in both directions where the pressure changes, those in contact | an estimate |
 //! | a polynomial of second degree in a polygon or an ellipse, up to its edge | the cells that stay in contact | an estimate |
 
 mod crowned;
@@ -133,15 +134,13 @@ impl Route {
         match known.axis.filter(|_| !with_matrix) {
             Some(axis) => rings::Section::of(overlap, axis).map(Self::Rings),
             None => {
-                let plateau = plateau::Plateau::of(overlap, with_matrix);
-                if plateau.as_ref().is_some_and(plateau::Plateau::is_flat) {
-                    return plateau.map(Box::new).map(Self::Plateau);
+                if let Some(plateau) = plateau::Plateau::of(overlap, with_matrix) {
+                    return Some(Self::Plateau(Box::new(plateau)));
                 }
                 let roller = roller::Roller::of(overlap).map(Box::new);
-                let otherwise = crowned::Crowning::of(overlap)
-                    .map(Self::Crowned)
-                    .or_else(|| oval::Strip::of(overlap).map(Self::Oval))
-                    .or_else(|| plateau.map(Box::new).map(Self::Plateau));
+                let crowned = crowned::Crowning::of(overlap).map(Self::Crowned);
+                let between = || plateau::Plateau::between_edges(overlap).map(Box::new).map(Self::Plateau);
+                let otherwise = crowned.or_else(|| oval::Strip::of(overlap).map(Self::Oval)).or_else(between);
                 match roller {
                     Some(roller) => Some(Self::Roller { roller, otherwise: otherwise.map(Box::new) }),
                     None => otherwise,
@@ -340,7 +339,7 @@ fn judged(state: Solution, settings: &Settings) -> Result<Solution, Unsolved> {
 
 /// The verdict where this method is prescribed and does not apply.
 pub(crate) fn not_applicable() -> Unsolved {
-    let reason = "the gap is not known to be a flat polygon or ellipse, planes with a level one among them, of revolution, upright, an oval ring, a roller with sharp or steep ends, or a polynomial of second degree in an outline whose edge it reaches";
+    let reason = "the gap is not known to be a flat polygon or ellipse, planes with a level one among them, of revolution, upright, an oval ring, a roller with sharp or steep ends, a flat with rounded or sloping edges, or a polynomial of second degree in an outline whose edge it reaches";
     Unsolved::new(Verdict::NotApplicable, reason)
 }
 

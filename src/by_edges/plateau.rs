@@ -17,21 +17,14 @@ pub(crate) struct Plateau {
     units: Units,
     /// Where they overlap, on the lines through its middle.
     all: OverlapBox,
-    /// How much of the lines through its middle is filled, the less of both.
-    filled: f64,
 }
 
-/// Points in each direction by which it is told how much of the box is filled, and how much at least: a paraboloid fills 0.39, a cylinder 0.67.
-const LOOKS: usize = 16;
-const FILLED: f64 = 0.6;
-const FLAT: f64 = 0.69;
+/// How far from the nearer of two sides the overlap is high, over half the box, at most: 0.37 of a paraboloid or across a cylinder, 0.2 of
+/// |x|^4; and how far towards the corners of the box there is overlap at least: round ones are not along its lines.
+const BOX: [f64; 2] = [0.22, 0.8];
 
-/// How far towards the corners of the box there is overlap at least: round ones are not along its lines.
-const CORNER: f64 = 0.8;
-
-/// Both where a tilt for a load is looked for.
-const FILLED_TILTED: f64 = 0.4;
-const CORNER_TILTED: f64 = 0.6;
+/// The same of what may be less of a box.
+const LESS: [f64; 2] = [0.45, 0.6];
 
 /// Lines across on which it is looked where the sides are.
 const LINES: usize = 8;
@@ -47,10 +40,20 @@ impl Plateau {
     /// `None` where the overlap is no such box, or is not known to be nowhere else.
     /// `searched`: a tilt for a load is looked for, on states that may be less of a box on the way.
     pub fn of(overlap: &Overlap, searched: bool) -> Option<Self> {
-        let (least, corner) = if searched { (FILLED_TILTED, CORNER_TILTED) } else { (FILLED, CORNER) };
+        Self::within(overlap, if searched { LESS } else { BOX })
+    }
+
+    /// One that rises slowly between sharp edges, to be solved where nothing else can.
+    pub fn between_edges(overlap: &Overlap) -> Option<Self> {
+        overlap.known().ends.as_ref()?;
+        Self::within(overlap, LESS)
+    }
+
+    fn within(overlap: &Overlap, [steep, corner]: [f64; 2]) -> Option<Self> {
         let known = overlap.known();
         // On a grid it is told cell by cell what samples leave open.
-        if !overlap.certain || known.law.is_some() || known.quadratic.is_some() || overlap.gap.is_measured() {
+        let told = known.law.is_some() || known.quadratic.is_some() || known.crown.is_some();
+        if !overlap.certain || told || overlap.gap.is_measured() {
             return None;
         }
         let Scaled { gap, depth, reach, units, .. } = overlap.scaled();
@@ -78,18 +81,23 @@ impl Plateau {
         let rect = Rect { min: [x[0], y[0]], max: [x[1], y[1]] };
         let [w, h] = rect.size();
         let f = |x: f64, y: f64| depth - gap.gap(x, y);
-        let at = |k: usize| (k as f64 + 0.5) / LOOKS as f64;
-        let looks = (0..LOOKS * LOOKS).map(|k| f(x[0] + at(k % LOOKS) * w, y[0] + at(k / LOOKS) * h).max(0.0));
-        // 1 is the deepest overlap.
-        let filled = looks.sum::<f64>() / (LOOKS * LOOKS) as f64;
-        if !(filled >= least) {
-            return None;
-        }
         let [cx, cy] = rect.centre();
-        let share = |f: &dyn Fn(f64) -> f64| (0..LOOKS).map(|k| f(at(k)).max(0.0)).sum::<f64>() / LOOKS as f64;
-        let on_lines = [share(&|t| f(x[0] + t * w, cy)), share(&|t| f(cx, y[0] + t * h))];
         let is_inside = |[i, j]: [f64; 2]| f(cx + i * 0.5 * corner * w, cy + j * 0.5 * corner * h) > 0.0;
         if ![[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]].into_iter().all(is_inside) {
+            return None;
+        }
+        let enough = HIGH * f(cx, cy);
+        let rise = [0, 1].map(|m| {
+            let half = 0.5 * [w, h][m];
+            let [from, to] = [rect.min[m], rect.max[m]];
+            let low = |at: f64| (if m == 0 { f(at, cy) } else { f(cx, at) }) < enough;
+            let distance = |end: f64, inward: f64| {
+                let low = |s: f64| low(end + inward * s);
+                if low(0.0) { bisected(low, [0.0, half], HALVINGS)[1] } else { 0.0 }
+            };
+            distance(from, 1.0).min(distance(to, -1.0))
+        });
+        if [0, 1].into_iter().any(|m| rise[m] > steep * 0.5 * [w, h][m]) {
             return None;
         }
         gap.bounds(&rect, [0.0; 2]).filter(|[_, high]| *high < f64::INFINITY)?;
@@ -107,25 +115,9 @@ impl Plateau {
                     .is_some_and(|own| if end == 0 { own.min[m] == rect.min[m] } else { own.max[m] == rect.max[m] })
             })
         });
-        let enough = HIGH * f(cx, cy);
-        let rise = [0, 1].map(|m| {
-            let half = 0.5 * [w, h][m];
-            let [from, to] = [rect.min[m], rect.max[m]];
-            let low = |at: f64| (if m == 0 { f(at, cy) } else { f(cx, at) }) < enough;
-            let distance = |end: f64, inward: f64| {
-                let low = |s: f64| low(end + inward * s);
-                if low(0.0) { bisected(low, [0.0, half], HALVINGS)[1] } else { half }
-            };
-            distance(from, 1.0).min(distance(to, -1.0))
-        });
         let centre = units.inward(known.centre);
         let all = OverlapBox { rect, edges, rise, mirrors: known.mirrors, centre };
-        Some(Self { gap, depth, units, all, filled: on_lines[0].min(on_lines[1]) })
-    }
-
-    /// Whether it is flat in both directions: a cylinder's strip is filled less.
-    pub fn is_flat(&self) -> bool {
-        self.filled >= FLAT
+        Some(Self { gap, depth, units, all })
     }
 
     pub fn found(&self) -> String {
