@@ -58,7 +58,7 @@ const AT_FIRST: f64 = 0.6;
 /// the time is 4.5 s with 0.4, 5.2 with 0.35, 7.4 with (1).
 const POWER: f64 = 0.25;
 const WITHOUT_EDGES: f64 = 0.4;
-const ALL_BUT_SHARP: f64 = 3e-3;
+const ALL_BUT_SHARP: f64 = 6e-4;
 
 /// What the energy may err by over what cells change it by: it comes from below, and more slowly where the end of the contact is not
 /// resolved. With 1.5, as for the force, two of 192 were off by up to 1.4 times what is stated.
