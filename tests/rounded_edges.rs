@@ -99,8 +99,10 @@ fn a_rounded_flat_lies_between_two_flat_punches() {
 #[test]
 fn a_tilted_flat_keeps_its_laws() {
     let (gap, depth) = flats().swap_remove(0);
-    let settings = Settings::default();
-    let at = |[depth, x, y]: [f64; 3]| fitted(1.0, gap.clone(), Load::Tilted { depth, tilt: [x, y] }, &settings);
+    let at = |[depth, x, y]: [f64; 3]| {
+        let load = Load::Tilted { depth, tilt: [x, y] };
+        solve(&contact(1.0, gap.clone(), load), &Settings::default()).remove(0).unwrap()
+    };
     let (place, step) = ([depth, 0.3 * depth, -0.2 * depth], 0.05 * depth);
     let state = at(place);
     let loads = |state: &Solution| {

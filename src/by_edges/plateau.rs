@@ -23,8 +23,9 @@ pub(crate) struct Plateau {
 /// |x|^4; and how far towards the corners of the box there is overlap at least: round ones are not along its lines.
 const BOX: [f64; 2] = [0.22, 0.8];
 
-/// The same of what may be less of a box.
-const LESS: [f64; 2] = [0.45, 0.6];
+/// The same of states on the way to a tilt, and between sharp edges where nothing else can be solved.
+const ON_THE_WAY: [f64; 2] = [0.3, 0.6];
+const BETWEEN_EDGES: [f64; 2] = [0.45, 0.6];
 
 /// Lines across on which it is looked where the sides are.
 const LINES: usize = 8;
@@ -40,13 +41,13 @@ impl Plateau {
     /// `None` where the overlap is no such box, or is not known to be nowhere else.
     /// `searched`: a tilt for a load is looked for, on states that may be less of a box on the way.
     pub fn of(overlap: &Overlap, searched: bool) -> Option<Self> {
-        Self::within(overlap, if searched { LESS } else { BOX })
+        Self::within(overlap, if searched { ON_THE_WAY } else { BOX })
     }
 
     /// One that rises slowly between sharp edges, to be solved where nothing else can.
     pub fn between_edges(overlap: &Overlap) -> Option<Self> {
         overlap.known().ends.as_ref()?;
-        Self::within(overlap, LESS)
+        Self::within(overlap, BETWEEN_EDGES)
     }
 
     fn within(overlap: &Overlap, [steep, corner]: [f64; 2]) -> Option<Self> {
@@ -82,6 +83,9 @@ impl Plateau {
         let [w, h] = rect.size();
         let f = |x: f64, y: f64| depth - gap.gap(x, y);
         let [cx, cy] = rect.centre();
+        if !(f(cx, cy) > 0.0) {
+            return None;
+        }
         let is_inside = |[i, j]: [f64; 2]| f(cx + i * 0.5 * corner * w, cy + j * 0.5 * corner * h) > 0.0;
         if ![[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]].into_iter().all(is_inside) {
             return None;

@@ -21,6 +21,7 @@
 use std::rc::Rc;
 
 use super::Limits;
+use super::density::{Density, OnLines};
 use super::directions::{self, Meshes};
 use super::estimated::{Estimated, Solved, Touching};
 use super::mesh::{Mesh, Point};
@@ -64,15 +65,6 @@ const ALL_BUT_SHARP: f64 = 6e-4;
 /// resolved. With 1.5, as for the force, two of 192 were off by up to 1.4 times what is stated.
 const OF_ENERGY: f64 = 2.5;
 
-/// The least density of lines, over their mean.
-const LEAST: f64 = 0.25;
-
-/// Cells beside the contact that was found, to either side: fewer and wider ones may touch further out.
-const BESIDE: usize = 2;
-
-/// Parts of the cells beside a sharp edge by which the density there is told.
-const PARTS: usize = 16;
-
 /// How far beyond a side of the box it is looked whether the bodies overlap there, over the cell beside it.
 const BEYOND: [f64; 2] = [1e-3, 1.0];
 
@@ -88,10 +80,7 @@ const ROUNDS: usize = 4;
 /// One mesh.
 struct State {
     solved: Solved,
-    /// Lines of x and of y.
-    lines: [Vec<f64>; 2],
-    /// Pressures between them, row by row.
-    pressure: Vec<f64>,
+    on: OnLines,
     /// A cell in contact has a neighbour in which the bodies overlap and that was left out.
     cut: bool,
     area: f64,
@@ -191,7 +180,7 @@ impl Problem<'_> {
         [0, 1].map(|m| {
             let all_but_sharp = self.all.rise[m] < ALL_BUT_SHARP * 0.5 * self.all.rect.size()[m];
             let power = if all_but_sharp { POWER } else { WITHOUT_EDGES };
-            let density = Density::of(found, m, self.all.edges[m].map(|edge| edge || all_but_sharp), power);
+            let density = Density::of(&found.on, m, self.all.edges[m].map(|edge| edge || all_but_sharp), power);
             if self.all.mirrors[m] {
                 density.mirrored_lines(self.all.centre[m], counts[m])
             } else {
@@ -208,7 +197,8 @@ impl Problem<'_> {
             let at = |v: &[f64], k: usize| [v[k], 0.5 * (v[k] + v[k + 1]), v[k + 1]];
             at(x, i).iter().any(|&x| at(y, j).iter().any(|&y| (self.f)([x, y]) > 0.0))
         };
-        let is_near = |i: usize, j: usize| found.is_none_or(|found| found.is_near([x[i], x[i + 1]], [y[j], y[j + 1]]));
+        let is_near =
+            |i: usize, j: usize| found.is_none_or(|found| found.on.is_near([x[i], x[i + 1]], [y[j], y[j + 1]]));
         // As symmetric as the box.
         let images = |i: usize, j: usize| {
             let columns = if self.all.mirrors[0] { vec![i, nx - 1 - i] } else { vec![i] };
@@ -243,7 +233,7 @@ impl Problem<'_> {
         let contact: Vec<bool> = solved.pressure.iter().map(|p| *p > 0.0).collect();
         let regions = regions(&solved.mesh, &contact, &solved.pressure, &|_| false);
         let area = regions.iter().map(|region| region.area).sum();
-        (solved.force > 0.0).then_some(State { solved, lines, pressure, cut, area, regions })
+        (solved.force > 0.0).then_some(State { solved, on: OnLines { lines, pressure }, cut, area, regions })
     }
 
     /// Whether the last line along m, or the first, is an edge of the material.
@@ -253,27 +243,27 @@ impl Problem<'_> {
 
     /// Whether it is a side of the box.
     fn is_side(&self, state: &State, m: usize, end: usize) -> bool {
-        let (lines, Rect { min, max }) = (&state.lines[m], &self.all.rect);
+        let (lines, Rect { min, max }) = (&state.on.lines[m], &self.all.rect);
         let off = if end == 0 { lines[0] - min[m] } else { max[m] - lines[lines.len() - 1] };
         off.abs() <= ROUNDING * (max[m] - min[m])
     }
 
     /// Whether there is contact between the last lines, which are no sides of the box.
     fn is_at_end(&self, state: &State) -> bool {
-        let n = state.cells();
+        let n = state.on.cells();
         let at = |m: usize, end: usize| {
             let k = if end == 0 { 0 } else { n[m] - 1 };
-            !self.is_side(state, m, end) && (0..n[1 - m]).any(|l| state.along(m, k, l) > 0.0)
+            !self.is_side(state, m, end) && (0..n[1 - m]).any(|l| state.on.along(m, k, l) > 0.0)
         };
         SIDES.into_iter().any(|(m, end)| at(m, end))
     }
 
     /// Whether the pressure grows up to an edge of the material.
     fn is_singular(&self, state: &State) -> bool {
-        let n = state.cells();
+        let n = state.on.cells();
         let at = |m: usize, end: usize| {
             let [k, beside] = if end == 0 { [0, 1] } else { [n[m] - 1, n[m] - 2] };
-            let grows = |l: usize| state.along(m, k, l) > state.along(m, beside, l);
+            let grows = |l: usize| state.on.along(m, k, l) > state.on.along(m, beside, l);
             self.is_edge(state, m, end) && (0..n[1 - m]).any(grows)
         };
         SIDES.into_iter().any(|(m, end)| at(m, end))
@@ -281,16 +271,16 @@ impl Problem<'_> {
 
     /// Whether the bodies overlap beyond a cell in contact at a side of the box.
     fn is_passed(&self, state: &State) -> bool {
-        let n = state.cells();
+        let n = state.on.cells();
         let at = |m: usize, end: usize| {
-            let (lines, across) = (&state.lines[m], &state.lines[1 - m]);
+            let (lines, across) = (&state.on.lines[m], &state.on.lines[1 - m]);
             let [k, side, inner] = if end == 0 { [0, 0, 1] } else { [n[m] - 1, n[m], n[m] - 1] };
             let beyond = |l: usize, share: f64| {
                 let along = lines[side] + share * (lines[side] - lines[inner]);
                 let middle = 0.5 * (across[l] + across[l + 1]);
                 (self.f)(if m == 0 { [along, middle] } else { [middle, along] }) > 0.0
             };
-            let passes = |l: usize| state.along(m, k, l) > 0.0 && BEYOND.iter().any(|share| beyond(l, *share));
+            let passes = |l: usize| state.on.along(m, k, l) > 0.0 && BEYOND.iter().any(|share| beyond(l, *share));
             !self.all.edges[m][end] && self.is_side(state, m, end) && (0..n[1 - m]).any(passes)
         };
         SIDES.into_iter().any(|(m, end)| at(m, end))
@@ -298,13 +288,13 @@ impl Problem<'_> {
 
     /// What the largest pressure may be more by ([`super::peak`]).
     fn beside_peak(&self, state: &State) -> f64 {
-        let n = state.cells();
-        let rows: Vec<&[f64]> = state.pressure.chunks_exact(n[0]).collect();
+        let n = state.on.cells();
+        let rows: Vec<&[f64]> = state.on.pressure.chunks_exact(n[0]).collect();
         let growing = |m: usize| {
-            let largest = (0..n[m]).map(|k| (0..n[1 - m]).map(|l| state.along(m, k, l)).fold(0.0, f64::max));
+            let largest = (0..n[m]).map(|k| (0..n[1 - m]).map(|l| state.on.along(m, k, l)).fold(0.0, f64::max));
             let largest: Vec<f64> = std::iter::once(0.0).chain(largest).chain(std::iter::once(0.0)).collect();
             let (first, last) = (std::iter::once(self.all.rect.min[m]), std::iter::once(self.all.rect.max[m]));
-            let lines: Vec<f64> = first.chain(state.lines[m].iter().copied()).chain(last).collect();
+            let lines: Vec<f64> = first.chain(state.on.lines[m].iter().copied()).chain(last).collect();
             peak::growth(&largest, &lines)
         };
         peak::drop(&rows) + growing(0) + growing(1)
@@ -312,16 +302,16 @@ impl Problem<'_> {
 
     /// The area of the cells in contact among which it ends: those beside one that is free, but for the edges of the material.
     fn open(&self, state: &State) -> f64 {
-        let n = state.cells();
+        let n = state.on.cells();
         let is_open = |m: usize, k: usize, l: usize| {
-            let free = |k: usize| state.along(m, k, l) <= 0.0;
+            let free = |k: usize| state.on.along(m, k, l) <= 0.0;
             let before = if k == 0 { !self.is_edge(state, m, 0) } else { free(k - 1) };
             let after = if k + 1 == n[m] { !self.is_edge(state, m, 1) } else { free(k + 1) };
             before || after
         };
-        let size = |m: usize, k: usize| state.lines[m][k + 1] - state.lines[m][k];
+        let size = |m: usize, k: usize| state.on.lines[m][k + 1] - state.on.lines[m][k];
         let cells = (0..n[1]).flat_map(|j| (0..n[0]).map(move |i| (i, j)));
-        let open = cells.filter(|&(i, j)| state.at(i, j) > 0.0 && (is_open(0, i, j) || is_open(1, j, i)));
+        let open = cells.filter(|&(i, j)| state.on.at(i, j) > 0.0 && (is_open(0, i, j) || is_open(1, j, i)));
         open.map(|(i, j)| size(0, i) * size(1, j)).sum()
     }
 }
@@ -329,134 +319,6 @@ impl Problem<'_> {
 /// m of the grading to an end, by how far from it over the length the overlap is large: the first cell is a fifth of that.
 fn power(rise: f64, cells: f64) -> f64 {
     ((1.0 / rise).ln() / cells.ln() + 1.0).clamp(2.0, TO_EDGE)
-}
-
-impl State {
-    fn cells(&self) -> [usize; 2] {
-        [0, 1].map(|m| self.lines[m].len() - 1)
-    }
-
-    /// The pressure between two lines of x and two of y.
-    fn at(&self, i: usize, j: usize) -> f64 {
-        self.pressure[j * self.cells()[0] + i]
-    }
-
-    /// The pressure of the k-th cell of the l-th line of cells along m.
-    fn along(&self, m: usize, k: usize, l: usize) -> f64 {
-        if m == 0 { self.at(k, l) } else { self.at(l, k) }
-    }
-
-    /// Whether there is contact in a cell between these lines or in one beside it.
-    fn is_near(&self, x: [f64; 2], y: [f64; 2]) -> bool {
-        let range = |m: usize, [a, b]: [f64; 2]| {
-            let lines = &self.lines[m];
-            let from = lines.partition_point(|l| *l <= a).saturating_sub(2);
-            let to = (lines.partition_point(|l| *l < b) + 1).min(lines.len() - 1);
-            from..to
-        };
-        let columns = range(0, x);
-        range(1, y).any(|j| columns.clone().any(|i| self.at(i, j) > 0.0))
-    }
-}
-
-/// How many lines there are up to a point.
-struct Density {
-    at: Vec<f64>,
-    up_to: Vec<f64>,
-}
-
-impl Density {
-    /// By (1) along m, with this power.
-    fn of(found: &State, m: usize, edges: [bool; 2], power: f64) -> Self {
-        let (n, others) = (found.cells()[m], found.cells()[1 - m]);
-        let (lines, across) = (&found.lines[m], &found.lines[1 - m]);
-        let touches = |k: usize| (0..others).any(|l| found.along(m, k, l) > 0.0);
-        let first = (0..n).find(|k| touches(*k)).unwrap_or(0);
-        let last = (0..n).rev().find(|k| touches(*k)).unwrap_or(n - 1);
-        // With cells beside the contact, where there are some.
-        let (from, to) = (first.saturating_sub(BESIDE), (last + 1 + BESIDE).min(n));
-        let middle = |k: usize| 0.5 * (lines[k] + lines[k + 1]);
-        let weight = |l: usize| across[l + 1] - across[l];
-        // 1/h at the line between two cells.
-        let rho = |k: usize| {
-            let step = middle(k) - middle(k - 1);
-            let g = |l: usize| weight(l) * ((found.along(m, k, l) - found.along(m, k - 1, l)) / step).powi(2);
-            (0..others).map(g).sum::<f64>().powf(power)
-        };
-        let mut pieces: Vec<(f64, f64, f64)> = Vec::new();
-        let sharp = [edges[0] && from == 0, edges[1] && to == n];
-        let inner = |k: usize| (middle(k - 1), middle(k), rho(k));
-        let (low, high) = (from + 1 + usize::from(sharp[0]), to - usize::from(sharp[1]));
-        // 1/h = c s^(-3/4) with the same number of lines between the first two cells.
-        let graded = |edge: f64, [near, far]: [f64; 2], rho: f64| {
-            let root = |x: f64| (x - edge).abs().powf(0.25);
-            let all = rho * (far - near).abs() * root(far) / (root(far) - root(near));
-            (0..PARTS).map(move |k| {
-                let at = |k: usize| edge + (far - edge) * (k as f64 / PARTS as f64).powi(4);
-                (at(k), at(k + 1), all / PARTS as f64 / (at(k + 1) - at(k)).abs())
-            })
-        };
-        if sharp[0] {
-            pieces.extend(graded(lines[0], [middle(0), middle(1)], rho(1)));
-        } else {
-            pieces.push((lines[from], middle(from), rho(from + 1)));
-        }
-        pieces.extend((low..high).map(inner));
-        if sharp[1] {
-            let mut last: Vec<_> =
-                graded(lines[n], [middle(n - 1), middle(n - 2)], rho(n - 1)).map(|(a, b, r)| (b, a, r)).collect();
-            last.reverse();
-            pieces.extend(last);
-        } else {
-            pieces.push((middle(to - 1), lines[to], rho(to - 1)));
-        }
-        let all: f64 = pieces.iter().map(|(a, b, rho)| rho * (b - a)).sum();
-        let least = LEAST * all / (lines[to] - lines[from]);
-        let mut density = Self { at: vec![lines[from]], up_to: vec![0.0] };
-        let mut sum = 0.0;
-        for (_, b, rho) in pieces {
-            let a = *density.at.last().unwrap_or(&b);
-            sum += rho.max(least) * (b - a);
-            density.at.push(b);
-            density.up_to.push(sum);
-        }
-        density
-    }
-
-    fn ends(&self) -> [f64; 2] {
-        [self.at[0], self.at[self.at.len() - 1]]
-    }
-
-    /// The point up to which there is a share of all lines.
-    fn point(&self, share: f64) -> f64 {
-        let last = self.at.len() - 1;
-        let wanted = share * self.up_to[last];
-        let k = self.up_to.partition_point(|up_to| *up_to < wanted).clamp(1, last);
-        let part = (wanted - self.up_to[k - 1]) / (self.up_to[k] - self.up_to[k - 1]);
-        self.at[k - 1] + part.clamp(0.0, 1.0) * (self.at[k] - self.at[k - 1])
-    }
-
-    fn lines(&self, cells: usize) -> Vec<f64> {
-        let [first, last] = self.ends();
-        let inner = (1..cells).map(|k| self.point(k as f64 / cells as f64));
-        std::iter::once(first).chain(inner).chain(std::iter::once(last)).collect()
-    }
-
-    /// The same, exactly symmetric about c.
-    fn mirrored_lines(&self, c: f64, cells: usize) -> Vec<f64> {
-        let half = cells.div_ceil(2);
-        let (last, middle) = (self.at.len() - 1, self.up_to_point(c));
-        let share = |k: usize| (middle + (self.up_to[last] - middle) * k as f64 / half as f64) / self.up_to[last];
-        let end = self.ends()[1];
-        let out: Vec<f64> = (1..=half).map(|k| if k == half { end } else { self.point(share(k)) } - c).collect();
-        out.iter().rev().map(|s| c - s).chain(std::iter::once(c)).chain(out.iter().map(|s| c + s)).collect()
-    }
-
-    fn up_to_point(&self, x: f64) -> f64 {
-        let k = self.at.partition_point(|at| *at < x).clamp(1, self.at.len() - 1);
-        let part = (x - self.at[k - 1]) / (self.at[k] - self.at[k - 1]);
-        self.up_to[k - 1] + part * (self.up_to[k] - self.up_to[k - 1])
-    }
 }
 
 #[cfg(test)]
@@ -472,7 +334,7 @@ mod tests {
 
     #[test]
     fn a_level_rectangle_is_a_flat_punch() {
-        let all = boxed([0.6, 1.0], [[true; 2]; 2], [0.6, 1.0]);
+        let all = boxed([0.6, 1.0], [[true; 2]; 2], [0.0; 2]);
         let Boxed { state, energy_error, singular } = equidistributed(&|_| 1.0, &all, &Limits::default()).unwrap();
         let outline = Outline::polygon(&[[-0.6, -1.0], [0.6, -1.0], [0.6, 1.0], [-0.6, 1.0]]).unwrap();
         let [low, high] = flat_stiffness(&outline, &Limits { tolerance: 1e-4, ..Limits::default() }).unwrap().stiffness;
@@ -524,18 +386,6 @@ mod tests {
         // Nothing rests on the mirrors.
         let without = rounded(1.0, 0.1, false, &Limits::default()).state;
         assert!((without.force / state.force - 1.0).abs() <= without.error + state.error);
-    }
-
-    #[test]
-    fn lines_are_where_the_density_is() {
-        // Four fifths of the lines in the last tenth.
-        let density = Density { at: vec![0.0, 0.9, 1.0], up_to: vec![0.0, 1.0, 5.0] };
-        let lines = density.lines(10);
-        assert!((lines[2] - 0.9).abs() < 1e-12 && lines[0] == 0.0 && lines[10] == 1.0);
-        let density = Density { at: vec![-1.0, -0.9, 0.9, 1.0], up_to: vec![0.0, 4.0, 6.0, 10.0] };
-        let lines = density.mirrored_lines(0.0, 10);
-        assert!(lines.len() == 11 && lines.iter().zip(lines.iter().rev()).all(|(a, b)| *a == -*b), "{lines:?}");
-        assert!((lines[4] + 0.9).abs() < 1e-12, "{lines:?}");
     }
 
     #[test]

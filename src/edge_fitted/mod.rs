@@ -31,6 +31,7 @@ mod cells;
 mod cholesky;
 mod compliance;
 mod crowned;
+mod density;
 mod directions;
 mod discrete;
 mod edge_lanes;
