@@ -140,10 +140,9 @@ impl Route {
                 let roller = roller::Roller::of(overlap).map(Box::new);
                 let crowned = crowned::Crowning::of(overlap).map(Self::Crowned);
                 let between = || plateau::Plateau::between_edges(overlap).map(Box::new).map(Self::Plateau);
-                let otherwise = crowned.or_else(|| oval::Strip::of(overlap).map(Self::Oval)).or_else(between);
                 match roller {
-                    Some(roller) => Some(Self::Roller { roller, otherwise: otherwise.map(Box::new) }),
-                    None => otherwise,
+                    Some(roller) => Some(Self::Roller { roller, otherwise: crowned.or_else(between).map(Box::new) }),
+                    None => crowned.or_else(|| oval::Strip::of(overlap).map(Self::Oval)).or_else(between),
                 }
             }
         }
@@ -352,7 +351,7 @@ fn in_users_units(
 ) -> Solution {
     let outputs = settings.outputs;
     let [low, high] = found.force;
-    let force = 0.5 * (low + high);
+    let (force, force_error) = (0.5 * (low + high), found.error());
     let mut left_out = vec![found.left_out.to_owned()];
     if !outputs.patch {
         left_out.push("the boundary as a polyline".to_owned());
@@ -385,7 +384,7 @@ fn in_users_units(
         depth,
         tilt,
         force,
-        force_error: Some((high - low) / (high + low)),
+        force_error: Some(force_error),
         depth_error: Some(0.0),
         map_error: None,
         samples: None,

@@ -2,6 +2,7 @@
 
 use super::Found;
 use super::estimated::in_users_units;
+use super::roller::{in_material, rectangle};
 use super::strip::{Lines, interval, middle};
 use crate::edge_fitted::{Boxed, Limits, OverlapBox, equidistributed};
 use crate::gap::{AnyGap, Gap};
@@ -15,7 +16,7 @@ pub(crate) struct Plateau {
     gap: AnyGap,
     depth: f64,
     units: Units,
-    /// Where they overlap, on the lines through its middle.
+    /// That box.
     all: OverlapBox,
 }
 
@@ -29,9 +30,6 @@ const BETWEEN_EDGES: [f64; 2] = [0.45, 0.6];
 
 /// Lines across on which it is looked where the sides are.
 const LINES: usize = 8;
-
-/// How far inside of an edge the gap is looked at, over the size of the material.
-const INSET: f64 = 1e-11;
 
 /// Share of the overlap in the middle from which it counts as high, and halvings to where it is.
 const HIGH: f64 = 0.6;
@@ -58,15 +56,11 @@ impl Plateau {
             return None;
         }
         let Scaled { gap, depth, reach, units, .. } = overlap.scaled();
-        let (reach, material) = match &known.ends {
-            Some(corners) => {
-                let material = units.rect_inward(&super::roller::rectangle(corners)?);
-                let inset = INSET * material.longer_side();
-                let material = Rect { min: material.min.map(|a| a + inset), max: material.max.map(|b| b - inset) };
-                (reach.intersection(&material)?, Some(material))
-            }
-            None => (reach, None),
+        let rect = match known.ends.as_deref() {
+            Some(corners) => Some(rectangle(corners)?),
+            None => None,
         };
+        let (reach, material) = in_material(reach, rect.as_ref(), &units)?;
         let on_line = |m: usize, across: f64| {
             let value = |s: f64| if m == 0 { gap.gap(s, across) } else { gap.gap(across, s) };
             interval(value, depth, [reach.min[m], reach.max[m]], Some(middle([reach.min[m], reach.max[m]])))

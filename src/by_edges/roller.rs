@@ -83,6 +83,15 @@ pub(super) fn rectangle(corners: &[[f64; 2]]) -> Option<Rect> {
     (corners.len() == 4 && (area(corners) / (w * h)).abs() >= 1.0 - ROUNDING).then_some(rect)
 }
 
+/// What of a rectangle has material, which ends a little further out than it is looked at; and that, where there is one.
+pub(super) fn in_material(reach: Rect, material: Option<&Rect>, units: &Units) -> Option<(Rect, Option<Rect>)> {
+    let Some(rect) = material else { return Some((reach, None)) };
+    let material = units.rect_inward(rect);
+    let inset = INSET * material.longer_side();
+    let material = Rect { min: material.min.map(|a| a + inset), max: material.max.map(|b| b - inset) };
+    Some((reach.intersection(&material)?, Some(material)))
+}
+
 impl Roller {
     /// `None` where the overlap is no such strip, or is not known to be nowhere else.
     pub fn of(overlap: &Overlap) -> Option<Self> {
@@ -91,15 +100,8 @@ impl Roller {
             return None;
         }
         let Scaled { gap, depth, reach, units, .. } = overlap.scaled();
-        let (reach, material) = match known.ends.as_deref().and_then(rectangle) {
-            Some(rect) => {
-                let material = units.rect_inward(&rect);
-                let inset = INSET * material.longer_side();
-                let material = Rect { min: material.min.map(|a| a + inset), max: material.max.map(|b| b - inset) };
-                (reach.intersection(&material)?, Some(material))
-            }
-            None => (reach, None),
-        };
+        let rect = known.ends.as_deref().and_then(rectangle);
+        let (reach, material) = in_material(reach, rect.as_ref(), &units)?;
         let all = material.as_ref().unwrap_or(&reach);
         let [w, h] = all.size();
         let longer = usize::from(h >= w);

@@ -24,6 +24,7 @@ use super::Limits;
 use super::density::{Density, OnLines};
 use super::directions::{self, Meshes};
 use super::estimated::{Estimated, Solved, Touching};
+use super::line_contact;
 use super::mesh::{Mesh, Point};
 use super::peak;
 use super::region::{Region, regions};
@@ -44,9 +45,8 @@ pub(crate) struct OverlapBox {
     pub centre: Point,
 }
 
-/// Lines over half the box beside an end that are graded to it, in the first mesh, and cells along a direction at least.
-const AT_END: f64 = 5.0;
-const FEWEST: usize = 12;
+/// Cells over half the box in the mesh before any with (1).
+const AT_FIRST_LOOK: usize = 6;
 
 /// Cells in each direction of the first mesh with (1), for an error of 1e-3, and how they grow with an error that is smaller.
 const FIRST: f64 = 20.0;
@@ -166,16 +166,12 @@ impl Problem<'_> {
         [0, 1].map(|m| {
             let half = 0.5 * (max[m] - min[m]);
             let sharp = self.all.edges[m] != [false; 2];
-            let grading =
-                Grading::new(half, half, if sharp { TO_EDGE } else { power(self.all.rise[m] / half, AT_END) });
-            let n = (AT_END.max(0.5 * FEWEST as f64)).ceil() as usize;
-            let distance = |k: usize| grading.distance(k as f64 / n as f64);
-            let (before, after) = ((0..=n).map(|k| min[m] + distance(k)), (0..n).rev().map(|k| max[m] - distance(k)));
-            before.chain(after).collect()
+            let power = if sharp { TO_EDGE } else { line_contact::power(self.all.rise[m] / half) };
+            Grading::new(half, half, power).lines([min[m], max[m]], AT_FIRST_LOOK)
         })
     }
 
-    /// So many cells in each direction by (1), where the contact was found and a cell beside it.
+    /// So many cells in each direction by (1), where the contact was found and some beside it.
     fn lines(&self, found: &State, counts: [usize; 2]) -> [Vec<f64>; 2] {
         [0, 1].map(|m| {
             let all_but_sharp = self.all.rise[m] < ALL_BUT_SHARP * 0.5 * self.all.rect.size()[m];
@@ -314,11 +310,6 @@ impl Problem<'_> {
         let open = cells.filter(|&(i, j)| state.on.at(i, j) > 0.0 && (is_open(0, i, j) || is_open(1, j, i)));
         open.map(|(i, j)| size(0, i) * size(1, j)).sum()
     }
-}
-
-/// m of the grading to an end, by how far from it over the length the overlap is large: the first cell is a fifth of that.
-fn power(rise: f64, cells: f64) -> f64 {
-    ((1.0 / rise).ln() / cells.ln() + 1.0).clamp(2.0, TO_EDGE)
 }
 
 #[cfg(test)]

@@ -148,7 +148,7 @@ fn estimated(f: &dyn Fn(Point) -> f64, line: &LineContact, limits: &Limits) -> O
 }
 
 /// m of the grading to the ends of a strip, by how far from them it is wide over its width: the first row is a fifth of that.
-fn power(rise: f64) -> f64 {
+pub(super) fn power(rise: f64) -> f64 {
     ((1.0 / rise).ln() / AT_END.ln() + FIRST_ROW).clamp(SMOOTH, TO_EDGE)
 }
 
@@ -172,18 +172,10 @@ impl Strip<'_> {
         [(a - more).max(0.0), (b + more).min(1.0)]
     }
 
-    /// y of the lines between 2 `rows` rows and at their ends.
-    fn lines(&self, rows: usize) -> Vec<f64> {
-        let [first, last] = self.line.ends;
-        let distance = |k: usize| self.grading.distance(k as f64 / rows as f64);
-        let (before, after) = ((0..=rows).map(|k| first + distance(k)), (0..rows).rev().map(|k| last - distance(k)));
-        before.chain(after).collect()
-    }
-
     /// With 2 `rows` rows, graded to the ends, and so many equal cells between two shares of the overlap across, of those not far from
     /// where the contact was found.
     fn solve(&self, rows: usize, cells: usize, [from, to]: [f64; 2], near: Option<&Found>) -> Option<State> {
-        let lines = self.lines(rows);
+        let lines = self.grading.lines(self.line.ends, rows);
         let overlap: Option<Vec<[f64; 2]>> = lines.iter().map(|y| (self.line.overlap)(*y)).collect();
         let across = overlap?.into_iter().map(|ends| [between(ends, from), between(ends, to)]);
         let across: Vec<[f64; 2]> = across.collect();

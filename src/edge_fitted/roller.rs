@@ -73,6 +73,13 @@ impl Grading {
         Self { length, graded, power, even: [even, growing], all: growing + (length - even) / step }
     }
 
+    /// Lines from one end to the other, 2 n cells graded to both.
+    pub fn lines(&self, [first, last]: [f64; 2], n: usize) -> Vec<f64> {
+        let distance = |k: usize| self.distance(k as f64 / n as f64);
+        let (before, after) = ((0..=n).map(|k| first + distance(k)), (0..n).rev().map(|k| last - distance(k)));
+        before.chain(after).collect()
+    }
+
     /// s at a share of n(L).
     pub fn distance(&self, share: f64) -> f64 {
         let (n, a, m, [even, growing]) = (share * self.all, self.graded, self.power, self.even);
